@@ -1,0 +1,44 @@
+"""Who the patient is: attachments, muscles, mandible, fossa, patients, priors and cohorts."""
+
+from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
+from jawenv.anatomy.cohorts import COHORTS, Cohort, Stiffness, cohort
+from jawenv.anatomy.fossa import Fossa, default_fossa
+from jawenv.anatomy.mandible import Mandible, default_mandible
+from jawenv.anatomy.muscles import (
+    MUSCLE_NAMES,
+    PARAMETER_NAMES,
+    PORTIONS,
+    WHOLE_MUSCLES,
+    MuscleSet,
+    muscle_set,
+    parameter_names,
+)
+from jawenv.anatomy.patient import Patient
+from jawenv.anatomy.prior import Prior
+from jawenv.anatomy.quantities import Quantity, load_quantities
+
+__all__ = [
+    "COHORTS",
+    "MUSCLE_NAMES",
+    "PARAMETER_NAMES",
+    "PORTIONS",
+    "WHOLE_MUSCLES",
+    "Attachment",
+    "AttachmentRow",
+    "Cohort",
+    "Fossa",
+    "Mandible",
+    "MuscleSet",
+    "Patient",
+    "Prior",
+    "Quantity",
+    "Stiffness",
+    "attachment",
+    "attachment_rows",
+    "cohort",
+    "default_fossa",
+    "default_mandible",
+    "load_quantities",
+    "muscle_set",
+    "parameter_names",
+]

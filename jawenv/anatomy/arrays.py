@@ -1,0 +1,44 @@
+"""Frozen dataclasses whose arrays are frozen too."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from jawenv.errors import InputError
+
+__all__ = ["FrozenArrays"]
+
+
+class FrozenArrays:
+    """Base of frozen dataclasses that hold arrays and numbers: float64 copies, finite, read-only, also after unpickling.
+
+    Raises:
+        InputError: a field is not made of finite numbers.
+    """
+
+    def __post_init__(self) -> None:
+        """Replace every array by a read-only float64 copy."""
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if isinstance(value, str) or (isinstance(value, tuple) and all(isinstance(v, str) for v in value)):
+                continue
+            try:
+                number = np.array(value, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise InputError(f"{field.name} must be made of numbers, not {value!r}") from None
+            if not np.all(np.isfinite(number)):
+                raise InputError(f"{field.name} = {value!r} must be finite".replace("\n", ""))
+            number.setflags(write=False)
+            object.__setattr__(self, field.name, float(number) if number.ndim == 0 else number)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild through the constructor: plain unpickling would leave the arrays writable."""
+        return type(self), tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+    def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
+        value = getattr(self, name)
+        if np.shape(value) != shape:
+            raise InputError(f"{name} has shape {np.shape(value)}, must be {shape}")

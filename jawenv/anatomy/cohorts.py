@@ -1,0 +1,168 @@
+"""Named populations of simulated patients, each with the prior that a filter starts from.
+
+A cohort is defined once, as one or more equally likely groups of independent log-normal parameters, each truncated at
+2 sd. Its prior is computed from that definition: mean and sd of the groups *before* truncation. So
+
+- the prior's mean is the cohort's mean exactly (truncation is symmetric);
+- the prior's sd is a little wide: truncation at 2 sd leaves 0.88 of a group's sd, so the NEES of 12 parameters at the
+  prior is 9.3 on average, not 12;
+- in `one_sided` the truth is a mixture of two groups, which no normal prior can equal: mean and sd of each parameter
+  match, the correlation between the muscles of a side (they are all fibrosed or none is) is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from jawenv.anatomy.muscles import SIDES, WHOLE_MUSCLES
+from jawenv.anatomy.patient import Patient
+from jawenv.anatomy.prior import Prior
+from jawenv.errors import InputError
+
+__all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "Stiffness", "cohort"]
+
+TRUNCATION_SD = 2.0
+"""No parameter is drawn further than this many sd from its median."""
+
+_TAIL = float(ndtr(-TRUNCATION_SD))
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Log-normal distribution of the two numbers of a muscle.
+
+    Attributes:
+        F_o_N: median force at the closed-jaw length, N.
+        F_o_sd: sd of its natural log.
+        b: median stiffness exponent.
+        b_sd: sd of its natural log.
+    """
+
+    F_o_N: float
+    F_o_sd: float
+    b: float
+    b_sd: float
+
+    def widened(self, factor: float) -> Stiffness:
+        """The same medians with sds larger by a factor."""
+        return Stiffness(self.F_o_N, factor * self.F_o_sd, self.b, factor * self.b_sd)
+
+
+@dataclass(frozen=True, eq=False)
+class Cohort:
+    """A population of patients.
+
+    Attributes:
+        name: as the environment's argument `cohort` takes it.
+        description: who they are, for tables.
+        basis: where the numbers come from, with their grade.
+        groups: equally likely groups, each (left, right) stiffness of every muscle on that side.
+        mean: (groups, 12) mean of the natural-log parameters of each group.
+        sd: (groups, 12) their sd before truncation.
+        prior: the filter's prior.
+    """
+
+    name: str
+    description: str
+    basis: str
+    groups: tuple[tuple[Stiffness, Stiffness], ...]
+    mean: NDArray[np.float64]
+    sd: NDArray[np.float64]
+    prior: Prior
+
+    @classmethod
+    def of(cls, name: str, description: str, basis: str, *groups: tuple[Stiffness, Stiffness]) -> Cohort:
+        """A cohort from its groups; arrays and prior follow from them."""
+        mean = np.array([_per_parameter(group, lambda s: (np.log(s.F_o_N), np.log(s.b))) for group in groups])
+        sd = np.array([_per_parameter(group, lambda s: (s.F_o_sd, s.b_sd)) for group in groups])
+        variance = np.mean(sd**2, axis=0) + np.var(mean, axis=0)
+        mean.setflags(write=False)
+        sd.setflags(write=False)
+        return cls(name, description, basis, groups, mean, sd, Prior(mean.mean(axis=0), np.sqrt(variance)))
+
+    def draw_log_parameters(self, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Natural-log parameters of one patient, (12,) in the order of `PARAMETER_NAMES`."""
+        group = int(rng.integers(len(self.groups))) if len(self.groups) > 1 else 0
+        # Inverse of the truncated normal's distribution function: exact, and no redraws.
+        standard = ndtri(_TAIL + (1.0 - 2.0 * _TAIL) * rng.random(self.mean.shape[1]))
+        drawn: NDArray[np.float64] = self.mean[group] + self.sd[group] * standard
+        return drawn
+
+    def draw(self, rng: np.random.Generator) -> Patient:
+        """One patient, head upright."""
+        return Patient.from_log_parameters(self.draw_log_parameters(rng), name=self.name)
+
+
+def _per_parameter(group, values):  # type: ignore[no-untyped-def]
+    return [value for side in range(len(SIDES)) for _ in WHOLE_MUSCLES for value in values(group[side])]
+
+
+_TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)
+_HEALTHY = Stiffness(F_o_N=0.25, F_o_sd=0.5, b=7.0, b_sd=0.3)
+_SEVERE = Stiffness(F_o_N=4.0, F_o_sd=0.4, b=7.0, b_sd=0.3)
+_BLOCKAGE = Stiffness(F_o_N=0.4, F_o_sd=0.4, b=18.0, b_sd=0.3)
+
+COHORTS: Mapping[str, Cohort] = MappingProxyType(
+    {
+        c.name: c
+        for c in (
+            Cohort.of(
+                "trismus",
+                "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
+                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N and the 2-9 N of a jaw that opens 20-35 mm at 40 N "
+                "(derived and guessed, D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                (_TRISMUS, _TRISMUS),
+            ),
+            Cohort.of(
+                "healthy",
+                "healthy passive muscles; a relaxed jaw hangs open under its own weight",
+                "F_o 0.09-0.68 N around 0.0014 of the muscles' largest force, 0.05-0.45 N (D/R)",
+                (_HEALTHY, _HEALTHY),
+            ),
+            Cohort.of(
+                "severe",
+                "severe fibrosis of all closing muscles: F_o about 16 times the healthy",
+                "F_o 1.8-8.9 N: 40 N at the incisors open such a jaw 20-35 mm (2-9 N, D/G)",
+                (_SEVERE, _SEVERE),
+            ),
+            Cohort.of(
+                "one_sided",
+                "fibrosis of all closing muscles of one side, left or right, the other side healthy",
+                "the numbers of trismus and healthy; the sides equally likely (G)",
+                (_TRISMUS, _HEALTHY),
+                (_HEALTHY, _TRISMUS),
+            ),
+            Cohort.of(
+                "blockage",
+                "only the exponent b is raised: soft near closing, suddenly stiff when opened",
+                "b 9.9-32.8: 18 stops the jaw at 35 mm under 40 N, 33 at 20 mm (D/G); F_o in the upper part of the "
+                "healthy range (D/R)",
+                (_BLOCKAGE, _BLOCKAGE),
+            ),
+            Cohort.of(
+                "wide",
+                "the medians of trismus, twice its spread, and a filter that knows as little",
+                "F_o 0.16-8.9 N and b 2.1-23 span healthy to severe (G)",
+                (_TRISMUS.widened(2.0), _TRISMUS.widened(2.0)),
+            ),
+        )
+    }
+)
+"""Every cohort by its name."""
+
+
+def cohort(name: str) -> Cohort:
+    """The cohort of that name.
+
+    Raises:
+        InputError: unknown name; the message lists the known ones.
+    """
+    if name not in COHORTS:
+        raise InputError(f"cohort '{name}' is unknown; allowed: {', '.join(COHORTS)}")
+    return COHORTS[name]

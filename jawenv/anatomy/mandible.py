@@ -1,0 +1,98 @@
+"""The lower jaw as a rigid body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy.arrays import FrozenArrays
+from jawenv.anatomy.quantities import load_quantities
+from jawenv.errors import InputError
+
+__all__ = ["Mandible", "default_mandible"]
+
+
+@dataclass(frozen=True, eq=False)
+class Mandible(FrozenArrays):
+    """Mass properties, contact points and damping of the mandible; points in the closed-jaw frame, SI units.
+
+    Attributes:
+        mass_kg: with the attached soft tissue.
+        centre_of_mass_m: (3,).
+        inertia_kg_m2: (3, 3) inertia tensor about the centre of mass (matrix elements, body axes).
+        mouthpiece_m: (3,) where the device holds the jaw: between the lower incisors' edges.
+        teeth_m: (3, 3) contact points incisor, left first molar, right first molar.
+        damping_rotation: N m s/rad, on the angular velocity.
+        damping_sliding: N s/m, on the condyle's sliding velocity.
+        tooth_stiffness: N/m per contact point.
+        gravity: m/s2.
+
+    Raises:
+        InputError: a wrong shape, a mass or stiffness that is not positive, negative damping or gravity, an inertia
+            tensor that is not one of a rigid body (symmetric, positive definite, triangle inequalities).
+    """
+
+    mass_kg: float
+    centre_of_mass_m: NDArray[np.float64]
+    inertia_kg_m2: NDArray[np.float64]
+    mouthpiece_m: NDArray[np.float64]
+    teeth_m: NDArray[np.float64]
+    damping_rotation: float
+    damping_sliding: float
+    tooth_stiffness: float
+    gravity: float
+
+    def __post_init__(self) -> None:
+        """Check that this is a body that can exist."""
+        super().__post_init__()
+        for name, shape in _SHAPES.items():
+            self._require_shape(name, shape)
+        for name in ("mass_kg", "tooth_stiffness"):
+            if getattr(self, name) <= 0:
+                raise InputError(f"{name} = {getattr(self, name)} must be greater than 0")
+        for name in ("damping_rotation", "damping_sliding", "gravity"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} = {getattr(self, name)} must be at least 0")
+        if not np.allclose(self.inertia_kg_m2, self.inertia_kg_m2.T, rtol=1e-9, atol=0):
+            raise InputError("inertia_kg_m2 must be symmetric")
+        moments = np.linalg.eigvalsh(self.inertia_kg_m2)
+        if moments[0] <= 0:
+            raise InputError(f"inertia_kg_m2 must be positive definite; its smallest principal moment is {moments[0]}")
+        if moments[0] + moments[1] < moments[2]:
+            raise InputError(
+                f"inertia_kg_m2 has principal moments {moments.tolist()}; the largest must not exceed the others' sum"
+            )
+
+
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "mass_kg": (),
+    "centre_of_mass_m": (3,),
+    "inertia_kg_m2": (3, 3),
+    "mouthpiece_m": (3,),
+    "teeth_m": (3, 3),
+    "damping_rotation": (),
+    "damping_sliding": (),
+    "tooth_stiffness": (),
+    "gravity": (),
+}
+
+
+@cache
+def default_mandible() -> Mandible:
+    """The adult mandible of the data file `mandible.toml`; vary it with `dataclasses.replace`."""
+    quantities = load_quantities("mandible.toml")
+    incisor, molar = quantities["incisor"].si(), quantities["first_molar_right"].si()
+    return Mandible(
+        mass_kg=float(quantities["mass"].si()),
+        centre_of_mass_m=quantities["centre_of_mass"].si(),
+        inertia_kg_m2=quantities["inertia"].si(),
+        mouthpiece_m=incisor,
+        teeth_m=np.array([incisor, molar * [1.0, -1.0, 1.0], molar]),
+        damping_rotation=float(quantities["damping_rotation"].si()),
+        damping_sliding=float(quantities["damping_sliding"].si()),
+        tooth_stiffness=float(quantities["tooth_stiffness"].si()),
+        gravity=float(quantities["gravity"].si()),
+    )

@@ -1,0 +1,230 @@
+"""Files from outside become validated models, or one line that says what is wrong with them."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import numbers
+import os
+import tempfile
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+
+from jawenv.errors import InputError
+
+__all__ = ["InputModel", "Number", "read_mapping", "read_model", "validate", "write_json"]
+
+Model = TypeVar("Model", bound=BaseModel)
+
+LONGEST_SHOWN_VALUE = 60
+
+
+def _real_number(value: object) -> float:
+    """A float from any real number (numpy scalars too), but not from a bool or a string."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ValueError("must be a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError("must be a finite number") from None
+
+
+Number = Annotated[float, BeforeValidator(_real_number)]
+"""A finite real number: int, float or numpy scalar."""
+
+
+class InputModel(BaseModel):
+    """A frozen pydantic model of something from outside: no unknown keys, no NaN or infinity.
+
+    Raises:
+        InputError: from the constructor, one line that names the field, the value and what is allowed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, /, **data: Any) -> None:
+        """Validate keyword arguments into the model."""
+        try:
+            super().__init__(**data)
+        except ValidationError as error:
+            raise InputError(_one_line(error, type(self), type(self).__name__)) from None
+
+    # Marked as pydantic marks its own, so that model_validate fills the fields itself and a fault inside a nested
+    # model keeps the path to its field.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+def validate(model: type[Model], data: object, source: str) -> Model:
+    """Turn a mapping into a model.
+
+    Args:
+        model: the pydantic model.
+        data: what came from outside, a mapping of field names.
+        source: what the message begins with, such as the file's name.
+
+    Raises:
+        InputError: one line that names source, field, value and what is allowed.
+    """
+    if not isinstance(data, Mapping):
+        raise InputError(f"{source}: must hold a mapping of keys to values, not {_kind(data)}")
+    try:
+        return model.model_validate(dict(data))
+    except ValidationError as error:
+        raise InputError(_one_line(error, model, source)) from None
+
+
+def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
+    """Read a JSON, TOML or YAML file into a model.
+
+    Raises:
+        InputError: the file is missing, unreadable, damaged, or its content does not fit the model.
+    """
+    return validate(model, read_mapping(path), os.fspath(path))
+
+
+def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read a JSON, TOML or YAML file (by its suffix) whose top level is a mapping.
+
+    Raises:
+        InputError: the file is missing, unreadable, damaged or holds something else.
+    """
+    path = Path(path)
+    parse = _PARSERS.get(path.suffix.lower())
+    if parse is None:
+        raise InputError(f"{path}: unknown file type '{path.suffix}'; allowed: {', '.join(_PARSERS)}")
+    try:
+        data = parse(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: damaged {path.suffix[1:].upper()}: {_flat(error)}") from None
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: must hold a mapping of keys to values, not {_kind(data)}")
+    return data
+
+
+def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
+    """Write a model as JSON. The file appears whole or not at all.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    path = Path(path)
+    text = model.model_dump_json(indent=2) + "\n"
+    try:
+        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        try:
+            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(temporary, _permissions(path))
+            os.replace(temporary, path)
+        except BaseException:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _permissions(path: Path) -> int:
+    """Those of the file that is replaced, or those a new file would get (a temporary file is private)."""
+    with contextlib.suppress(FileNotFoundError):
+        return path.stat().st_mode & 0o777
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """JSON lets a later key silently replace an earlier one; here that is a fault."""
+    keys = [key for key, _ in pairs]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise ValueError(f"key '{key}' appears twice")
+    return dict(pairs)
+
+
+def _parse_json(text: str) -> Any:
+    return json.loads(text, object_pairs_hook=_unique_keys)
+
+
+def _parse_yaml(text: str) -> Any:
+    try:
+        import yaml
+    except ImportError:
+        raise InputError("reading YAML needs the package pyyaml (pip install pyyaml); JSON and TOML need none") from None
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError(error) from None
+
+
+_PARSERS: dict[str, Callable[[str], Any]] = {
+    ".json": _parse_json,
+    ".toml": tomllib.loads,
+    ".yaml": _parse_yaml,
+    ".yml": _parse_yaml,
+}
+
+
+def _one_line(error: ValidationError, model: type[BaseModel], source: str) -> str:
+    """The first problem of a ValidationError, and how many more there are."""
+    problems = error.errors(include_url=False)
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"{source}: {_problem(problems[0], model)}{more}"
+
+
+def _problem(problem: Any, model: type[BaseModel]) -> str:
+    field = ".".join(str(part) for part in problem["loc"])
+    kind = problem["type"]
+    message = _flat(problem["msg"]).replace("Value error, ", "").replace("Input should", "must")
+    if kind == "missing":
+        return f"{field} is missing"
+    if kind == "extra_forbidden":
+        allowed = _allowed_keys(model, problem["loc"][:-1])
+        return f"unknown key '{field}'" + (f"; allowed: {', '.join(allowed)}" if allowed else "")
+    if kind == "value_error" and isinstance(problem["input"], Mapping | BaseModel):
+        return f"{field}: {message}" if field else message
+    return f"{field} = {_shown(problem['input'])} {message}"
+
+
+def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
+    """The field names of the model that lies at a location, none when there is no one answer."""
+    for part in location:
+        if isinstance(part, int):
+            continue
+        if part not in model.model_fields:
+            return []
+        nested = _models_in(model.model_fields[part].annotation)
+        if len(nested) != 1:
+            return []
+        model = nested[0]
+    return list(model.model_fields)
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _models_in(argument)]
+
+
+def _shown(value: object) -> str:
+    text = _flat(repr(value))
+    return text if len(text) <= LONGEST_SHOWN_VALUE else text[: LONGEST_SHOWN_VALUE - 3] + "..."
+
+
+def _kind(value: object) -> str:
+    names = {type(None): "nothing", list: "a list", str: "text", bool: "a bool", int: "a number", float: "a number"}
+    return names.get(type(value), f"a {type(value).__name__}")
+
+
+def _flat(text: object) -> str:
+    return " ".join(str(text).split())
