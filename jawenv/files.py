@@ -6,8 +6,8 @@ import contextlib
 import json
 import numbers
 import os
-import tempfile
 import tomllib
+import uuid
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
@@ -53,8 +53,8 @@ class InputModel(BaseModel):
         except ValidationError as error:
             raise InputError(_one_line(error, type(self), type(self).__name__)) from None
 
-    # Marked as pydantic marks its own, so that model_validate fills the fields itself and a fault inside a nested
-    # model keeps the path to its field.
+    # Marked as pydantic marks its own, so that model_validate fills the fields itself and a fault inside a
+    # nested model keeps the path to its field.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -110,46 +110,36 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
-    """Write a model as JSON. The file appears whole or not at all.
+    """Write a model as JSON. The file appears whole or not at all, also when interrupted.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the name does not end in .json, or the file cannot be written.
     """
     path = Path(path)
-    text = model.model_dump_json(indent=2) + "\n"
+    if path.suffix.lower() != ".json":
+        raise InputError(f"{path}: is written as JSON, its name must end in .json")
+    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
-        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            os.chmod(temporary, _permissions(path))
-            os.replace(temporary, path)
-        except BaseException:
-            with contextlib.suppress(FileNotFoundError):
-                os.unlink(temporary)
-            raise
+        with temporary.open("x", encoding="utf-8") as file:
+            file.write(model.model_dump_json(indent=2) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-
-
-def _permissions(path: Path) -> int:
-    """Those of the file that is replaced, or those a new file would get (a temporary file is private)."""
-    with contextlib.suppress(FileNotFoundError):
-        return path.stat().st_mode & 0o777
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
 
 
 def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """JSON lets a later key silently replace an earlier one; here that is a fault."""
-    keys = [key for key, _ in pairs]
-    for key in keys:
-        if keys.count(key) > 1:
+    mapping: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in mapping:
             raise ValueError(f"key '{key}' appears twice")
-    return dict(pairs)
+        mapping[key] = value
+    return mapping
 
 
 def _parse_json(text: str) -> Any:
@@ -158,13 +148,10 @@ def _parse_json(text: str) -> Any:
 
 def _parse_yaml(text: str) -> Any:
     try:
-        import yaml
+        from jawenv import plain_yaml
     except ImportError:
-        raise InputError("reading YAML needs the package pyyaml (pip install pyyaml); JSON and TOML need none") from None
-    try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(error) from None
+        raise InputError("YAML files need the package pyyaml; JSON and TOML files do not") from None
+    return plain_yaml.parse(text)
 
 
 _PARSERS: dict[str, Callable[[str], Any]] = {
@@ -222,7 +209,7 @@ def _shown(value: object) -> str:
 
 
 def _kind(value: object) -> str:
-    names = {type(None): "nothing", list: "a list", str: "text", bool: "a bool", int: "a number", float: "a number"}
+    names = {type(None): "nothing", list: "a list", str: "text", int: "a number", float: "a number"}
     return names.get(type(value), f"a {type(value).__name__}")
 
 

@@ -13,7 +13,7 @@ __all__ = ["FrozenArrays"]
 
 
 class FrozenArrays:
-    """Base of frozen dataclasses that hold arrays and numbers: float64 copies, finite, read-only, also after unpickling.
+    """Base of frozen dataclasses of numbers: arrays become float64 copies, read-only, also after unpickling.
 
     Raises:
         InputError: a field is not made of finite numbers.
@@ -23,14 +23,14 @@ class FrozenArrays:
         """Replace every array by a read-only float64 copy."""
         for field in fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
-            if isinstance(value, str) or (isinstance(value, tuple) and all(isinstance(v, str) for v in value)):
+            if _is_names(value):
                 continue
             try:
                 number = np.array(value, dtype=np.float64)
             except (TypeError, ValueError):
                 raise InputError(f"{field.name} must be made of numbers, not {value!r}") from None
             if not np.all(np.isfinite(number)):
-                raise InputError(f"{field.name} = {value!r} must be finite".replace("\n", ""))
+                raise InputError(f"{field.name} = {number.tolist()} must be finite")
             number.setflags(write=False)
             object.__setattr__(self, field.name, float(number) if number.ndim == 0 else number)
 
@@ -42,3 +42,7 @@ class FrozenArrays:
         value = getattr(self, name)
         if np.shape(value) != shape:
             raise InputError(f"{name} has shape {np.shape(value)}, must be {shape}")
+
+
+def _is_names(value: object) -> bool:
+    return isinstance(value, tuple) and len(value) > 0 and all(isinstance(name, str) for name in value)

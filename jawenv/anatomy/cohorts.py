@@ -1,17 +1,19 @@
 """Named populations of simulated patients, each with the prior that a filter starts from.
 
-A cohort is defined once, as one or more equally likely groups of independent log-normal parameters, each truncated at
-2 sd. Its prior is computed from that definition: mean and sd of the groups *before* truncation. So
+A cohort is defined once, as one or more equally likely groups of independent log-normal parameters, each
+truncated at 2 sd. Its prior is computed from that definition: mean and sd before truncation. So
 
 - the prior's mean is the cohort's mean exactly (truncation is symmetric);
-- the prior's sd is a little wide: truncation at 2 sd leaves 0.88 of a group's sd, so the NEES of 12 parameters at the
-  prior is 9.3 on average, not 12;
-- in `one_sided` the truth is a mixture of two groups, which no normal prior can equal: mean and sd of each parameter
-  match, the correlation between the muscles of a side (they are all fibrosed or none is) is left out.
+- the prior's sd is a little wide: truncation at 2 sd leaves 0.88 of a group's sd, so with one group the NEES of
+  the 12 parameters at the prior is 9.3 on average, not 12;
+- in `one_sided` the truth is a mixture of two groups, which no normal prior can equal: mean and sd of each
+  parameter match (but for the truncation), the correlation of the muscles of a side, all fibrosed or none, is
+  left out.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -20,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from jawenv.anatomy.muscles import SIDES, WHOLE_MUSCLES
+from jawenv.anatomy.muscles import WHOLE_MUSCLES
 from jawenv.anatomy.patient import Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.errors import InputError
@@ -48,6 +50,14 @@ class Stiffness:
     F_o_sd: float
     b: float
     b_sd: float
+
+    def log_mean(self) -> tuple[float, float]:
+        """Means of log F_o and log b."""
+        return math.log(self.F_o_N), math.log(self.b)
+
+    def log_sd(self) -> tuple[float, float]:
+        """Their standard deviations, before truncation."""
+        return self.F_o_sd, self.b_sd
 
     def widened(self, factor: float) -> Stiffness:
         """The same medians with sds larger by a factor."""
@@ -79,8 +89,10 @@ class Cohort:
     @classmethod
     def of(cls, name: str, description: str, basis: str, *groups: tuple[Stiffness, Stiffness]) -> Cohort:
         """A cohort from its groups; arrays and prior follow from them."""
-        mean = np.array([_per_parameter(group, lambda s: (np.log(s.F_o_N), np.log(s.b))) for group in groups])
-        sd = np.array([_per_parameter(group, lambda s: (s.F_o_sd, s.b_sd)) for group in groups])
+        # The muscles of a side are alike.
+        n = len(WHOLE_MUSCLES)
+        mean = np.array([[value for side in group for value in side.log_mean() * n] for group in groups])
+        sd = np.array([[value for side in group for value in side.log_sd() * n] for group in groups])
         variance = np.mean(sd**2, axis=0) + np.var(mean, axis=0)
         mean.setflags(write=False)
         sd.setflags(write=False)
@@ -99,10 +111,6 @@ class Cohort:
         return Patient.from_log_parameters(self.draw_log_parameters(rng), name=self.name)
 
 
-def _per_parameter(group, values):  # type: ignore[no-untyped-def]
-    return [value for side in range(len(SIDES)) for _ in WHOLE_MUSCLES for value in values(group[side])]
-
-
 _TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)
 _HEALTHY = Stiffness(F_o_N=0.25, F_o_sd=0.5, b=7.0, b_sd=0.3)
 _SEVERE = Stiffness(F_o_N=4.0, F_o_sd=0.4, b=7.0, b_sd=0.3)
@@ -115,8 +123,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort.of(
                 "trismus",
                 "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
-                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N and the 2-9 N of a jaw that opens 20-35 mm at 40 N "
-                "(derived and guessed, D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of a jaw that 40 N open "
+                "20-35 mm (D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
                 (_TRISMUS, _TRISMUS),
             ),
             Cohort.of(
@@ -141,8 +149,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort.of(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
-                "b 9.9-32.8: 18 stops the jaw at 35 mm under 40 N, 33 at 20 mm (D/G); F_o in the upper part of the "
-                "healthy range (D/R)",
+                "b 9.9-32.8: with healthy F_o, 18 stops the jaw at 35 mm under 40 N and 33 at 20 mm (D/G); "
+                "F_o 0.18-0.89 N from the upper part of the healthy range (D/R)",
                 (_BLOCKAGE, _BLOCKAGE),
             ),
             Cohort.of(

@@ -16,7 +16,7 @@ __all__ = ["Fossa", "default_fossa"]
 
 @dataclass(frozen=True)
 class Fossa(FrozenArrays):
-    """The condyle centre's path `z = d (cos f x - 1)`: from the roof of the fossa over the articular eminence.
+    """The condyle centre's path `z = d (cos f x - 1)`, from the roof of the fossa over the eminence.
 
     Attributes:
         drop_m: d; the crest of the eminence lies 2 d below the roof.
@@ -39,7 +39,7 @@ class Fossa(FrozenArrays):
 
     @property
     def crest_m(self) -> float:
-        """x of the crest of the eminence, where the path is lowest."""
+        """The crest of the eminence, where the path is lowest: its x."""
         return float(np.pi / self.spatial_frequency)
 
 

@@ -31,8 +31,8 @@ class Mandible(FrozenArrays):
         gravity: m/s2.
 
     Raises:
-        InputError: a wrong shape, a mass or stiffness that is not positive, negative damping or gravity, an inertia
-            tensor that is not one of a rigid body (symmetric, positive definite, triangle inequalities).
+        InputError: a wrong shape, a mass or stiffness that is not positive, negative damping or gravity, an
+            inertia tensor that no rigid body has (symmetric, positive definite, triangle inequalities).
     """
 
     mass_kg: float
@@ -60,10 +60,13 @@ class Mandible(FrozenArrays):
             raise InputError("inertia_kg_m2 must be symmetric")
         moments = np.linalg.eigvalsh(self.inertia_kg_m2)
         if moments[0] <= 0:
-            raise InputError(f"inertia_kg_m2 must be positive definite; its smallest principal moment is {moments[0]}")
+            raise InputError(
+                f"inertia_kg_m2 must be positive definite; its principal moments are {moments.tolist()}"
+            )
         if moments[0] + moments[1] < moments[2]:
             raise InputError(
-                f"inertia_kg_m2 has principal moments {moments.tolist()}; the largest must not exceed the others' sum"
+                f"inertia_kg_m2 has the principal moments {moments.tolist()}; "
+                "the largest must not exceed the sum of the others"
             )
 
 

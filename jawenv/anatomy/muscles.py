@@ -57,7 +57,9 @@ PARAMETER_NAMES = parameter_names(MUSCLE_NAMES)
 
 @dataclass(frozen=True, eq=False)
 class MuscleSet(FrozenArrays):
-    """Lines of action of n muscles in the closed-jaw frame (x forward, y left, z up, between the condyle centres).
+    """Lines of action of n muscles, jaw closed.
+
+    The frame's origin lies midway between the condyle centres, x forward, y left, z up.
 
     Attributes:
         names: n names, left side first.
@@ -97,15 +99,21 @@ def _lines(groups: tuple[tuple[str, tuple[str, ...]], ...]) -> MuscleSet:
             origin.append(np.average([line.origin_m for line in lines], axis=0, weights=weights))
             insertion.append(np.average([line.insertion_m for line in lines], axis=0, weights=weights))
     origin_m, insertion_m = np.array(origin), np.array(insertion)
-    return MuscleSet(_sided(dict(groups)), origin_m, insertion_m, np.linalg.norm(insertion_m - origin_m, axis=1))
+    return MuscleSet(
+        names=_sided(dict(groups)),
+        origin_m=origin_m,
+        insertion_m=insertion_m,
+        l_o_m=np.linalg.norm(insertion_m - origin_m, axis=1),
+    )
 
 
 def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
     """The muscles of both sides, left first.
 
     Args:
-        groups: muscle name -> its portions. `WHOLE_MUSCLES` gives the 6 lines of the 12-parameter model (the line of
-            a whole muscle is the force-weighted mean of its portions' origins and insertions), `PORTIONS` 12 lines.
+        groups: muscle name -> its portions. `WHOLE_MUSCLES` gives the 6 lines of the 12-parameter model (the
+            line of a whole muscle is the force-weighted mean of its portions' origins and insertions),
+            `PORTIONS` the 12 lines of the portions themselves.
 
     Raises:
         InputError: an unknown portion, or a muscle without portions.

@@ -53,10 +53,12 @@ class Patient(InputModel):
         Raises:
             InputError: as the constructor, and for something that is not a mapping.
         """
-        return validate(cls, data, "patient")
+        return validate(cls, data, cls.__name__)
 
     @classmethod
-    def from_log_parameters(cls, theta: ArrayLike, *, name: str = "patient", head_tilt_deg: float = 0.0) -> Self:
+    def from_log_parameters(
+        cls, theta: ArrayLike, *, name: str = "patient", head_tilt_deg: float = 0.0
+    ) -> Self:
         """A patient from natural-log parameters, (12,) in the order of `PARAMETER_NAMES`.
 
         Raises:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import as_file, files
+from types import MappingProxyType
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,7 +17,7 @@ from jawenv.files import InputModel, Number, read_mapping, validate
 __all__ = ["Grade", "Quantity", "Unit", "load_quantities", "read_data", "to_si"]
 
 Grade = Annotated[str, Field(pattern=r"^[MADRG](/[MADRG])*$")]
-"""M measured, A assumption of a published model, D derived by computation, R recalled from the literature, G guess."""
+"""M measured, A assumption of a published model, D derived by computation, R recalled, G guess."""
 
 Unit = Literal["kg", "mm", "N", "N/m", "kg m2", "N m s/rad", "N s/m", "rad/m", "m/s2"]
 
@@ -43,11 +45,13 @@ def to_si(value: Number | list[Number] | list[list[Number]], unit: Unit) -> NDAr
 
 def read_data(name: str) -> dict[str, object]:
     """The content of one of the package's data files."""
-    with as_file(files("jawenv.anatomy") / "data" / name) as path:
+    with as_file(files("jawenv.anatomy.data") / name) as path:
         return read_mapping(path)
 
 
 @cache
-def load_quantities(name: str) -> dict[str, Quantity]:
+def load_quantities(name: str) -> Mapping[str, Quantity]:
     """All quantities of one data file (`mandible.toml`, `fossa.toml`, `strengths.toml`), by name."""
-    return {key: validate(Quantity, data, f"{name}: {key}") for key, data in read_data(name).items()}
+    return MappingProxyType(
+        {key: validate(Quantity, data, f"{name}: {key}") for key, data in read_data(name).items()}
+    )

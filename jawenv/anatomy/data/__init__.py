@@ -1,0 +1,1 @@
+"""Data files of the anatomy: every number with unit, source and grade."""
