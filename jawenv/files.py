@@ -6,6 +6,7 @@ import contextlib
 import json
 import numbers
 import os
+import re
 import tomllib
 import uuid
 from collections.abc import Callable, Mapping
@@ -102,7 +103,11 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        raise InputError(f"{path}: damaged {path.suffix[1:].upper()}: nested too deeply") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except ValueError as error:
         raise InputError(f"{path}: damaged {path.suffix[1:].upper()}: {_flat(error)}") from None
     if not isinstance(data, dict):
         raise InputError(f"{path}: must hold a mapping of keys to values, not {_kind(data)}")
@@ -165,6 +170,8 @@ _PARSERS: dict[str, Callable[[str], Any]] = {
 def _one_line(error: ValidationError, model: type[BaseModel], source: str) -> str:
     """The first problem of a ValidationError, and how many more there are."""
     problems = error.errors(include_url=False)
+    # A misspelt key shows up as a missing one too; naming the unknown one helps more.
+    problems.sort(key=lambda problem: problem["type"] != "extra_forbidden")
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return f"{source}: {_problem(problems[0], model)}{more}"
 
@@ -172,7 +179,8 @@ def _one_line(error: ValidationError, model: type[BaseModel], source: str) -> st
 def _problem(problem: Any, model: type[BaseModel]) -> str:
     field = ".".join(str(part) for part in problem["loc"])
     kind = problem["type"]
-    message = _flat(problem["msg"]).replace("Value error, ", "").replace("Input should", "must")
+    message = _flat(problem["msg"]).removeprefix("Value error, ").replace("a valid dictionary", "a mapping")
+    message = re.sub(r"^\w+ should ", "must ", message)
     if kind == "missing":
         return f"{field} is missing"
     if kind == "extra_forbidden":

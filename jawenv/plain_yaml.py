@@ -39,5 +39,8 @@ def parse(text: str) -> Any:
     """
     try:
         return yaml.load(text, _Loader)
+    except yaml.MarkedYAMLError as error:
+        line = f" (line {error.problem_mark.line + 1})" if error.problem_mark else ""
+        raise ValueError(f"{error.problem}{line}") from None
     except yaml.YAMLError as error:
         raise ValueError(error) from None

@@ -4,8 +4,8 @@ A cohort is defined once, as one or more equally likely groups of independent lo
 truncated at 2 sd. Its prior is computed from that definition: mean and sd before truncation. So
 
 - the prior's mean is the cohort's mean exactly (truncation is symmetric);
-- the prior's sd is a little wide: truncation at 2 sd leaves 0.88 of a group's sd, so with one group the NEES of
-  the 12 parameters at the prior is 9.3 on average, not 12;
+- the prior's sd is a little wide: truncation at 2 sd leaves 0.88 of a group's sd, so with one group the NEES
+  of the 12 parameters at the prior is 9.3 on average, not 12;
 - in `one_sided` the truth is a mixture of two groups, which no normal prior can equal: mean and sd of each
   parameter match (but for the truncation), the correlation of the muscles of a side, all fibrosed or none, is
   left out.
@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +45,22 @@ class Stiffness:
         F_o_sd: sd of its natural log.
         b: median stiffness exponent.
         b_sd: sd of its natural log.
+
+    Raises:
+        InputError: a number that is not finite and positive.
     """
 
     F_o_N: float
     F_o_sd: float
     b: float
     b_sd: float
+
+    def __post_init__(self) -> None:
+        """Check that the logarithms exist."""
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if not (math.isfinite(value) and value > 0):
+                raise InputError(f"{one.name} = {value} must be finite and greater than 0")
 
     def log_mean(self) -> tuple[float, float]:
         """Means of log F_o and log b."""
@@ -82,21 +93,26 @@ class Cohort:
     description: str
     basis: str
     groups: tuple[tuple[Stiffness, Stiffness], ...]
-    mean: NDArray[np.float64]
-    sd: NDArray[np.float64]
-    prior: Prior
+    mean: NDArray[np.float64] = field(init=False, repr=False)
+    sd: NDArray[np.float64] = field(init=False, repr=False)
+    prior: Prior = field(init=False, repr=False)
 
-    @classmethod
-    def of(cls, name: str, description: str, basis: str, *groups: tuple[Stiffness, Stiffness]) -> Cohort:
-        """A cohort from its groups; arrays and prior follow from them."""
+    def __post_init__(self) -> None:
+        """Arrays and prior follow from the groups."""
         # The muscles of a side are alike.
         n = len(WHOLE_MUSCLES)
-        mean = np.array([[value for side in group for value in side.log_mean() * n] for group in groups])
-        sd = np.array([[value for side in group for value in side.log_sd() * n] for group in groups])
-        variance = np.mean(sd**2, axis=0) + np.var(mean, axis=0)
+        mean = np.array([[value for side in group for value in side.log_mean() * n] for group in self.groups])
+        sd = np.array([[value for side in group for value in side.log_sd() * n] for group in self.groups])
         mean.setflags(write=False)
         sd.setflags(write=False)
-        return cls(name, description, basis, groups, mean, sd, Prior(mean.mean(axis=0), np.sqrt(variance)))
+        variance = np.mean(sd**2, axis=0) + np.var(mean, axis=0)
+        object.__setattr__(self, "mean", mean)
+        object.__setattr__(self, "sd", sd)
+        object.__setattr__(self, "prior", Prior(mean.mean(axis=0), np.sqrt(variance)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild through the constructor: plain unpickling would leave the arrays writable."""
+        return Cohort, (self.name, self.description, self.basis, self.groups)
 
     def draw_log_parameters(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """Natural-log parameters of one patient, (12,) in the order of `PARAMETER_NAMES`."""
@@ -120,44 +136,43 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
     {
         c.name: c
         for c in (
-            Cohort.of(
+            Cohort(
                 "trismus",
                 "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
-                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of a jaw that 40 N open "
-                "20-35 mm (D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
-                (_TRISMUS, _TRISMUS),
+                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of a jaw that 40 N "
+                "open 20-35 mm (D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                ((_TRISMUS, _TRISMUS),),
             ),
-            Cohort.of(
+            Cohort(
                 "healthy",
                 "healthy passive muscles; a relaxed jaw hangs open under its own weight",
                 "F_o 0.09-0.68 N around 0.0014 of the muscles' largest force, 0.05-0.45 N (D/R)",
-                (_HEALTHY, _HEALTHY),
+                ((_HEALTHY, _HEALTHY),),
             ),
-            Cohort.of(
+            Cohort(
                 "severe",
                 "severe fibrosis of all closing muscles: F_o about 16 times the healthy",
                 "F_o 1.8-8.9 N: 40 N at the incisors open such a jaw 20-35 mm (2-9 N, D/G)",
-                (_SEVERE, _SEVERE),
+                ((_SEVERE, _SEVERE),),
             ),
-            Cohort.of(
+            Cohort(
                 "one_sided",
                 "fibrosis of all closing muscles of one side, left or right, the other side healthy",
                 "the numbers of trismus and healthy; the sides equally likely (G)",
-                (_TRISMUS, _HEALTHY),
-                (_HEALTHY, _TRISMUS),
+                ((_TRISMUS, _HEALTHY), (_HEALTHY, _TRISMUS)),
             ),
-            Cohort.of(
+            Cohort(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
                 "b 9.9-32.8: with healthy F_o, 18 stops the jaw at 35 mm under 40 N and 33 at 20 mm (D/G); "
                 "F_o 0.18-0.89 N from the upper part of the healthy range (D/R)",
-                (_BLOCKAGE, _BLOCKAGE),
+                ((_BLOCKAGE, _BLOCKAGE),),
             ),
-            Cohort.of(
+            Cohort(
                 "wide",
                 "the medians of trismus, twice its spread, and a filter that knows as little",
                 "F_o 0.16-8.9 N and b 2.1-23 span healthy to severe (G)",
-                (_TRISMUS.widened(2.0), _TRISMUS.widened(2.0)),
+                ((_TRISMUS.widened(2.0), _TRISMUS.widened(2.0)),),
             ),
         )
     }

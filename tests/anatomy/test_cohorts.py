@@ -1,0 +1,146 @@
+"""Cohorts against the theory of truncated normals, and the prior that stands beside each."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy.stats import kstest, truncnorm
+
+from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Patient, Prior, Stiffness, cohort
+from jawenv.errors import InputError
+
+PATIENTS = 4000
+SINGLE_GROUP = ["trismus", "healthy", "severe", "blockage", "wide"]
+TRUNCATED = truncnorm(-2, 2)
+
+
+def draws(name: str, n: int = PATIENTS) -> np.ndarray:
+    rng = np.random.default_rng(20160501)
+    return np.array([cohort(name).draw_log_parameters(rng) for _ in range(n)])
+
+
+def test_names_and_default() -> None:
+    assert tuple(COHORTS) == ("trismus", "healthy", "severe", "one_sided", "blockage", "wide")
+    for name, one in COHORTS.items():
+        assert one is cohort(name)
+        assert one.name == name and one.description and one.basis
+
+
+@pytest.mark.parametrize("name", SINGLE_GROUP)
+def test_draws_are_the_priors_normal_truncated_at_two_sd(name: str) -> None:
+    prior = cohort(name).prior
+    standard = (draws(name) - prior.mean) / prior.sd
+    assert np.all(np.abs(standard) <= 2)
+    assert np.abs(standard).max() > 1.99
+    error = TRUNCATED.std() / np.sqrt(PATIENTS)
+    assert np.all(np.abs(standard.mean(axis=0)) < 4 * error)
+    np.testing.assert_allclose(standard.std(axis=0), TRUNCATED.std(), rtol=0.04)
+    # Parameters are independent, so the pooled sample is one of 12 x PATIENTS.
+    assert kstest(standard.ravel(), TRUNCATED.cdf).pvalue > 1e-3
+    correlation = np.corrcoef(standard.T) - np.eye(12)
+    assert np.abs(correlation).max() < 5 / np.sqrt(PATIENTS)
+
+
+@pytest.mark.parametrize("name", SINGLE_GROUP)
+def test_nees_of_the_prior_is_what_truncation_leaves(name: str) -> None:
+    prior = cohort(name).prior
+    nees = (((draws(name) - prior.mean) / prior.sd) ** 2).sum(axis=1)
+    assert nees.mean() == pytest.approx(12 * TRUNCATED.var(), abs=0.3)
+    assert 12 * TRUNCATED.var() == pytest.approx(9.3, abs=0.05)
+
+
+def test_the_default_cohort_is_that_of_the_design() -> None:
+    prior = cohort("trismus").prior
+    np.testing.assert_allclose(prior.mean, np.log([1.2, 7.0] * 6))
+    np.testing.assert_allclose(prior.sd, [0.5, 0.3] * 6)
+
+
+def test_wide_has_twice_the_sd_and_so_has_its_prior() -> None:
+    np.testing.assert_array_equal(cohort("wide").prior.mean, cohort("trismus").prior.mean)
+    np.testing.assert_allclose(cohort("wide").prior.sd, 2 * cohort("trismus").prior.sd)
+
+
+def test_one_sided_is_fibrosed_on_one_side_at_random() -> None:
+    theta = draws("one_sided")
+    # Single F_o of the two sides overlap; the mean over a side's three muscles tells the sides apart.
+    left, right = theta[:, 0:6:2].mean(axis=1), theta[:, 6:12:2].mean(axis=1)
+    assert np.mean(left > right) == pytest.approx(0.5, abs=0.04)
+    fibrosed = np.where((left > right)[:, None], theta[:, :6], theta[:, 6:])
+    healthy = np.where((left > right)[:, None], theta[:, 6:], theta[:, :6])
+    assert np.median(fibrosed[:, ::2]) == pytest.approx(np.log(1.2), abs=0.05)
+    assert np.median(healthy[:, ::2]) == pytest.approx(np.log(0.25), abs=0.05)
+
+
+def test_the_prior_of_one_sided_has_the_moments_of_the_mixture() -> None:
+    prior = cohort("one_sided").prior
+    mean = (np.log(1.2) + np.log(0.25)) / 2
+    sd = np.sqrt(0.5**2 + (np.log(1.2 / 0.25) / 2) ** 2)
+    np.testing.assert_allclose(prior.mean, [mean, np.log(7.0)] * 6)
+    np.testing.assert_allclose(prior.sd, [sd, 0.3] * 6)
+    theta = draws("one_sided")
+    np.testing.assert_allclose(theta.mean(axis=0), prior.mean, atol=0.06)
+    truncated_sd = np.sqrt(TRUNCATED.var() * 0.5**2 + (np.log(1.2 / 0.25) / 2) ** 2)
+    np.testing.assert_allclose(theta.std(axis=0)[::2], truncated_sd, rtol=0.03)
+
+
+@pytest.mark.parametrize("name", COHORTS)
+def test_any_draw_is_a_valid_patient_even_at_the_bounds(name: str) -> None:
+    one = cohort(name)
+    for mean, sd in zip(one.mean, one.sd, strict=True):
+        for corner in (-2, 2):
+            Patient.from_log_parameters(mean + corner * sd)
+    patient = one.draw(np.random.default_rng(1))
+    expected = one.draw_log_parameters(np.random.default_rng(1))
+    np.testing.assert_allclose(patient.log_parameters(), expected, rtol=1e-14)
+    assert patient.name == name and patient.head_tilt_deg == 0.0
+    assert set(patient.F_o_N) == set(MUSCLE_NAMES)
+
+
+@pytest.mark.parametrize("name", COHORTS)
+def test_same_seed_same_patient(name: str) -> None:
+    np.testing.assert_array_equal(draws(name, 3), draws(name, 3))
+    assert not np.array_equal(*draws(name, 2))
+
+
+@pytest.mark.parametrize("name", COHORTS)
+def test_cohorts_pickle(name: str) -> None:
+    copy = pickle.loads(pickle.dumps(cohort(name)))
+    np.testing.assert_array_equal(copy.prior.sd, cohort(name).prior.sd)
+    np.testing.assert_array_equal(
+        copy.draw_log_parameters(np.random.default_rng(5)),
+        cohort(name).draw_log_parameters(np.random.default_rng(5)),
+    )
+    for array in (copy.prior.mean, copy.prior.sd, copy.mean, copy.sd):
+        assert not array.flags.writeable
+
+
+def test_order_of_severity() -> None:
+    F_o = {name: cohort(name).prior.mean[0] for name in COHORTS}
+    assert F_o["healthy"] < F_o["blockage"] < F_o["trismus"] < F_o["severe"]
+    assert (
+        cohort("blockage").prior.mean[1] > cohort("trismus").prior.mean[1] + 2 * cohort("trismus").prior.sd[1]
+    )
+
+
+def test_unknown_cohort() -> None:
+    with pytest.raises(InputError) as caught:
+        cohort("trizmus")
+    assert str(caught.value) == (
+        "cohort 'trizmus' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide"
+    )
+
+
+@pytest.mark.parametrize(("F_o_sd", "shown"), [(0.0, "0.0"), (-1.0, "-1.0"), (float("nan"), "nan")])
+def test_faulty_stiffness_is_refused(F_o_sd: float, shown: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Stiffness(1.0, F_o_sd, 7.0, 0.3)
+    assert str(caught.value) == f"F_o_sd = {shown} must be finite and greater than 0"
+
+
+def test_faulty_priors_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^mean has shape \(11,\), must be \(12,\)$"):
+        Prior(np.zeros(11), np.ones(12))
+    with pytest.raises(InputError, match="^prior sd of log_b/masseter_left = 0.0 must be greater than 0$"):
+        Prior(np.zeros(12), np.r_[1.0, 0.0, np.ones(10)])
+    with pytest.raises(InputError, match="^sd = .*inf.* must be finite$"):
+        Prior(np.zeros(len(PARAMETER_NAMES)), np.full(12, np.inf))

@@ -1,0 +1,102 @@
+"""The mandible is a body that can exist, the fossa a path that the literature knows."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jawenv.anatomy import default_fossa, default_mandible, load_quantities
+from jawenv.errors import InputError
+
+
+def test_mandible_numbers() -> None:
+    mandible = default_mandible()
+    assert mandible.mass_kg == 0.30
+    np.testing.assert_allclose(mandible.centre_of_mass_m, [0.041, 0, -0.046], rtol=1e-12)
+    np.testing.assert_allclose(mandible.mouthpiece_m, [0.091, 0, -0.037], rtol=1e-12)
+    # The mesh's inertia per kilogram, 1e-4 m2, as published.
+    roll, pitch, yaw, xz = 12.30, 7.37, 14.87, 2.25
+    per_kg = 1e-4 * np.array([[roll, 0, xz], [0, pitch, 0], [xz, 0, yaw]])
+    np.testing.assert_allclose(mandible.inertia_kg_m2, 0.30 * per_kg, atol=6e-7)
+    assert (mandible.damping_rotation, mandible.damping_sliding) == (0.05, 2.0)
+    assert (mandible.tooth_stiffness, mandible.gravity) == (4000.0, 9.81)
+
+
+def test_inertia_is_that_of_a_rigid_body_in_the_measured_order() -> None:
+    inertia = default_mandible().inertia_kg_m2
+    np.testing.assert_array_equal(inertia, inertia.T)
+    small, middle, large = np.linalg.eigvalsh(inertia)
+    assert 0 < small and small + middle >= large
+    roll, pitch, yaw = np.diag(inertia)
+    assert yaw > roll > pitch
+
+
+def test_gravity_at_the_incisors_is_what_the_literature_gives() -> None:
+    mandible = default_mandible()
+    weight = mandible.mass_kg * mandible.gravity
+    assert weight * mandible.centre_of_mass_m[0] / mandible.mouthpiece_m[0] == pytest.approx(1.3, abs=0.05)
+
+
+def test_teeth_are_a_symmetric_arch_below_the_condyles() -> None:
+    incisor, left, right = default_mandible().teeth_m
+    np.testing.assert_array_equal(incisor, default_mandible().mouthpiece_m)
+    np.testing.assert_array_equal(left, right * [1, -1, 1])
+    assert left[1] > 0 and incisor[0] > left[0] > 0
+    assert incisor[2] == left[2]
+
+
+def test_every_quantity_has_unit_source_grade_and_lies_in_its_range() -> None:
+    for name in ("mandible.toml", "fossa.toml", "strengths.toml"):
+        for quantity in load_quantities(name).values():
+            assert quantity.source and quantity.grade and quantity.unit
+            if quantity.range is not None:
+                low, high = quantity.range
+                assert low <= quantity.value <= high
+
+
+def test_fossa() -> None:
+    fossa = default_fossa()
+    assert fossa.drop_m == pytest.approx(2.8e-3)
+    assert fossa.spatial_frequency == 245.0
+    assert 1e3 * fossa.crest_m == pytest.approx(12.8, abs=0.05)
+    assert np.degrees(np.arctan(fossa.drop_m * fossa.spatial_frequency)) == pytest.approx(34, abs=0.5)
+
+
+def test_pickling_keeps_the_arrays_read_only() -> None:
+    mandible = pickle.loads(pickle.dumps(default_mandible()))
+    np.testing.assert_array_equal(mandible.inertia_kg_m2, default_mandible().inertia_kg_m2)
+    assert not mandible.inertia_kg_m2.flags.writeable
+    assert pickle.loads(pickle.dumps(default_fossa())) == default_fossa()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mass_kg": 0.0}, "mass_kg = 0.0 must be greater than 0"),
+        ({"mass_kg": float("nan")}, "mass_kg = nan must be finite"),
+        ({"mass_kg": [0.3]}, "mass_kg has shape (1,), must be ()"),
+        ({"mass_kg": "heavy"}, "mass_kg must be made of numbers, not 'heavy'"),
+        ({"damping_sliding": -1.0}, "damping_sliding = -1.0 must be at least 0"),
+        ({"teeth_m": np.zeros((2, 3))}, "teeth_m has shape (2, 3), must be (3, 3)"),
+        ({"inertia_kg_m2": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}, "inertia_kg_m2 must be symmetric"),
+        (
+            {"inertia_kg_m2": np.diag([1.0, -1.0, 1.0])},
+            "inertia_kg_m2 must be positive definite; its principal moments are [-1.0, 1.0, 1.0]",
+        ),
+        (
+            {"inertia_kg_m2": np.diag([1.0, 1.0, 3.0])},
+            "inertia_kg_m2 has the principal moments [1.0, 1.0, 3.0]; "
+            "the largest must not exceed the sum of the others",
+        ),
+    ],
+)
+def test_faulty_mandibles_are_refused(change: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        replace(default_mandible(), **change)
+    assert str(caught.value) == message
+
+
+def test_faulty_fossa_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^drop_m = -0.001 must be greater than 0$"):
+        replace(default_fossa(), drop_m=-1e-3)

@@ -1,0 +1,153 @@
+"""Files from outside: every fault is one line that names the file and the field."""
+
+from pathlib import Path
+
+import pytest
+from pydantic import Field
+
+from jawenv.errors import InputError
+from jawenv.files import InputModel, Number, read_mapping, read_model, validate, write_json
+
+
+class Part(InputModel):
+    gain: Number = Field(gt=0)
+    points: tuple[Number, ...] = ()
+
+
+class Device(InputModel):
+    name: str
+    parts: list[Part] = []
+    spare: Part | None = None
+
+
+def line(path: Path, model: type[InputModel] = Device) -> str:
+    with pytest.raises(InputError) as caught:
+        read_model(path, model)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(f"{path}: ")
+    return message.removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize(
+    ("suffix", "text"),
+    [
+        ("json", '{"name": "x", "parts": [{"gain": 1e-4, "points": [1, 2.5]}]}'),
+        ("toml", 'name = "x"\n[[parts]]\ngain = 1e-4\npoints = [1, 2.5]'),
+        ("yaml", "name: x\nparts:\n  - gain: 1e-4\n    points: [1, 2.5]"),
+        ("YML", "defaults: &d {gain: 1.0e-4}\nname: x\nparts:\n  - {<<: *d, points: [1, 2.5]}"),
+    ],
+)
+def test_three_formats_say_the_same(tmp_path: Path, suffix: str, text: str) -> None:
+    path = tmp_path / f"device.{suffix}"
+    path.write_text(text)
+    data = read_mapping(path)
+    data.pop("defaults", None)
+    assert validate(Device, data, "device") == Device(name="x", parts=[Part(gain=1e-4, points=(1, 2.5))])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.json", b"", "damaged JSON: Expecting value: line 1 column 1 (char 0)"),
+        ("a.json", b"[1]", "must hold a mapping of keys to values, not a list"),
+        ("a.yaml", b"", "must hold a mapping of keys to values, not nothing"),
+        ("a.json", b'{"name": 1, "name": 2}', "damaged JSON: key 'name' appears twice"),
+        ("a.yaml", b"name: a\nname: b", "damaged YAML: key 'name' appears twice"),
+        ("a.toml", b"name = 1\nname = 2", "damaged TOML: Cannot overwrite a value (at end of document)"),
+        ("a.yaml", b"x: [1", "damaged YAML: expected ',' or ']', but got '<stream end>' (line 1)"),
+        ("a.yaml", b"\n? [x]\n: 1", "damaged YAML: found unhashable key (line 2)"),
+        (
+            "a.yaml",
+            b"x: !py y",
+            "damaged YAML: could not determine a constructor for the tag '!py' (line 1)",
+        ),
+        (
+            "a.json",
+            b"\xff",
+            "damaged JSON: 'utf-8' codec can't decode byte 0xff in position 0: invalid start byte",
+        ),
+        ("a.json", b"[" * 200_000, "damaged JSON: nested too deeply"),
+        ("a.txt", b"", "unknown file type '.txt'; allowed: .json, .toml, .yaml, .yml"),
+        ("a.json", b"{}", "name is missing"),
+        ("a.json", b'{"name": 3}', "name = 3 must be a valid string"),
+        (
+            "a.json",
+            b'{"name": "x", "nam": 1, "z": 2}',
+            "unknown key 'nam'; allowed: name, parts, spare (and 1 more)",
+        ),
+        ("a.json", b'{"name": "x", "parts": [{"gain": NaN}]}', "parts.0.gain = nan must be a finite number"),
+        ("a.json", b'{"name": "x", "parts": [{"gain": -1}]}', "parts.0.gain = -1.0 must be greater than 0"),
+        (
+            "a.json",
+            b'{"name": "x", "parts": [{"gian": 1}]}',
+            "unknown key 'parts.0.gian'; allowed: gain, points (and 1 more)",
+        ),
+        (
+            "a.json",
+            b'{"name": "x", "spare": {"gian": 1}}',
+            "unknown key 'spare.gian'; allowed: gain, points (and 1 more)",
+        ),
+        ("a.toml", b'name = "x"\nspare.gain = inf', "spare.gain = inf must be a finite number"),
+        ("a.yaml", b"name: x\nspare: {gain: yes}", "spare.gain = True must be a number"),
+    ],
+)
+def test_faults(tmp_path: Path, name: str, content: bytes, message: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    assert line(path) == message
+
+
+def test_missing_file_and_folder(tmp_path: Path) -> None:
+    assert line(tmp_path / "none.json") == "no such file"
+    (tmp_path / "folder.json").mkdir()
+    assert line(tmp_path / "folder.json") == "cannot be read: Is a directory"
+
+
+def test_constructor_and_validate_give_the_same_line() -> None:
+    with pytest.raises(InputError, match="^Part: gain = 0.0 must be greater than 0$"):
+        Part(gain=0)
+    with pytest.raises(InputError, match="^device 3: parts.0.gain = 'a' must be a number$"):
+        validate(Device, {"name": "x", "parts": [{"gain": "a"}]}, "device 3")
+    with pytest.raises(InputError, match="^device 3: must hold a mapping of keys to values, not text$"):
+        validate(Device, "x", "device 3")
+
+
+def test_long_values_are_cut() -> None:
+    with pytest.raises(InputError) as caught:
+        Part(gain="x" * 500)
+    assert len(str(caught.value)) < 120
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "part.json"
+    write_json(path, Part(gain=1))
+    before = path.read_text()
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_json(path, Part(gain=2))
+    assert path.read_text() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["part.json"]
+
+
+def test_unwritable_places(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        write_json(tmp_path / "none" / "part.json", Part(gain=1))
+    assert str(caught.value) == f"{tmp_path}/none/part.json: cannot be written: No such file or directory"
+    with pytest.raises(InputError, match=r"part.toml: is written as JSON, its name must end in .json$"):
+        write_json(tmp_path / "part.toml", Part(gain=1))
+
+
+def test_yaml_without_pyyaml_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("name: x")
+    monkeypatch.setitem(__import__("sys").modules, "yaml", None)
+    monkeypatch.delitem(__import__("sys").modules, "jawenv.plain_yaml", raising=False)
+    monkeypatch.delattr("jawenv.plain_yaml", raising=False)
+    assert line(path) == "YAML files need the package pyyaml; JSON and TOML files do not"
