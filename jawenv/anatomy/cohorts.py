@@ -164,8 +164,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
-                "b 9.9-32.8: with healthy F_o, 18 stops the jaw at 35 mm under 40 N and 33 at 20 mm (D/G); "
-                "F_o 0.18-0.89 N from the upper part of the healthy range (D/R)",
+                "b 9.9-32.8: were b alone to blame, 18 would leave 35 mm of opening under 40 N and 33 only 20 mm, "
+                "for a condyle that slides 13 mm (D/G); F_o 0.18-0.89 N, upper part of the healthy range (D/R)",
                 ((_BLOCKAGE, _BLOCKAGE),),
             ),
             Cohort(
