@@ -139,8 +139,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "trismus",
                 "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
-                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of a jaw that 40 N "
-                "open 20-35 mm (D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of severe trismus (D/G); "
+                "b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
                 ((_TRISMUS, _TRISMUS),),
             ),
             Cohort(
@@ -152,7 +152,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "severe",
                 "severe fibrosis of all closing muscles: F_o about 16 times the healthy",
-                "F_o 1.8-8.9 N: 40 N at the incisors open such a jaw 20-35 mm (2-9 N, D/G)",
+                "F_o 1.8-8.9 N: F_o alone would have to be 2-9 N for 35-20 mm of opening under 40 N, with a "
+                "prescribed slide of the condyle (D/G)",
                 ((_SEVERE, _SEVERE),),
             ),
             Cohort(
@@ -164,8 +165,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
-                "b 9.9-32.8: were b alone to blame, 18 would leave 35 mm of opening under 40 N and 33 only 20 mm, "
-                "for a condyle that slides 13 mm (D/G); F_o 0.18-0.89 N, upper part of the healthy range (D/R)",
+                "b 9.9-32.8: b alone would have to be 18 for 35 mm of opening under 40 N and 33 for 20 mm, with "
+                "a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, upper part of the healthy (D/R)",
                 ((_BLOCKAGE, _BLOCKAGE),),
             ),
             Cohort(
