@@ -139,8 +139,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "trismus",
                 "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
-                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of severe trismus (D/G); "
-                "b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of severe trismus "
+                "(D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
                 ((_TRISMUS, _TRISMUS),),
             ),
             Cohort(
@@ -165,8 +165,8 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
             Cohort(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
-                "b 9.9-32.8: b alone would have to be 18 for 35 mm of opening under 40 N and 33 for 20 mm, with "
-                "a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, upper part of the healthy (D/R)",
+                "b 9.9-32.8: b alone would have to be 18 for 35 mm of opening under 40 N and 33 for 20 mm, "
+                "with a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, upper part of the healthy (D/R)",
                 ((_BLOCKAGE, _BLOCKAGE),),
             ),
             Cohort(
