@@ -166,7 +166,7 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
                 "b 9.9-32.8: b alone would have to be 18 for 35 mm of opening under 40 N and 33 for 20 mm, "
-                "with a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, the upper healthy range (D/R)",
+                "with a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, upper healthy range (D/R)",
                 ((_BLOCKAGE, _BLOCKAGE),),
             ),
             Cohort(
