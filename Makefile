@@ -1,0 +1,39 @@
+# Every target first makes .venv and installs what it needs into it (.ci/setup), and does that only once.
+# PYTHON=/path/to/python3 chooses the Python; without it a suitable one is looked for.
+
+SHELL := /bin/bash
+BIN := .venv/bin
+DEMO := runs/demo
+DEMO_TRAIN := train ppo --config training/configs/demo.yaml --output $(DEMO)/ppo
+DEMO_COMPARE := compare $(DEMO)/ppo --output $(DEMO)
+
+export PYTHON
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint bench clean
+.NOTPARALLEL:
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-6s  %s\n", $$1, $$2 }' Makefile
+
+demo: ## train PPO for a few minutes, compare it with every hand-made maneuver: runs/demo/report.html
+	@.ci/setup train eval
+	$(BIN)/python -m training $(DEMO_TRAIN)
+	$(BIN)/python -m eval $(DEMO_COMPARE)
+
+test: lint ## lint, types and all tests
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+
+lint: ## ruff and mypy
+	@.ci/setup train eval dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+bench: ## measure speed, memory growth and start-up
+	@.ci/setup train eval dev
+	$(BIN)/python tests/benchmarks/bench.py
+
+clean: ## remove build products and caches; .venv and runs/ stay
+	rm -rf build dist *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -path ./.venv -prune -o -type d \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
