@@ -1,0 +1,72 @@
+"""jawenv: active identification of jaw-muscle stiffness as Gymnasium environments.
+
+Importing the package registers the environments and compiles nothing; everything else is imported on first use.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+from jawenv.envs.registration import register_environments
+
+if TYPE_CHECKING:
+    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
+    from jawenv.device import Device
+    from jawenv.errors import InputError
+    from jawenv.mechanics import acceleration
+    from jawenv.metrics import score
+    from jawenv.rollout import information_bound, play
+
+_HOMES = {
+    "COHORTS": "jawenv.anatomy",
+    "Cohort": "jawenv.anatomy",
+    "Device": "jawenv.device",
+    "InputError": "jawenv.errors",
+    "MUSCLE_NAMES": "jawenv.anatomy",
+    "PARAMETER_NAMES": "jawenv.anatomy",
+    "Patient": "jawenv.anatomy",
+    "acceleration": "jawenv.mechanics",
+    "cohort": "jawenv.anatomy",
+    "information_bound": "jawenv.rollout",
+    "play": "jawenv.rollout",
+    "score": "jawenv.metrics",
+}
+
+try:
+    __version__ = version("jawenv")
+except PackageNotFoundError:  # run from a checkout that was never installed
+    __version__ = "0+unknown"
+
+__all__ = [
+    "COHORTS",
+    "MUSCLE_NAMES",
+    "PARAMETER_NAMES",
+    "Cohort",
+    "Device",
+    "InputError",
+    "Patient",
+    "acceleration",
+    "cohort",
+    "information_bound",
+    "play",
+    "score",
+]
+
+register_environments()
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name on first use."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'jawenv' has no attribute {name!r}")
+    value = getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names, imported or not."""
+    return sorted([*globals(), *__all__])

@@ -1,0 +1,5 @@
+"""What drives and feels the jaw: motors and linkage, load cell and encoders, comfort limits and governor."""
+
+from jawenv.device.device import MOTOR_NAMES, Device
+
+__all__ = ["MOTOR_NAMES", "Device"]

@@ -1,0 +1,83 @@
+"""What the patient tolerates: limits relative to the patient's own rest pose and painless range.
+
+A used fraction is the quantity over its soft limit; above 1 it costs, at the hard limit (a multiple of the soft one)
+the cost is 1 and the episode ends. The numbers are proposals (grade G): no study of comfortable jaw forces was found.
+"""
+
+from __future__ import annotations
+
+from jawenv.compiled import njit
+from jawenv.device.linkage import excursions, path_at
+from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import N_MUSCLES
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.mechanics.vec3 import add, apply, cross, norm, vector3
+
+COMFORT_LIMITS = (
+    "force",
+    "opening",
+    "side",
+    "fore_aft",
+    "condyle_fore_aft",
+    "condyle_side",
+    "speed",
+    "tension",
+)
+N_LIMITS = len(COMFORT_LIMITS)
+# Hard limit over soft limit, in the order of COMFORT_LIMITS.
+HARD = (2.0, 1.3, 1.8, 1.8, 1.3, 2.0, 3.0, 2.5)
+FORCE, OPENING, SIDE, FORE_AFT, CONDYLE_FORE_AFT, CONDYLE_SIDE, SPEED, TENSION = range(N_LIMITS)
+
+SOFT_FORCE = 15.0  # N on the mouthpiece
+SOFT_SPEED = 0.04  # m/s of the mouthpiece
+CONDYLE_SIDE_SOFT = 3e-3  # m from where the condyles rest
+FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
+HEALTHY_SIDE = 0.010  # m, about the mean lateral excursion of 500 patients (9.4-11.8 mm)
+HEALTHY_FORE_AFT = 0.0088  # m, their mean protrusion
+
+# One row per world; SI units. The natural path is that of the mouthpiece under a purely vertical pull.
+LIMITS_FIELDS = [
+    ("rest_opening", "f8"),
+    ("opening", "f8"),  # painless range above rest
+    ("path", "f8", 3),  # forward place of the mouthpiece on the natural path: a + b s + c s^2
+    ("rest_side", "f8"),
+    ("side", "f8"),
+    ("fore_aft", "f8"),
+    ("condyle_middle", "f8"),
+    ("condyle_half", "f8"),
+    ("rest_condyle_side", "f8"),
+    ("tension", "f8", N_MUSCLES),
+]
+
+
+@njit
+def used_fractions(jaw, muscles, limits, q, u, force, fractions):  # type: ignore[no-untyped-def]
+    """Fill ``fractions`` (8) for a motion, the muscles' (F_o, b) and the magnitude of the force on the mouthpiece."""
+    body_to_head = rotation(q)
+    contact = contact_point(jaw, q)
+    _, slope, _, _ = fossa(jaw, q[0])
+    mouthpiece = vector3(jaw.mouthpiece)
+    omega = (u[2], u[3], u[4])
+    velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, cross(omega, mouthpiece)))
+    opening, side, fore_aft = excursions(limits, jaw, add(contact, apply(body_to_head, mouthpiece)))
+    fractions[FORCE] = force / SOFT_FORCE
+    fractions[OPENING] = max(opening, 0.0) / limits.opening
+    fractions[SIDE] = abs(side) / limits.side
+    fractions[FORE_AFT] = abs(fore_aft) / limits.fore_aft
+    fractions[CONDYLE_FORE_AFT] = abs(q[0] - limits.condyle_middle) / limits.condyle_half
+    fractions[CONDYLE_SIDE] = abs(q[1] - limits.rest_condyle_side) / CONDYLE_SIDE_SOFT
+    fractions[SPEED] = norm(velocity) / SOFT_SPEED
+    worst = 0.0
+    for i in range(N_MUSCLES):
+        _, _, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
+        worst = max(worst, tension / limits.tension[i])
+    fractions[TENSION] = worst
+
+
+@njit
+def cost_of(fraction, hard):  # type: ignore[no-untyped-def]
+    """Cost of one used fraction: 0 up to the soft limit, 1 at the hard limit."""
+    return max(0.0, fraction - 1.0) / (hard - 1.0)
+
+
+__all__ = ["COMFORT_LIMITS", "HARD", "LIMITS_FIELDS", "cost_of", "path_at", "used_fractions"]

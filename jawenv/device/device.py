@@ -1,0 +1,162 @@
+"""The device that drives and feels the jaw: four linear motors, their linkage, its load cell and encoders.
+
+Motors in order: vertical left, vertical right (open and roll), horizontal left, horizontal right (protrude and yaw).
+They push along fixed directions of the head on points of the mouthpiece. All forces and speeds of this file are at the
+mouthpiece; the linkage multiplies the motor's thrust by ``lever`` and divides its speed by it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+
+N_MOTORS = 4
+MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
+
+DEVICE = np.dtype(
+    [
+        ("point", "f8", (N_MOTORS, 3)),  # from the mouthpiece's point, body axes
+        ("direction", "f8", (N_MOTORS, 3)),  # of positive thrust, head axes
+        ("full_scale", "f8"),
+        ("thrust_continuous", "f8"),
+        ("thrust_peak", "f8"),
+        ("no_load_speed", "f8"),
+        ("thermal_time", "f8"),
+        ("force_cap", "f8"),
+        ("slew", "f8"),
+        ("lag", "f8"),
+        ("max_rate", "f8"),
+        ("servo_stiffness", "f8"),
+        ("servo_damping", "f8"),
+        ("stop_stiffness", "f8"),
+        ("stop_damping", "f8"),
+        ("brake", "f8"),
+        ("unmodelled_force", "f8"),
+        ("unmodelled_moment", "f8"),
+        ("cell_force", "f8"),
+        ("cell_moment", "f8"),
+        ("cell_gain", "f8"),
+        ("encoder_position", "f8"),
+        ("encoder_angle", "f8"),
+        ("encoder_velocity", "f8"),
+        ("encoder_rate", "f8"),
+    ],
+    align=True,
+)
+
+
+@dataclass(frozen=True)
+class Device:
+    """Numbers of the device. Grade M: a maker's sheet or a measurement, A: assumption, G: guess.
+
+    Attributes:
+        vertical_arm_mm: Half the distance between the vertical motors' points on the mouthpiece (G).
+        horizontal_arm_mm: The same for the horizontal motors (G).
+        lever: Force at the mouthpiece per thrust of the motor: 3 cm over 12 cm (Young 2016, section 3.3; A).
+        full_scale_N: Force at the mouthpiece that the action 1 commands of one motor (A).
+        motor_continuous_N: Thrust that the motor holds for ever (150 N, KocoMotion 2015, in Young 2016; M).
+        motor_peak_N: Thrust that it gives while cool (230 N, same source; M).
+        motor_no_load_mm_s: Speed of the motor at which its thrust has fallen to zero (G: 8-20 mm/s).
+        thermal_s: Time constant of the motor's heat, proportional to thrust squared (G).
+        force_cap_N: Largest force of the device on the mouthpiece, whatever the motors could do (Young 2016, 3.3; G).
+        slew_N_s: Largest rate of change of one motor's commanded force at the mouthpiece (G).
+        lag_s: Time constant with which thrust, or rate in trajectory control, follows its command (G).
+        max_rate_mm_s: Target rate that the action 1 commands of one motor in trajectory control (G).
+        servo_stiffness_N_m: Stiffness of one motor's position servo at the mouthpiece (A: screw and frame).
+        servo_damping_N_s_m: Its damping (G).
+        stop_stiffness_N_m: Stiffness of the governor's end stops in the linkage (G).
+        stop_damping_N_s_m: Their damping while pressed (G).
+        brake_N_s_m: The governor's speed brake (G).
+        unmodelled_force_N: Sd of each component of the force that no model explains, anew every 10 ms (G).
+        unmodelled_moment_N_m: The same for its moment (G).
+        cell_force_N: Noise of the load cell per 10 ms reading (G: 0.02-0.2 N).
+        cell_moment_N_m: The same for its moments (G).
+        cell_gain: Sd of the load cell's gain error, one value for a whole episode (G: 1 %).
+        encoder_position_mm: Noise of the mouthpiece position (G: 0.05-0.3 mm).
+        encoder_angle_deg: Noise of the mouthpiece angles (M: optical tracker 0.126 deg, Mueller 2025).
+        encoder_velocity_mm_s: Noise of the mouthpiece velocity (G: 0.5-3 mm/s).
+        encoder_rate_rad_s: Noise of the angular velocity (G).
+    """
+
+    vertical_arm_mm: float = 25.0
+    horizontal_arm_mm: float = 30.0
+    lever: float = 0.25
+    full_scale_N: float = 10.0
+    motor_continuous_N: float = 150.0
+    motor_peak_N: float = 230.0
+    motor_no_load_mm_s: float = 20.0
+    thermal_s: float = 10.0
+    force_cap_N: float = 40.0
+    slew_N_s: float = 100.0
+    lag_s: float = 0.02
+    max_rate_mm_s: float = 40.0
+    servo_stiffness_N_m: float = 2500.0
+    servo_damping_N_s_m: float = 15.0
+    stop_stiffness_N_m: float = 4000.0
+    stop_damping_N_s_m: float = 30.0
+    brake_N_s_m: float = 60.0
+    unmodelled_force_N: float = 0.1
+    unmodelled_moment_N_m: float = 0.003
+    cell_force_N: float = 0.05
+    cell_moment_N_m: float = 0.001
+    cell_gain: float = 0.01
+    encoder_position_mm: float = 0.1
+    encoder_angle_deg: float = 0.1
+    encoder_velocity_mm_s: float = 1.0
+    encoder_rate_rad_s: float = 0.02
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: a field is not a finite number, negative, or zero where something divides by it.
+        """
+        may_be_zero = {
+            "unmodelled_force_N",
+            "unmodelled_moment_N_m",
+            "cell_force_N",
+            "cell_moment_N_m",
+            "cell_gain",
+        }
+        for name, value in asdict(self).items():
+            low = "0 or more" if name in may_be_zero else "more than 0"
+            number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+            if not number or value < 0.0 or (value == 0.0 and name not in may_be_zero):
+                raise InputError(f"device.{name} is {value!r}; allowed: a finite number, {low}")
+
+    def records(self) -> NDArray[np.void]:
+        """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""
+        records = np.zeros(1, dtype=DEVICE)
+        device = records[0]
+        vertical, horizontal = self.vertical_arm_mm / 1e3, self.horizontal_arm_mm / 1e3
+        device["point"] = [(0, vertical, 0), (0, -vertical, 0), (0, horizontal, 0), (0, -horizontal, 0)]
+        device["direction"] = [(0, 0, -1), (0, 0, -1), (1, 0, 0), (1, 0, 0)]
+        device["full_scale"] = self.full_scale_N
+        device["thrust_continuous"] = self.motor_continuous_N * self.lever
+        device["thrust_peak"] = self.motor_peak_N * self.lever
+        device["no_load_speed"] = self.motor_no_load_mm_s / 1e3 / self.lever
+        device["thermal_time"] = self.thermal_s
+        device["force_cap"] = self.force_cap_N
+        device["slew"] = self.slew_N_s
+        device["lag"] = self.lag_s
+        device["max_rate"] = self.max_rate_mm_s / 1e3
+        device["servo_stiffness"] = self.servo_stiffness_N_m
+        device["servo_damping"] = self.servo_damping_N_s_m
+        device["stop_stiffness"] = self.stop_stiffness_N_m
+        device["stop_damping"] = self.stop_damping_N_s_m
+        device["brake"] = self.brake_N_s_m
+        device["unmodelled_force"] = self.unmodelled_force_N
+        device["unmodelled_moment"] = self.unmodelled_moment_N_m
+        device["cell_force"] = self.cell_force_N
+        device["cell_moment"] = self.cell_moment_N_m
+        device["cell_gain"] = self.cell_gain
+        device["encoder_position"] = self.encoder_position_mm / 1e3
+        device["encoder_angle"] = np.radians(self.encoder_angle_deg)
+        device["encoder_velocity"] = self.encoder_velocity_mm_s / 1e3
+        device["encoder_rate"] = self.encoder_rate_rad_s
+        return records

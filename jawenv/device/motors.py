@@ -1,0 +1,138 @@
+"""Motors, servo and governor: from the action to the wrench on the mouthpiece.
+
+Each 10 ms the motors take their command (slew limit, lag, thrust-speed curve, heat). Between, the wrench follows the
+motion continuously: the position servo of trajectory control, the cap on the force, and the governor.
+
+The governor sits in the linkage and serves every agent alike: adjustable end stops for opening, side and fore-aft
+travel between the soft and the hard limit, a brake above the soft speed, and a lower cap on the force. It knows
+excursions, speed and force, not the tension of muscles or the place of the condyles.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from jawenv.compiled import njit
+from jawenv.device.comfort import FORCE, FORE_AFT, HARD, OPENING, SIDE, SOFT_FORCE, SOFT_SPEED, SPEED
+from jawenv.device.device import N_MOTORS
+from jawenv.device.linkage import excursions
+from jawenv.mechanics.forces import smooth_ramp
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, vector3
+
+# Where between the soft (0) and the hard limit (1) the governor begins.
+GOVERNOR_ONSET = 0.3
+STOP_ONSET_WIDTH = 0.5e-3
+
+
+@njit
+def onset(limit):  # type: ignore[no-untyped-def]
+    """Used fraction at which the governor begins for the limit with this index."""
+    return 1.0 + GOVERNOR_ONSET * (HARD[limit] - 1.0)
+
+
+@njit
+def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):  # type: ignore[no-untyped-def]
+    """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i."""
+    point = row3(device.point, i)
+    arm = apply(body_to_head, point)
+    axis = row3(device.direction, i)
+    position = dot(axis, add(mouthpiece, arm)) - dot(axis, add(vector3(jaw.mouthpiece), point))
+    rate = dot(axis, add(velocity, apply(body_to_head, cross(omega, point))))
+    return arm, axis, position, rate
+
+
+@njit
+def mouthpiece_motion(jaw, q, u, body_to_head):  # type: ignore[no-untyped-def]
+    """Place and velocity of the mouthpiece in head axes."""
+    arm = vector3(jaw.mouthpiece)
+    _, slope, _, _ = fossa(jaw, q[0])
+    place = add(contact_point(jaw, q), apply(body_to_head, arm))
+    spin = cross((u[2], u[3], u[4]), arm)
+    return place, add((u[0], u[1], slope * u[0]), apply(body_to_head, spin))
+
+
+@njit
+def command_motors(device, jaw, motors, q, u, action, trajectory, dt):  # type: ignore[no-untyped-def]
+    """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor."""
+    body_to_head = rotation(q)
+    place, velocity = mouthpiece_motion(jaw, q, u, body_to_head)
+    follow = 1.0 - exp(-dt / device.lag)
+    for i in range(N_MOTORS):
+        _, _, position, rate = motor_point(device, jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
+        limit = device.thrust_peak if motors.heat[i] < 1.0 else device.thrust_continuous
+        limit = limit * max(0.0, 1.0 - abs(rate) / device.no_load_speed)
+        motors.cap[i] = limit
+        if trajectory:
+            motors.rate[i] += follow * (action[i] * device.max_rate - motors.rate[i])
+            # A target farther away than the servo can pull would only wind up.
+            reach = device.full_scale / device.servo_stiffness
+            low, high = position - reach - motors.rate[i] * dt, position + reach - motors.rate[i] * dt
+            motors.target[i] = min(max(motors.target[i], low), high)
+        else:
+            step = device.slew * dt
+            wanted = action[i] * device.full_scale
+            motors.command[i] += min(max(wanted - motors.command[i], -step), step)
+            motors.thrust[i] += follow * (motors.command[i] - motors.thrust[i])
+            motors.thrust[i] = min(max(motors.thrust[i], -limit), limit)
+        load = motors.thrust[i] / device.thrust_continuous
+        motors.heat[i] += (load * load - motors.heat[i]) * dt / device.thermal_time
+
+
+@njit
+def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):  # type: ignore[no-untyped-def]
+    """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and governor's part.
+
+    The last value is 1.0 when the governor acts, else 0.0.
+    """
+    body_to_head = rotation(q)
+    place, velocity = mouthpiece_motion(jaw, q, u, body_to_head)
+    omega = (u[2], u[3], u[4])
+    force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for i in range(N_MOTORS):
+        arm, axis, position, rate = motor_point(device, jaw, i, body_to_head, place, velocity, omega)
+        thrust = motors.thrust[i]
+        if trajectory:
+            lead = motors.target[i] + motors.rate[i] * since - position
+            thrust = device.servo_stiffness * lead + device.servo_damping * (motors.rate[i] - rate)
+            thrust = min(max(thrust, -motors.cap[i]), motors.cap[i])
+            motors.thrust[i] = thrust
+        push = scale(thrust, axis)
+        force = add(force, push)
+        moment = add(moment, cross(arm, push))
+    acted = 0.0
+    strength = norm(force)
+    governed = min(SOFT_FORCE * onset(FORCE), device.force_cap)
+    if strength > governed:
+        acted = 1.0
+        force, moment = scale(governed / strength, force), scale(governed / strength, moment)
+    stops, pressed = governor_force(device, jaw, limits, place, velocity)
+    acted = max(acted, pressed)
+    force = apply_transposed(body_to_head, add(force, stops))
+    moment = apply_transposed(body_to_head, moment)
+    return (force[0], force[1], force[2], moment[0], moment[1], moment[2]), acted
+
+
+@njit
+def end_stop(device, travel, limit, rate):  # type: ignore[no-untyped-def]
+    """Push back of a one-sided stop at ``limit`` (0 or less inside)."""
+    ramp, steepness = smooth_ramp(travel - limit, STOP_ONSET_WIDTH)
+    return max(0.0, device.stop_stiffness * ramp + device.stop_damping * steepness * rate)
+
+
+@njit
+def governor_force(device, jaw, limits, place, velocity):  # type: ignore[no-untyped-def]
+    """Force of the governor's stops and brake on the mouthpiece (head axes), and 1.0 when one of them works."""
+    opening, side, fore_aft = excursions(limits, jaw, place)
+    wide = limits.side * onset(SIDE)
+    far = limits.fore_aft * onset(FORE_AFT)
+    up = end_stop(device, opening, limits.opening * onset(OPENING), -velocity[2])
+    left = end_stop(device, -side, wide, -velocity[1]) - end_stop(device, side, wide, velocity[1])
+    forward = end_stop(device, -fore_aft, far, -velocity[0]) - end_stop(device, fore_aft, far, velocity[0])
+    force = (forward, left, up)
+    speed = norm(velocity)
+    excess = speed - SOFT_SPEED * onset(SPEED)
+    if excess > 0.0:
+        force = add(force, scale(-device.brake * excess / speed, velocity))
+    acted = 1.0 if excess > 0.0 or up > 0.0 or left != 0.0 or forward != 0.0 else 0.0
+    return force, acted

@@ -1,0 +1,33 @@
+"""Actions from outside, checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+
+SLACK = 1e-6  # single-precision policies overshoot their bounds by rounding
+
+
+def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """``actions`` as a float array of ``shape`` within [-1, 1].
+
+    Raises:
+        InputError: another shape, not a number, or outside [-1, 1].
+    """
+    try:
+        array = np.asarray(actions, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"action is {actions!r}; allowed: numbers of shape {shape}") from None
+    if array.shape != shape:
+        raise InputError(f"action has shape {array.shape}; allowed: {shape}")
+    wrong = ~(np.abs(array) <= 1.0 + SLACK)
+    if wrong.any():
+        place = tuple(int(i) for i in np.argwhere(wrong)[0])
+        where = ", ".join(map(str, place))
+        raise InputError(f"action[{where}] is {array[place]}; allowed: -1 to 1")
+    clipped: NDArray[np.float64] = np.clip(array, -1.0, 1.0)
+    return clipped

@@ -1,0 +1,189 @@
+"""How an episode begins: the relaxed jaw at rest, the patient's comfort limits, the prior belief."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import get_thread_id, prange
+
+from jawenv.compiled import njit, njit_parallel
+from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
+from jawenv.device.device import N_MOTORS
+from jawenv.device.motors import motor_point, mouthpiece_motion
+from jawenv.envs.advance import sense
+from jawenv.envs.belief import cholesky_parameters, refresh_information
+from jawenv.estimation.ekf import GAIN, N_FILTER, set_muscles, update, update_covariance
+from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
+from jawenv.mechanics.kinematics import contact_point, rotation, split
+from jawenv.noise import fill_normals
+
+# The patient's painless range (grade G): what a slow vertical pull of 12 N opens, at most 25 mm above rest, and no more
+# than 45 mm in all.
+PAINLESS_FORCE = 12.0
+PAINLESS_RANGE = 0.025
+LARGEST_OPENING = 0.045
+SMALLEST_RANGE = 0.005
+RANGE_STEPS = 10
+# A jaw that rests outside this box is not one that the device can treat.
+REST_OPENING_MAX = 0.035
+REST_SIDE_MAX = 0.005
+TENSION_MARGIN = 1.5  # soft limit of a muscle's tension over its tension at the end of the painless range
+CONDYLE_BACK = -0.5e-3
+CONDYLE_FREE = 2.0e-3
+CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
+
+# What the filter knows of the motion before the first measurement: 1 mm, 1 degree, 1 mm/s, 0.01 rad/s.
+MOTION_SD = (1e-3, 1e-3, 0.0175, 0.0175, 0.0175, 1e-3, 1e-3, 0.01, 0.01, 0.01)
+
+BEGINNING_SCRATCH = np.dtype(
+    [
+        ("matrix", "f8", (5, 5)),
+        ("right", "f8", 5),
+        ("poses", "f8", (RANGE_STEPS + 1, 5)),
+        ("places", "f8", (RANGE_STEPS + 1, 3)),
+    ],
+    align=True,
+)
+
+
+@njit
+def keep_place(jaw, pose, places, i):  # type: ignore[no-untyped-def]
+    """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
+    q = (pose[0], pose[1], pose[2], pose[3], pose[4])
+    place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), rotation(q))
+    for k in range(3):
+        places[i, k] = place[k]
+
+
+@njit
+def open_slowly(jaw, muscles, pose, sensitivity, scratch):  # type: ignore[no-untyped-def]
+    """Poses from rest to the end of the painless range, in ``scratch``; returns their number less one, -1 if no rest."""
+    poses, places = scratch.poses, scratch.places
+    _, found = settle(jaw, muscles, pose, 0.0, False, sensitivity, scratch.matrix, scratch.right)
+    poses[0, :] = pose[:5]
+    keep_place(jaw, pose, places, 0)
+    rest_opening = jaw.mouthpiece[2] - places[0, 2]
+    if not found or rest_opening > REST_OPENING_MAX or abs(places[0, 1]) > REST_SIDE_MAX:
+        return -1
+    furthest = min(PAINLESS_RANGE, LARGEST_OPENING - rest_opening)
+    for i in range(1, RANGE_STEPS + 1):
+        poses[i, :] = poses[i - 1, :]
+        opening = rest_opening + furthest * i / RANGE_STEPS
+        force, found = settle(
+            jaw, muscles, poses[i], opening, True, sensitivity, scratch.matrix, scratch.right
+        )
+        too_far = poses[i, 0] > CREST_SHARE * jaw.crest - CONDYLE_FREE
+        if not found or force > PAINLESS_FORCE or too_far:
+            return i - 1
+        keep_place(jaw, poses[i], places, i)
+    return RANGE_STEPS
+
+
+@njit
+def set_limits(world, last, scratch):  # type: ignore[no-untyped-def]
+    """Comfort limits of ``world`` from its path of ``last`` + 1 poses; False when the painless range is too small."""
+    jaw, limits, poses, places = world.jaw, world.limits, scratch.poses, scratch.places
+    limits.rest_opening = jaw.mouthpiece[2] - places[0, 2]
+    limits.rest_side = places[0, 1]
+    limits.rest_condyle_side = poses[0, 1]
+    limits.opening = places[0, 2] - places[last, 2]
+    if last < 2 or limits.opening < SMALLEST_RANGE:
+        return False
+    middle = last // 2
+    s = (places[0, 2] - places[middle, 2]) / limits.opening
+    to_middle, to_end = places[middle, 0] - places[0, 0], places[last, 0] - places[0, 0]
+    bend = (to_middle - to_end * s) / (s * s - s)
+    limits.path[0], limits.path[1], limits.path[2] = places[0, 0], to_end - bend, bend
+    share = (max(limits.rest_opening, 0.0) + limits.opening) / FULL_RANGE
+    limits.side = HEALTHY_SIDE * share
+    limits.fore_aft = HEALTHY_FORE_AFT * share
+    high = min(max(poses[0, 0], poses[last, 0]) + CONDYLE_FREE, CREST_SHARE * jaw.crest)
+    limits.condyle_middle = 0.5 * (CONDYLE_BACK + high)
+    limits.condyle_half = 0.5 * (high - CONDYLE_BACK)
+    q = (poses[last, 0], poses[last, 1], poses[last, 2], poses[last, 3], poses[last, 4])
+    for i in range(N_MUSCLES):
+        _, _, _, tension = muscle_pull(jaw, world.muscles, i, contact_point(jaw, q), rotation(q))
+        limits.tension[i] = TENSION_MARGIN * tension
+    return True
+
+
+@njit
+def reset_motors(device, world):  # type: ignore[no-untyped-def]
+    """Motors without thrust, their targets where the resting jaw has put them."""
+    q, u = split(world.state)
+    body_to_head = rotation(q)
+    place, velocity = mouthpiece_motion(world.jaw, q, u, body_to_head)
+    motors = world.motors
+    for i in range(N_MOTORS):
+        _, _, position, _ = motor_point(
+            device, world.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4])
+        )
+        motors.target[i] = position
+        motors.thrust[i], motors.command[i], motors.rate[i] = 0.0, 0.0, 0.0
+        motors.heat[i], motors.cap[i] = 0.0, device.thrust_peak
+
+
+@njit
+def reset_belief(device, model, world, settings, scratch):  # type: ignore[no-untyped-def]
+    """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
+    normals = scratch.normals
+    fill_normals((world.key[0], world.key[1]), -1, normals)
+    for i in range(N_FILTER):
+        for j in range(N_FILTER):
+            world.covariance[i, j] = 0.0
+    for i in range(N_STATES):
+        world.mean[i] = world.state[i] + MOTION_SD[i] * normals[i]
+        world.covariance[i, i] = MOTION_SD[i] * MOTION_SD[i]
+    for i in range(N_PARAMETERS):
+        world.mean[N_STATES + i] = settings.prior_mean[i]
+        world.covariance[N_STATES + i, N_STATES + i] = settings.prior_sd[i] * settings.prior_sd[i]
+    world.mean[GAIN] = 0.0
+    world.cell_gain = device.cell_gain * normals[N_STATES]
+    world.covariance[GAIN, GAIN] = device.cell_gain * device.cell_gain
+    for i in range(N_FILTER):
+        for j in range(N_FILTER):
+            world.bound[i, j] = world.covariance[i, j] if settings.bound else np.nan
+    world.log_det_prior = cholesky_parameters(world.covariance, scratch.matrix)
+    world.log_det_bound = np.nan
+    refresh_information(world, settings, scratch.matrix, scratch.right)
+    world.log_score_prior = world.log_score
+    fill_normals((world.key[0], world.key[1]), -2, normals)
+    sense(device, world, scratch)
+    variances, used = settings.measurement_variance, settings.used
+    update(model, world.mean, world.covariance, scratch.measured, variances, used, scratch.filter)
+    if settings.bound:
+        update_covariance(model, world.state, world.bound, variances, used, scratch.filter)
+    refresh_information(world, settings, scratch.matrix, scratch.right)
+
+
+@njit_parallel
+def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted):  # type: ignore[no-untyped-def]
+    """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
+
+    ``accepted`` (N,) becomes False for a chosen world whose jaw has no rest pose in the treatable box or too small a
+    painless range; such a world must be given another patient.
+    """
+    for i in prange(worlds.shape[0]):
+        if not chosen[i]:
+            continue
+        device, settings = devices[0], all_settings[0]
+        world, scratch, beginning = worlds[i], scratches[get_thread_id()], beginnings[get_thread_id()]
+        set_muscles(world.log_parameters, 0, world.muscles)
+        for k in range(N_STATES):
+            world.state[k] = 0.0
+        world.state[0], world.state[2] = 3e-3, 0.05
+        last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
+        accepted[i] = last >= 0 and set_limits(world, last, beginning)
+        if not accepted[i]:
+            continue
+        world.tick = 0
+        world.violated = 0
+        world.governor = 0.0
+        for k in range(6):
+            world.reading[k] = 0.0
+        for k in range(world.fractions.shape[0]):
+            world.fractions[k], world.costs[k] = 0.0, 0.0
+        reset_motors(device, world)
+        reset_belief(device, models[i], world, settings, scratch)

@@ -1,0 +1,249 @@
+"""N worlds that share one device, cohort and estimator: what both Gymnasium faces run on."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from math import isfinite
+from typing import Any, Literal, get_args
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import Cohort, Patient, cohort
+from jawenv.compiled import is_cached
+from jawenv.device.device import Device
+from jawenv.envs.advance import SCRATCH, SETTINGS, TICK, advance
+from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
+from jawenv.envs.info import describe
+from jawenv.envs.observation import OBSERVATION_SIZE, observe
+from jawenv.envs.world import make_worlds
+from jawenv.errors import InputError
+from jawenv.mechanics.jaw import JAW, build_jaw, gravity_in_head
+from jawenv.noise import philox
+
+Control = Literal["force", "trajectory"]
+Sensors = Literal["pose", "point"]
+Reward = Literal["uncertainty", "bound", "score"]
+
+# The filter's parameter noise: sd per square root of a second at the start, and the time constant of its decay.
+PARAMETER_RATE = 0.05
+PARAMETER_TIME = 5.0
+REDRAWS = 200
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The arguments that ``gymnasium.make`` passes on, checked."""
+
+    control: Control = "force"
+    sensors: Sensors = "pose"
+    reward: Reward = "uncertainty"
+    cohort: str = "trismus"
+    episode_s: float = 30.0
+    control_hz: float = 20.0
+    comfort_weight: float = 0.0
+    track_bound: bool = False
+    device: dict[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: a field has a value that is not allowed.
+        """
+        for name, allowed in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
+            value = getattr(self, name)
+            if value not in get_args(allowed):
+                raise InputError(f"{name} is {value!r}; allowed: {', '.join(get_args(allowed))}")
+        for name in ("episode_s", "control_hz", "comfort_weight"):
+            value = getattr(self, name)
+            low = "0 or more" if name == "comfort_weight" else "more than 0"
+            fine = isinstance(value, int | float) and isfinite(value) and value >= 0.0
+            if not fine or (value == 0.0 and name != "comfort_weight"):
+                raise InputError(f"{name} is {value!r}; allowed: a finite number, {low}")
+        ticks = 1.0 / (self.control_hz * TICK)
+        if abs(ticks - round(ticks)) > 1e-9 or ticks < 1.0:
+            raise InputError(f"control_hz is {self.control_hz!r}; allowed: 100 divided by a whole number")
+        if self.steps < 1:
+            raise InputError(f"episode_s is {self.episode_s!r}; allowed: at least one control period")
+        if not isinstance(self.track_bound, bool):
+            raise InputError(f"track_bound is {self.track_bound!r}; allowed: true or false")
+
+    @property
+    def needs_bound(self) -> bool:
+        """Whether the bound's recursion runs beside the filter's."""
+        return self.track_bound or self.reward == "bound"
+
+    @property
+    def ticks_per_step(self) -> int:
+        """Sensor and filter ticks in one control period."""
+        return round(1.0 / (self.control_hz * TICK))
+
+    @property
+    def steps(self) -> int:
+        """Control periods in an episode."""
+        return round(self.episode_s * self.control_hz)
+
+    def build_device(self) -> Device:
+        """The device with the fields that the user changed."""
+        if self.device is None:
+            return Device()
+        if not isinstance(self.device, dict):
+            raise InputError(f"device is {self.device!r}; allowed: a mapping of device fields")
+        names = [field.name for field in fields(Device)]
+        for name in self.device:
+            if name not in names:
+                raise InputError(f"device.{name} is not a field of the device; allowed: {', '.join(names)}")
+        return Device(**self.device)
+
+
+def configure(arguments: dict[str, Any]) -> Configuration:
+    """Configuration from keyword arguments.
+
+    Raises:
+        InputError: an argument is unknown or has a value that is not allowed.
+    """
+    names = [field.name for field in fields(Configuration)]
+    for name in arguments:
+        if name not in names:
+            raise InputError(f"argument {name!r} is unknown; allowed: {', '.join(names)}")
+    return Configuration(**arguments)
+
+
+class Simulation:
+    """N worlds, advanced together by compiled code; world i depends on its own key and actions alone.
+
+    Args:
+        num_worlds: N.
+        configuration: Checked arguments.
+    """
+
+    def __init__(self, num_worlds: int, configuration: Configuration) -> None:
+        """Allocate the worlds; nothing is simulated before ``reset``."""
+        self.configuration = configuration
+        self.cohort: Cohort = cohort(configuration.cohort)
+        self.device = configuration.build_device().records()
+        self.settings = self._build_settings()
+        self.worlds = make_worlds(num_worlds)
+        self.models = np.zeros(num_worlds, dtype=JAW)
+        self._jaw = build_jaw()
+        threads = numba.get_num_threads()
+        self._scratches = np.zeros(threads, dtype=SCRATCH)
+        self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
+        self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
+        self._episodes = np.zeros(num_worlds, dtype=np.int64)
+        self.observation = np.zeros((num_worlds, OBSERVATION_SIZE), dtype=np.float32)
+        announce_compilation()
+
+    def _build_settings(self) -> NDArray[np.void]:
+        configuration, device = self.configuration, self.device[0]
+        records = np.zeros(1, dtype=SETTINGS)
+        settings = records[0]
+        settings["trajectory"] = configuration.control == "trajectory"
+        settings["bound"] = configuration.needs_bound
+        pose = [True] * 12
+        point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
+        settings["used"] = pose if configuration.sensors == "pose" else point
+        noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
+        settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        settings["wrench_variance"] = np.repeat(
+            [
+                float(device["unmodelled_force"]) ** 2 + float(device["cell_force"]) ** 2,
+                float(device["unmodelled_moment"]) ** 2 + float(device["cell_moment"]) ** 2,
+            ],
+            3,
+        )
+        settings["parameter_rate"] = PARAMETER_RATE
+        settings["parameter_time"] = PARAMETER_TIME
+        settings["prior_mean"] = self.cohort.prior.mean
+        settings["prior_sd"] = self.cohort.prior.sd
+        settings["steps"] = configuration.steps
+        settings["ticks_per_step"] = configuration.ticks_per_step
+        return records
+
+    def seed_world(self, index: int, generator: np.random.Generator) -> None:
+        """Give a world the key that all its coming episodes draw from."""
+        self._keys[index] = generator.integers(0, 2**63, size=2, dtype=np.uint64)
+        self._episodes[index] = 0
+
+    def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None]) -> None:
+        """Begin a new episode in every chosen world.
+
+        Args:
+            chosen: (N,) which worlds.
+            patients: A patient per world, or None where one is to be drawn from the cohort.
+
+        Raises:
+            InputError: a given patient has no rest pose that the device can treat.
+        """
+        drawn: dict[int, np.random.Generator] = {}
+        for i in np.flatnonzero(chosen):
+            words = philox(tuple(self._keys[i]), _counter(int(self._episodes[i])))
+            self._episodes[i] += 1
+            self.worlds["key"][i] = words[:2]
+            drawn[int(i)] = np.random.Generator(np.random.Philox(key=np.array(words[2:], dtype=np.uint64)))
+            self._place(int(i), patients[i], drawn[int(i)])
+        waiting = chosen.copy()
+        accepted = np.ones(len(chosen), dtype=np.bool_)
+        for _ in range(REDRAWS):
+            begin(
+                self.device,
+                self.models,
+                self.worlds,
+                waiting,
+                self.settings,
+                self._scratches,
+                self._beginnings,
+                accepted,
+            )
+            waiting = waiting & ~accepted
+            if not waiting.any():
+                break
+            for i in np.flatnonzero(waiting):
+                given = patients[i]
+                if given is not None:
+                    raise InputError(
+                        f"patient {given.name!r} has no rest pose within reach of the device, or a painless range "
+                        "of less than 5 mm; allowed: a jaw that rests less than 35 mm open and 5 mm aside"
+                    )
+                self._place(int(i), None, drawn[int(i)])
+        else:
+            raise InputError(f"cohort {self.cohort.name!r}: {REDRAWS} patients in a row cannot be treated")
+        self.look()
+
+    def _place(self, index: int, patient: Patient | None, generator: np.random.Generator) -> None:
+        """Write a patient, given or drawn, into a world and into what the filter knows of its geometry."""
+        if patient is None:
+            log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
+        else:
+            log_parameters, tilt = patient.log_parameters(), patient.head_tilt_deg
+        self._jaw["gravity"] = gravity_in_head(float(np.linalg.norm(self._jaw["gravity"])), tilt)
+        self.models[index] = self._jaw
+        self.worlds["jaw"][index] = self._jaw
+        self.worlds["log_parameters"][index] = log_parameters
+
+    def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
+        """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
+        advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches)
+        self.look()
+
+    def look(self) -> None:
+        """Refresh ``observation`` (N, 63)."""
+        observe(self.device, self.models, self.worlds, self.settings, self._scratches, self.observation)
+
+    def info(self, worlds: Any) -> dict[str, Any]:
+        """Fresh info of one of this simulation's worlds, or of an array of them."""
+        return describe(worlds, self.configuration.needs_bound)
+
+
+def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
+    return np.uint64(episode), np.uint64(0), np.uint64(0), np.uint64(0)
+
+
+def announce_compilation() -> None:
+    """Say once, on stderr, that kernels are being compiled, when they are not in the cache."""
+    if not is_cached(advance):
+        print("jawenv: compiling the simulation for this machine, once (about a minute) ...", file=sys.stderr)

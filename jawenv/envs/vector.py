@@ -1,0 +1,200 @@
+"""The native vector form of ``jawenv/Jaw-v0``: N worlds, one compiled call per step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium import error
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from jawenv.anatomy import Patient, Prior
+from jawenv.device.device import N_MOTORS
+from jawenv.envs.actions import checked_actions
+from jawenv.envs.info import with_masks
+from jawenv.envs.jaw import action_space, observation_space, patient_of
+from jawenv.envs.rewards import potential
+from jawenv.envs.simulation import Simulation, configure
+from jawenv.errors import InputError
+
+Batch = tuple[NDArray[np.float32], dict[str, Any]]
+StepBatch = tuple[
+    NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
+]
+
+
+class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """N independent worlds; world i equals the single environment with its seed bit for bit.
+
+    Arguments are those of ``JawEnv``, and:
+
+    Args:
+        num_envs: N.
+        autoreset_mode: "next_step" (the step after an episode's end resets that world, ignoring its action),
+            "same_step" (the ending step resets; the last observation and info are in ``info["final_obs"]`` and
+            ``info["final_info"]``), or "disabled" (a finished world stands still, with reward 0, until
+            ``reset(options={"reset_mask": ...})``).
+
+    ``reset(seed=s)`` seeds world i with s + i. ``options`` may hold ``patients``, one ``Patient``, mapping or None per
+    world, and ``reset_mask`` (N,) bool.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **arguments: Any,
+    ) -> None:
+        """Check the arguments and allocate N worlds.
+
+        Raises:
+            InputError: an argument is unknown or has a value that is not allowed.
+        """
+        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
+            raise InputError(f"num_envs is {num_envs!r}; allowed: a whole number, 1 or more")
+        if render_mode is not None:
+            raise InputError(f"render_mode is {render_mode!r}; allowed in the vector form: None")
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.configuration = configure(arguments)
+        self.render_mode = None
+        self.num_envs = int(num_envs)
+        self.single_observation_space, self.single_action_space = observation_space(), action_space()
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.simulation = Simulation(self.num_envs, self.configuration)
+        self._seeded = False
+        self._potential = np.zeros(self.num_envs)
+        self._done = np.zeros(self.num_envs, dtype=np.bool_)
+        self._all = np.ones(self.num_envs, dtype=np.bool_)
+
+    @property
+    def prior(self) -> Prior:
+        """The filter's prior over the log-parameters."""
+        return self.simulation.cohort.prior
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> Batch:
+        """Start episodes in all worlds, or in those of ``options["reset_mask"]``.
+
+        Raises:
+            InputError: an option is unknown or has the wrong shape, or a patient is not usable.
+        """
+        options = options or {}
+        for name in options:
+            if name not in ("patients", "reset_mask"):
+                raise InputError(f"option {name!r} is unknown; allowed: patients, reset_mask")
+        chosen = self._checked_mask(options.get("reset_mask"))
+        self._seed_worlds(seed, chosen)
+        self._begin(chosen, self._checked_patients(options.get("patients")))
+        return self.simulation.observation.copy(), with_masks(
+            self.simulation.info(self.simulation.worlds), chosen.copy()
+        )
+
+    def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
+        if mask is None:
+            return self._all
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
+            raise InputError(
+                f"option reset_mask is {mask!r}; allowed: a bool array of shape ({self.num_envs},)"
+            )
+        return mask
+
+    def _checked_patients(self, patients: Any) -> list[Patient | None]:
+        if patients is None:
+            return [None] * self.num_envs
+        if len(patients) != self.num_envs:
+            raise InputError(f"option patients has {len(patients)} entries; allowed: {self.num_envs}")
+        return [None if patient is None else patient_of(patient) for patient in patients]
+
+    def _seed_worlds(self, seed: int | Sequence[int | None] | None, chosen: NDArray[np.bool_]) -> None:
+        """Seed world i with s + i for an integer s, or with entry i of a sequence; else only at the first reset."""
+        seeds: list[int | None]
+        if seed is None:
+            seeds = [None] * self.num_envs
+        elif isinstance(seed, int | np.integer):
+            self._np_random, self._np_random_seed = np_random(int(seed))
+            seeds = [int(seed) + i for i in range(self.num_envs)]
+        else:
+            seeds = list(seed)
+            if len(seeds) != self.num_envs:
+                raise InputError(
+                    f"seed has {len(seeds)} entries; allowed: an integer or {self.num_envs} entries"
+                )
+        for i in np.flatnonzero(self._all if not self._seeded else chosen):
+            if seeds[i] is not None or not self._seeded:
+                self.simulation.seed_world(int(i), np_random(seeds[i])[0])
+        self._seeded = True
+
+    def _begin(self, chosen: NDArray[np.bool_], patients: list[Patient | None]) -> None:
+        self.simulation.reset(chosen, patients)
+        now = potential(self.configuration.reward, self.simulation.worlds)
+        self._potential[chosen] = now[chosen]
+        self._done[chosen] = False
+
+    def step(self, actions: NDArray[np.float32]) -> StepBatch:
+        """One control period of every world; ``actions`` (N, 4).
+
+        Raises:
+            InputError: the actions have another shape than (N, 4), or a component that is no number in [-1, 1].
+        """
+        if not self._seeded:
+            raise error.ResetNeeded("call reset() before step()")
+        checked = checked_actions(actions, (self.num_envs, N_MOTORS))
+        simulation, configuration = self.simulation, self.configuration
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._done.any():
+            raise error.ResetNeeded("a world that was ended by hand must be reset")
+        waiting = self._done.copy()
+        simulation.advance(checked, ~waiting)
+        worlds = simulation.worlds
+        now = potential(configuration.reward, worlds)
+        info = simulation.info(worlds)
+        reward = (
+            now - self._potential - configuration.comfort_weight * info["cost"] / configuration.control_hz
+        )
+        reward[waiting] = 0.0
+        self._potential = now
+        terminated = info["violation"] | ~np.isfinite(worlds["log_det"])
+        truncated = worlds["tick"] >= configuration.steps * configuration.ticks_per_step
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP and waiting.any():
+            terminated, truncated = terminated & ~waiting, truncated & ~waiting
+            self._begin(waiting, [None] * self.num_envs)
+            info = simulation.info(worlds)
+        self._done = terminated | truncated
+        info = with_masks(info, self._all.copy())
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._done.any():
+            info = self._restart(info)
+        return simulation.observation.copy(), reward, terminated, truncated, info
+
+    def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:
+        """Reset the worlds that are done; keep their last observation and info."""
+        done = self._done.copy()
+        last = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(done):
+            last[i] = self.simulation.observation[i].copy()
+        self._begin(done, [None] * self.num_envs)
+        info = with_masks(self.simulation.info(self.simulation.worlds), self._all.copy())
+        return info | {
+            "final_obs": last,
+            "_final_obs": done,
+            "final_info": final_info,
+            "_final_info": done.copy(),
+        }
+
+
+def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    if isinstance(mode, AutoresetMode):
+        return mode
+    names = [member.name.lower() for member in AutoresetMode]
+    if str(mode).lower() not in names:
+        raise InputError(f"autoreset_mode is {mode!r}; allowed: {', '.join(names)}")
+    return AutoresetMode[str(mode).upper()]

@@ -1,0 +1,132 @@
+"""One step of the filter's model and its exact derivative.
+
+The model is one classical Runge-Kutta step with a constant wrench; its derivative is the same step applied to the
+variational equation, so that it is the derivative of the numbers that the filter computes, to rounding.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.mechanics.dynamics import N_INPUT_COLUMNS, N_STATES, linearise_acceleration
+from jawenv.mechanics.jaw import N_MUSCLES
+from jawenv.mechanics.kinematics import angle_rates, split
+
+# Columns: the ten states, then log F_o and log b of each muscle, then the wrench.
+N_COLUMNS = N_STATES + N_INPUT_COLUMNS
+
+SENSITIVITY_SCRATCH = [
+    ("by_state", "f8", (5, N_STATES)),
+    ("by_input", "f8", (5, N_INPUT_COLUMNS)),
+    ("stiffness", "f8", (3, 3, 3)),
+    ("pulls", "f8", (N_MUSCLES, 7)),
+    ("by_angle", "f8", (3, 5)),
+    ("stage", "f8", (N_STATES, N_COLUMNS)),
+    ("slope", "f8", (N_STATES, N_COLUMNS)),
+    ("total", "f8", (N_STATES, N_COLUMNS)),
+]
+
+
+@njit
+def fill_angle_rate_derivatives(q, omega, by_angle):  # type: ignore[no-untyped-def]
+    """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
+    cp, sp = cos(q[3]), sin(q[3])
+    ca, sa = cos(q[4]), sin(q[4])
+    tangent = sp / cp
+    across = omega[1] * ca - omega[2] * sa
+    along = omega[1] * sa + omega[2] * ca
+    by_angle[0, 0], by_angle[0, 1] = across * sp / (cp * cp), -along / cp
+    by_angle[0, 2], by_angle[0, 3], by_angle[0, 4] = 0.0, ca / cp, -sa / cp
+    by_angle[1, 0], by_angle[1, 1] = 0.0, across
+    by_angle[1, 2], by_angle[1, 3], by_angle[1, 4] = 0.0, sa, ca
+    by_angle[2, 0], by_angle[2, 1] = -across / (cp * cp), along * tangent
+    by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
+
+
+@njit
+def rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch):  # type: ignore[no-untyped-def]
+    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``."""
+    acceleration = linearise_acceleration(
+        jaw, muscles, q, u, wrench, scratch.by_state, scratch.by_input, scratch.stiffness, scratch.pulls
+    )
+    omega = (u[2], u[3], u[4])
+    fill_angle_rate_derivatives(q, omega, scratch.by_angle)
+    stage, slope = scratch.stage, scratch.slope
+    by_state, by_input, by_angle = scratch.by_state, scratch.by_input, scratch.by_angle
+    for j in range(N_COLUMNS):
+        slope[0, j] = stage[5, j]
+        slope[1, j] = stage[6, j]
+    for i in range(3):
+        a, b = by_angle[i, 0], by_angle[i, 1]
+        c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
+        for j in range(N_COLUMNS):
+            slope[2 + i, j] = (
+                a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
+            )
+    for i in range(5):
+        # One pass over the columns with all factors in registers: this product is the filter's largest cost.
+        a0, a1, a2, a3, a4 = by_state[i, 0], by_state[i, 1], by_state[i, 2], by_state[i, 3], by_state[i, 4]
+        a5, a6, a7, a8, a9 = by_state[i, 5], by_state[i, 6], by_state[i, 7], by_state[i, 8], by_state[i, 9]
+        for j in range(N_COLUMNS):
+            slope[5 + i, j] = (
+                a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
+            ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
+        for j in range(N_INPUT_COLUMNS):
+            slope[5 + i, N_STATES + j] += by_input[i, j]
+    return angle_rates(q, omega), acceleration
+
+
+@njit
+def set_identity(matrix):  # type: ignore[no-untyped-def]
+    """Ones on the diagonal of the leading square block, zeros elsewhere."""
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            matrix[i, j] = 0.0
+        matrix[i, i] = 1.0
+
+
+@njit
+def propagate(jaw, muscles, state, wrench, dt, scratch):  # type: ignore[no-untyped-def]
+    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` (10, 28) with its derivative."""
+    set_identity(scratch.total)
+    set_identity(scratch.stage)
+    start_q, start_u = split(state)
+    q, u = start_q, start_u
+    sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+    for step in range(4):
+        rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch)
+        velocity = (u[0], u[1], rates[0], rates[1], rates[2])
+        weight = dt / 3.0 if step == 1 or step == 2 else dt / 6.0
+        sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
+        accumulate(scratch.total, weight, scratch.slope)
+        if step < 3:
+            reach = dt if step == 2 else 0.5 * dt
+            q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
+            set_identity(scratch.stage)
+            accumulate(scratch.stage, reach, scratch.slope)
+    for i in range(5):
+        state[i] = start_q[i] + sum_q[i]
+        state[5 + i] = start_u[i] + sum_u[i]
+
+
+@njit
+def plus(a, s, b):  # type: ignore[no-untyped-def]
+    """A + s b for tuples of five."""
+    return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2], a[3] + s * b[3], a[4] + s * b[4])
+
+
+@njit
+def accumulate(target, factor, source):  # type: ignore[no-untyped-def]
+    """Target += factor * source for two (10, 28) arrays."""
+    for i in range(N_STATES):
+        for j in range(N_COLUMNS):
+            target[i, j] += factor * source[i, j]
+
+
+def sensitivity_scratch() -> np.void:
+    """Working memory for ``propagate``, for tests and single calls."""
+    record: np.void = np.zeros(1, dtype=np.dtype(SENSITIVITY_SCRATCH, align=True))[0]
+    return record

@@ -1,0 +1,221 @@
+"""Equations of motion of the midline model, and their exact Jacobian.
+
+Newton's law projected on the directions that the fossa leaves free, S = d r_*/d(x, y), and Euler's equation about the
+contact point with arms measured from it:
+
+    S^T (m a_c - F) = 0                                                       (2 rows)
+    I omega' + omega x I omega + m rho x C a_c - tau + c omega = 0            (3 rows)
+
+with a_c = S u_t' + z'' x'^2 e_z + C^T (omega' x rho + omega x (omega x rho)). The normal force never appears, and
+nothing is divided by a speed or by the slope of the fossa. The device's wrench (force and moment at the mouthpiece) is
+given in body axes, as the load cell in the mouthpiece feels it.
+"""
+
+from __future__ import annotations
+
+from jawenv.compiled import njit
+from jawenv.mechanics.forces import resultant, resultant_with_stiffness
+from jawenv.mechanics.jaw import N_MUSCLES
+from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
+
+N_STATES = 10
+N_WRENCH = 6
+# Columns of the sensitivity of u': logs of (F_o, b) per muscle, then the wrench.
+N_INPUT_COLUMNS = 2 * N_MUSCLES + N_WRENCH
+
+
+@njit
+def inertial_coupling(jaw, slope, body_to_head):  # type: ignore[no-untyped-def]
+    """Schur form of the 5 x 5 mass matrix: W = M_tr M_rr^-1 (two rows) and the inverse of M_tt - W M_rt (2 x 2)."""
+    m = jaw.mass
+    x, y, z = jaw.centre_of_mass[0], jaw.centre_of_mass[1], jaw.centre_of_mass[2]
+    inverse = (
+        row3(jaw.inertia_contact_inverse, 0),
+        row3(jaw.inertia_contact_inverse, 1),
+        row3(jaw.inertia_contact_inverse, 2),
+    )
+    forward = (
+        body_to_head[0][0] + slope * body_to_head[2][0],
+        body_to_head[0][1] + slope * body_to_head[2][1],
+        body_to_head[0][2] + slope * body_to_head[2][2],
+    )
+    # Row of M_tr for the direction s: m s . C^T (e_k x rho) = m (rho x C s)_k.
+    first = scale(m, cross((x, y, z), forward))
+    second = scale(m, cross((x, y, z), body_to_head[1]))
+    w_first, w_second = apply(inverse, first), apply(inverse, second)
+    a = m * (1.0 + slope * slope) - (w_first[0] * first[0] + w_first[1] * first[1] + w_first[2] * first[2])
+    b = -(w_first[0] * second[0] + w_first[1] * second[1] + w_first[2] * second[2])
+    d = m - (w_second[0] * second[0] + w_second[1] * second[1] + w_second[2] * second[2])
+    determinant = a * d - b * b
+    return inverse, w_first, w_second, (d / determinant, -b / determinant, a / determinant)
+
+
+@njit
+def solve_mass(coupling, right_x, right_y, right_turn):  # type: ignore[no-untyped-def]
+    """U' from M u' = (right_x, right_y, right_turn)."""
+    inverse, w_first, w_second, schur = coupling
+    rx = right_x - (w_first[0] * right_turn[0] + w_first[1] * right_turn[1] + w_first[2] * right_turn[2])
+    ry = right_y - (w_second[0] * right_turn[0] + w_second[1] * right_turn[1] + w_second[2] * right_turn[2])
+    ax = schur[0] * rx + schur[1] * ry
+    ay = schur[1] * rx + schur[2] * ry
+    turn = apply(inverse, right_turn)
+    return (
+        ax,
+        ay,
+        turn[0] - w_first[0] * ax - w_second[0] * ay,
+        turn[1] - w_first[1] * ax - w_second[1] * ay,
+        turn[2] - w_first[2] * ax - w_second[2] * ay,
+    )
+
+
+@njit
+def inertia_times(jaw, a):  # type: ignore[no-untyped-def]
+    """Inertia about the centre of mass times a body vector."""
+    return apply((row3(jaw.inertia, 0), row3(jaw.inertia, 1), row3(jaw.inertia, 2)), a)
+
+
+@njit
+def body_moment(jaw, body_to_head, moment, omega, wrench):  # type: ignore[no-untyped-def]
+    """Moment about the contact point in body axes: forces, device wrench, damping of rotation."""
+    pull = (wrench[0], wrench[1], wrench[2])
+    turn = add((wrench[3], wrench[4], wrench[5]), cross(vector3(jaw.mouthpiece), pull))
+    return subtract(add(apply_transposed(body_to_head, moment), turn), scale(jaw.damping_rotation, omega))
+
+
+@njit
+def acceleration_kernel(jaw, muscles, q, u, wrench):  # type: ignore[no-untyped-def]
+    """U' (five numbers) for coordinates q, speeds u and the device's wrench (six numbers, body axes)."""
+    body_to_head = rotation(q)
+    force, moment = resultant(jaw, muscles, q, u, body_to_head)
+    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
+    _, slope, curvature, _ = fossa(jaw, q[0])
+    omega = (u[2], u[3], u[4])
+    rho = vector3(jaw.centre_of_mass)
+    bias = add((0.0, 0.0, curvature * u[0] * u[0]), apply(body_to_head, cross(omega, cross(omega, rho))))
+    missing = subtract(force, scale(jaw.mass, bias))
+    turn = body_moment(jaw, body_to_head, moment, omega, wrench)
+    turn = subtract(turn, cross(omega, inertia_times(jaw, omega)))
+    turn = subtract(turn, scale(jaw.mass, cross(rho, apply_transposed(body_to_head, bias))))
+    coupling = inertial_coupling(jaw, slope, body_to_head)
+    return solve_mass(coupling, missing[0] + slope * missing[2], missing[1], turn)
+
+
+@njit
+def state_rate(jaw, muscles, q, u, wrench):  # type: ignore[no-untyped-def]
+    """(q', u') as two tuples of five."""
+    rates = angle_rates(q, (u[2], u[3], u[4]))
+    return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration_kernel(jaw, muscles, q, u, wrench)
+
+
+@njit
+def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):  # type: ignore[no-untyped-def]
+    """U' and its exact derivatives.
+
+    Fills ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input`` (5, 18) with d u'/d(log F_o, log b per muscle;
+    wrench). ``stiffness`` (3, 3, 3) and ``pulls`` (6, 7) are scratch. The residual of the equations of motion is
+    differentiated at fixed u' and solved with the mass matrix, so no derivative of the mass matrix is formed.
+    """
+    body_to_head = rotation(q)
+    force, moment = resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls)
+    pull = (wrench[0], wrench[1], wrench[2])
+    force = add(force, apply(body_to_head, pull))
+    _, slope, curvature, third = fossa(jaw, q[0])
+    m, c = jaw.mass, jaw.damping_sliding
+    omega = (u[2], u[3], u[4])
+    rho = vector3(jaw.centre_of_mass)
+    spin = cross(omega, rho)
+    bias = add((0.0, 0.0, curvature * u[0] * u[0]), apply(body_to_head, cross(omega, spin)))
+    gyro = cross(omega, inertia_times(jaw, omega))
+    missing = subtract(force, scale(m, bias))
+    turn = subtract(body_moment(jaw, body_to_head, moment, omega, wrench), gyro)
+    turn = subtract(turn, scale(m, cross(rho, apply_transposed(body_to_head, bias))))
+    coupling = inertial_coupling(jaw, slope, body_to_head)
+    rate = solve_mass(coupling, missing[0] + slope * missing[2], missing[1], turn)
+
+    # Everything below is at fixed u'.
+    contact_acceleration = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
+    swing = add(cross((rate[2], rate[3], rate[4]), rho), cross(omega, spin))
+    net = subtract(scale(m, add(contact_acceleration, apply(body_to_head, swing))), force)
+    contact_body = apply_transposed(body_to_head, contact_acceleration)
+    moment_body = apply_transposed(body_to_head, moment)
+    k = (row3(stiffness[0], 0), row3(stiffness[0], 1), row3(stiffness[0], 2))
+    ell = (row3(stiffness[1], 0), row3(stiffness[1], 1), row3(stiffness[1], 2))
+    n = (row3(stiffness[2], 0), row3(stiffness[2], 1), row3(stiffness[2], 2))
+
+    # x
+    lift = curvature * rate[0] + third * u[0] * u[0]
+    shift = (1.0, 0.0, slope)
+    change = add(apply(k, shift), (0.0, 0.0, -c * curvature * u[0]))
+    gap = subtract((0.0, 0.0, m * lift), change)
+    twist = scale(m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, lift))))
+    twist = subtract(twist, apply_transposed(body_to_head, apply(ell, shift)))
+    column = solve_mass(
+        coupling, -(gap[0] + slope * gap[2] + curvature * net[2]), -gap[1], scale(-1.0, twist)
+    )
+    for i in range(5):
+        by_state[i, 0] = column[i]
+    # y
+    change = (k[0][1], k[1][1], k[2][1])
+    twist = apply_transposed(body_to_head, (ell[0][1], ell[1][1], ell[2][1]))
+    column = solve_mass(coupling, change[0] + slope * change[2], change[1], twist)
+    for i in range(5):
+        by_state[i, 1] = column[i]
+    # theta, psi, alpha
+    axes = turning_axes(q)
+    for j in range(3):
+        axis = axes[j]
+        axis_head = apply(body_to_head, axis)
+        change = add(apply_transposed(ell, axis_head), apply(body_to_head, cross(axis, pull)))
+        gap = subtract(scale(m, apply(body_to_head, cross(axis, swing))), change)
+        twist = add(scale(-m, cross(rho, cross(axis, contact_body))), cross(axis, moment_body))
+        twist = subtract(twist, apply_transposed(body_to_head, apply(n, axis_head)))
+        column = solve_mass(coupling, -(gap[0] + slope * gap[2]), -gap[1], scale(-1.0, twist))
+        for i in range(5):
+            by_state[i, 2 + j] = column[i]
+    # x', y'
+    lift = 2.0 * curvature * u[0]
+    twist = scale(-m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, lift))))
+    column = solve_mass(coupling, -(c + slope * (m * lift + c * slope)), 0.0, twist)
+    for i in range(5):
+        by_state[i, 5] = column[i]
+    column = solve_mass(coupling, 0.0, -c, (0.0, 0.0, 0.0))
+    for i in range(5):
+        by_state[i, 6] = column[i]
+    # omega
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    angular_momentum = inertia_times(jaw, omega)
+    for j in range(3):
+        unit = units[j]
+        swing_change = add(cross(unit, spin), cross(omega, cross(unit, rho)))
+        gap = scale(m, apply(body_to_head, swing_change))
+        twist = add(cross(unit, angular_momentum), cross(omega, inertia_times(jaw, unit)))
+        twist = add(add(twist, scale(m, cross(rho, swing_change))), scale(jaw.damping_rotation, unit))
+        column = solve_mass(coupling, -(gap[0] + slope * gap[2]), -gap[1], scale(-1.0, twist))
+        for i in range(5):
+            by_state[i, 7 + j] = column[i]
+    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input)
+    return rate
+
+
+@njit
+def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):  # type: ignore[no-untyped-def]
+    """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 18)."""
+    for muscle in range(N_MUSCLES):
+        pull = (pulls[muscle, 0], pulls[muscle, 1], pulls[muscle, 2])
+        turn = apply_transposed(body_to_head, (pulls[muscle, 3], pulls[muscle, 4], pulls[muscle, 5]))
+        column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)
+        exponent = muscles[muscle, 1] * pulls[muscle, 6]
+        for i in range(5):
+            by_input[i, 2 * muscle] = column[i]
+            by_input[i, 2 * muscle + 1] = column[i] * exponent
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    mouthpiece = vector3(jaw.mouthpiece)
+    for j in range(3):
+        pull = apply(body_to_head, units[j])
+        column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], cross(mouthpiece, units[j]))
+        for i in range(5):
+            by_input[i, 2 * N_MUSCLES + j] = column[i]
+        column = solve_mass(coupling, 0.0, 0.0, units[j])
+        for i in range(5):
+            by_input[i, 2 * N_MUSCLES + 3 + j] = column[i]

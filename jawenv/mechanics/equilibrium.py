@@ -1,0 +1,122 @@
+"""Where the relaxed jaw rests, and where it goes when the mouth is opened slowly.
+
+The equilibrium is found by pseudo-transient continuation (Kelley & Keyes 1998): implicit Euler steps along
+q' = M^-1 Q(q) with growing step, which follow the branch that starts at the closed jaw and end at stable equilibria
+only. Under a vertical force alone the branch folds (the condyle runs over the crest of the eminence), so the
+mouth is opened by a stiff vertical spring whose end is moved, and the force is read from the spring.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.mechanics.dynamics import linearise_acceleration
+from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, vector3
+
+TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
+MAX_ITERATIONS = 300
+HOLD_STIFFNESS = 20e3  # N/m
+
+
+@njit
+def solve_five(matrix, right):  # type: ignore[no-untyped-def]
+    """Solve a 5 x 5 system in place by elimination with row pivoting; the solution replaces ``right``."""
+    for k in range(5):
+        pivot = k
+        for i in range(k + 1, 5):
+            if abs(matrix[i, k]) > abs(matrix[pivot, k]):
+                pivot = i
+        if pivot != k:
+            for j in range(5):
+                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
+            right[k], right[pivot] = right[pivot], right[k]
+        for i in range(k + 1, 5):
+            factor = matrix[i, k] / matrix[k, k]
+            for j in range(k, 5):
+                matrix[i, j] -= factor * matrix[k, j]
+            right[i] -= factor * right[k]
+    for k in range(4, -1, -1):
+        for j in range(k + 1, 5):
+            right[k] -= matrix[k, j] * right[j]
+        right[k] /= matrix[k, k]
+
+
+@njit
+def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):  # type: ignore[no-untyped-def]
+    """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
+
+    With ``held`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
+    otherwise it is free. ``scratch`` holds ``by_state``, ``by_input``, ``stiffness``, ``pulls``.
+    """
+    step = 1e-4
+    previous = np.inf
+    force = 0.0
+    arm = vector3(jaw.mouthpiece)
+    for _ in range(MAX_ITERATIONS):
+        q = (pose[0], pose[1], pose[2], pose[3], pose[4])
+        body_to_head = rotation(q)
+        place = add(contact_point(jaw, q), apply(body_to_head, arm))
+        hold = HOLD_STIFFNESS if held else 0.0
+        force = hold * (opening - (jaw.mouthpiece[2] - place[2]))
+        down = apply_transposed(body_to_head, (0.0, 0.0, -1.0))
+        wrench = (force * down[0], force * down[1], force * down[2], 0.0, 0.0, 0.0)
+        still = (0.0, 0.0, 0.0, 0.0, 0.0)
+        rate = linearise_acceleration(
+            jaw,
+            muscles,
+            q,
+            still,
+            wrench,
+            scratch.by_state,
+            scratch.by_input,
+            scratch.stiffness,
+            scratch.pulls,
+        )
+        residual = max(abs(rate[0]), abs(rate[1]), abs(rate[2]), abs(rate[3]), abs(rate[4]))
+        if residual < TOLERANCE:
+            return force, True
+        step = min(step * min(max(previous / residual, 0.5), 3.0), 1e6)
+        previous = residual
+        fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix)
+        axes = turning_axes(q)
+        for i in range(5):
+            right[i] = rate[i]
+            for j in range(5):
+                matrix[i, j] = -matrix[i, j]
+        # Rows 2-4 are in body axes; the step is in angles: omega = sum of rate times axis.
+        matrix[0, 0] += 1.0 / step
+        matrix[1, 1] += 1.0 / step
+        for i in range(3):
+            for j in range(3):
+                matrix[2 + i, 2 + j] += axes[j][i] / step
+        solve_five(matrix, right)
+        largest = max(abs(right[0]), abs(right[1])) / 2e-3
+        largest = max(largest, max(abs(right[2]), max(abs(right[3]), abs(right[4]))) / 0.1)
+        shorten = 1.0 / max(1.0, largest)
+        for i in range(5):
+            pose[i] += shorten * right[i]
+    return force, False
+
+
+@njit
+def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):  # type: ignore[no-untyped-def]
+    """Derivative of u' by q (5 x 5) with the spring's force following the motion."""
+    arm = vector3(jaw.mouthpiece)
+    slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])
+    axes = turning_axes(q)
+    for j in range(5):
+        turn = (0.0, 0.0, 0.0)
+        if j == 0:
+            drop = -slope
+        elif j == 1:
+            drop = 0.0
+        else:
+            drop = -apply(body_to_head, cross(axes[j - 2], arm))[2]
+            turn = cross(axes[j - 2], down)
+        for i in range(5):
+            value = scratch.by_state[i, j]
+            for k in range(3):
+                value += scratch.by_input[i, 12 + k] * (-hold * drop * down[k] - force * turn[k])
+            matrix[i, j] = value

@@ -1,0 +1,169 @@
+"""Forces on the mandible and their stiffness: muscles, gravity, teeth, capsule, damping on sliding.
+
+Every force acts at a point that moves with the mandible, p from the contact point in head axes, and depends on
+where that point is: dF = K dr. Summed over points, the resultant (F, tau about the contact point) and the three
+3 x 3 matrices
+
+    K,    L = sum [p]x K,    N = sum (p F^T - (p . F) 1 - [p]x K [p]x)
+
+give the derivative for any motion: a shift dr changes F by K dr and tau by L dr; a turn dphi (head axes) changes F by
+L^T dphi and tau by N dphi. Moments are taken about the contact point with arms measured from it.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from jawenv.compiled import njit
+from jawenv.mechanics.jaw import N_MUSCLES, N_TEETH
+from jawenv.mechanics.kinematics import contact_point, fossa
+from jawenv.mechanics.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
+
+
+@njit
+def smooth_ramp(depth, width):  # type: ignore[no-untyped-def]
+    """Depth of a one-sided stop with a quadratic onset over ``width``, and its slope: continuous to the slope."""
+    if depth <= 0.0:
+        return 0.0, 0.0
+    if depth < width:
+        return 0.5 * depth * depth / width, depth / width
+    return depth - 0.5 * width, 1.0
+
+
+@njit
+def muscle_pull(jaw, muscles, i, contact, body_to_head):  # type: ignore[no-untyped-def]
+    """Muscle i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
+
+    ``muscles`` is (6, 2): F_o in N, b. The law is van Ruijven & Weijs (1990) as used by Young (2016), eq. 2.2.
+    """
+    arm = apply(body_to_head, row3(jaw.insertion, i))
+    line = subtract(row3(jaw.origin, i), add(contact, arm))
+    length = norm(line)
+    tension = muscles[i, 0] * exp(muscles[i, 1] * (length / jaw.l_o[i] - 1.0))
+    return arm, scale(1.0 / length, line), length, tension
+
+
+@njit
+def resultant(jaw, muscles, q, u, body_to_head):  # type: ignore[no-untyped-def]
+    """Resultant force and moment about the contact point, head axes, of everything but the device."""
+    contact = contact_point(jaw, q)
+    weight = scale(jaw.mass, vector3(jaw.gravity))
+    force = weight
+    moment = cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
+    for i in range(N_MUSCLES):
+        arm, direction, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
+        pull = scale(tension, direction)
+        force = add(force, pull)
+        moment = add(moment, cross(arm, pull))
+    for i in range(N_TEETH):
+        arm = apply(body_to_head, row3(jaw.teeth, i))
+        ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        if ramp > 0.0:
+            push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
+            force = add(force, push)
+            moment = add(moment, cross(arm, push))
+    capsule, _ = capsule_force(jaw, q[0])
+    _, slope, _, _ = fossa(jaw, q[0])
+    c = jaw.damping_sliding
+    force = add(force, (capsule - c * u[0], -c * u[1], -c * slope * u[0]))
+    return force, moment
+
+
+@njit
+def capsule_force(jaw, x):  # type: ignore[no-untyped-def]
+    """Forward force of the stops behind the fossa's roof (x < 0) and past the crest, and its derivative by x."""
+    back, back_slope = smooth_ramp(-x, jaw.stop_width)
+    front, front_slope = smooth_ramp(x - jaw.crest, jaw.stop_width)
+    k = jaw.condyle_stiffness
+    return k * (back - front), -k * (back_slope + front_slope)
+
+
+@njit
+def clear_stiffness(stiffness):  # type: ignore[no-untyped-def]
+    """Set the (3, 3, 3) array of K, L, N to zero."""
+    for m in range(3):
+        for i in range(3):
+            for j in range(3):
+                stiffness[m, i, j] = 0.0
+
+
+@njit
+def add_point(stiffness, arm, force):  # type: ignore[no-untyped-def]
+    """Add a point force that does not depend on place to N."""
+    along = dot(arm, force)
+    for i in range(3):
+        for j in range(3):
+            stiffness[2, i, j] += arm[i] * force[j]
+        stiffness[2, i, i] -= along
+
+
+@njit
+def add_line(stiffness, arm, direction, k):  # type: ignore[no-untyped-def]
+    """Add the symmetric rank-one stiffness k e e^T at ``arm`` to K, L and N."""
+    turn = cross(arm, direction)
+    for i in range(3):
+        for j in range(3):
+            stiffness[0, i, j] += k * direction[i] * direction[j]
+            stiffness[1, i, j] += k * turn[i] * direction[j]
+            stiffness[2, i, j] += k * turn[i] * turn[j]
+
+
+@njit
+def add_isotropic(stiffness, arm, k):  # type: ignore[no-untyped-def]
+    """Add the stiffness k 1 at ``arm`` to K, L and N."""
+    square = dot(arm, arm)
+    for i in range(3):
+        stiffness[0, i, i] += k
+        for j in range(3):
+            stiffness[2, i, j] -= k * arm[i] * arm[j]
+        stiffness[2, i, i] += k * square
+    stiffness[1, 0, 1] -= k * arm[2]
+    stiffness[1, 0, 2] += k * arm[1]
+    stiffness[1, 1, 0] += k * arm[2]
+    stiffness[1, 1, 2] -= k * arm[0]
+    stiffness[1, 2, 0] -= k * arm[1]
+    stiffness[1, 2, 1] += k * arm[0]
+
+
+@njit
+def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):  # type: ignore[no-untyped-def]
+    """As ``resultant``, and fill ``stiffness`` (3, 3, 3) and ``pulls``.
+
+    ``pulls`` (6, 7) receives per muscle its force, its moment about the contact point and its strain (l - l_o)/l_o.
+    """
+    contact = contact_point(jaw, q)
+    weight = scale(jaw.mass, vector3(jaw.gravity))
+    force = weight
+    arm = apply(body_to_head, vector3(jaw.centre_of_mass))
+    moment = cross(arm, weight)
+    clear_stiffness(stiffness)
+    add_point(stiffness, arm, weight)
+    for i in range(N_MUSCLES):
+        arm, direction, length, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
+        pull = scale(tension, direction)
+        turn = cross(arm, pull)
+        force = add(force, pull)
+        moment = add(moment, turn)
+        add_point(stiffness, arm, pull)
+        across = tension / length
+        add_isotropic(stiffness, arm, -across)
+        add_line(stiffness, arm, direction, across - tension * muscles[i, 1] / jaw.l_o[i])
+        for k in range(3):
+            pulls[i, k] = pull[k]
+            pulls[i, 3 + k] = turn[k]
+        pulls[i, 6] = length / jaw.l_o[i] - 1.0
+    for i in range(N_TEETH):
+        arm = apply(body_to_head, row3(jaw.teeth, i))
+        ramp, steepness = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        if ramp > 0.0:
+            push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
+            force = add(force, push)
+            moment = add(moment, cross(arm, push))
+            add_point(stiffness, arm, push)
+            add_line(stiffness, arm, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
+    capsule, capsule_slope = capsule_force(jaw, q[0])
+    stiffness[0, 0, 0] += capsule_slope
+    _, slope, _, _ = fossa(jaw, q[0])
+    c = jaw.damping_sliding
+    force = add(force, (capsule - c * u[0], -c * u[1], -c * slope * u[0]))
+    return force, moment
