@@ -4,8 +4,8 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-DEMO_TRAIN := train ppo --config training/configs/demo.yaml --output $(DEMO)/ppo
-DEMO_COMPARE := compare $(DEMO)/ppo --output $(DEMO)
+DEMO_TRAIN := train ppo --config training/configs/demo.yaml --output $(DEMO)/ppo --continue
+DEMO_COMPARE := compare $(DEMO)/ppo --all-maneuvers --output $(DEMO)
 
 export PYTHON
 
