@@ -1,0 +1,70 @@
+"""pyproject.toml names what the code imports, and constraints.txt pins what it names."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[2]
+
+
+def pins() -> dict[str, str]:
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    found = {}
+    for line in lines:
+        if not line.startswith("#"):
+            match = re.fullmatch(r"([\w.-]+)==([\w.!]+)", line)
+            assert match, f"{line!r} is not of the form name==version, without path, URL or local suffix"
+            found[canonicalize_name(match[1])] = match[2]
+    return found
+
+
+def requirements(*extras: str) -> list[Requirement]:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lists = [project["dependencies"], *(project["optional-dependencies"][extra] for extra in extras)]
+    return [Requirement(line) for lines in lists for line in lines]
+
+
+def imported(folder: Path) -> set[str]:
+    """Top-level names that the modules of a folder import, also inside functions."""
+    found = set()
+    for path in folder.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                found.add(node.module.split(".")[0])
+    return found - set(sys.stdlib_module_names)
+
+
+def test_every_requirement_is_pinned_within_its_range() -> None:
+    pinned = pins()
+    for requirement in requirements("train", "eval", "dev"):
+        version = pinned.get(canonicalize_name(requirement.name))
+        assert version is not None, f"{requirement.name} is not in constraints.txt"
+        assert version in requirement.specifier, f"{requirement} does not allow {version}"
+
+
+@pytest.mark.parametrize(
+    ("folder", "own", "extras"),
+    [
+        ("jawenv", {"jawenv"}, []),
+        ("agents", {"jawenv", "agents"}, ["train"]),
+        ("training", {"jawenv", "agents", "training"}, ["train"]),
+        ("eval", {"jawenv", "agents", "training", "eval"}, ["train", "eval"]),
+    ],
+)
+def test_what_is_imported_is_required(folder: str, own: set[str], extras: list[str]) -> None:
+    required = {canonicalize_name(requirement.name) for requirement in requirements(*extras)}
+    distributions = packages_distributions()
+    names = imported(ROOT / folder)
+    assert folder in names or "numpy" in names  # the folder was read
+    for name in names - own:
+        owners = {canonicalize_name(owner) for owner in distributions.get(name, [])}
+        assert owners & required, f"{folder} imports {name}, which pyproject.toml does not require"
