@@ -54,7 +54,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
 @pytest.mark.parametrize(
     ("folder", "own", "extras"),
     [
-        ("jawenv", {"jawenv"}, []),
+        ("jawenv", {"jawenv", "yaml"}, []),  # pyyaml only to read a YAML file; jawenv.files says so when it is missing
         ("agents", {"jawenv", "agents"}, ["train"]),
         ("training", {"jawenv", "agents", "training"}, ["train"]),
         ("eval", {"jawenv", "agents", "training", "eval"}, ["train", "eval"]),
