@@ -1,0 +1,93 @@
+"""Would the posterior have led to the right diagnosis of each muscle?
+
+A muscle is *fibrosed* when its force at closed jaw F_o is raised and *blocked* when its exponential
+stiffening b is raised. The posterior decides only when it is sure enough; a muscle left undecided counts as
+missed, both for sensitivity and for specificity (3 x 2 table, intention to diagnose: Schuetz, Schlattmann &
+Dewey 2012, BMJ 345:e6717). So an estimator that learns nothing scores 0 on both, not a free 100 %
+specificity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from jawenv.errors import InputError
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+# Boundaries between the ranges of healthy and of pathological muscles: passive force at closed jaw up to 1 N
+# against 1 to 10 N, exponent 5 to 10 against 10 to 35.
+FIBROSED_F_O_N = 1.0
+BLOCKED_B = 10.0
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Decisions on one property ('fibrosed' or 'blocked') of M muscles in N patients.
+
+    Attributes:
+        raised: (N, M) whether it truly is above the threshold.
+        called_raised: (N, M) the posterior is sure that it is.
+        called_normal: (N, M) the posterior is sure that it is not.
+    """
+
+    raised: Mask
+    called_raised: Mask
+    called_normal: Mask
+
+    @property
+    def sensitivity(self) -> float:
+        """Share of truly raised muscles that are called raised; NaN when there is none."""
+        return _share(self.called_raised, self.raised)
+
+    @property
+    def specificity(self) -> float:
+        """Share of truly normal muscles that are called normal; NaN when there is none."""
+        return _share(self.called_normal, ~self.raised)
+
+    @property
+    def undecided(self) -> float:
+        """Share of all muscles on which the posterior is not sure."""
+        return float(np.mean(~(self.called_raised | self.called_normal)))
+
+    @property
+    def wrong(self) -> float:
+        """Share of the decided muscles that are decided wrongly; NaN when none is decided."""
+        mistaken = (self.called_raised & ~self.raised) | (self.called_normal & self.raised)
+        return _share(mistaken, self.called_raised | self.called_normal)
+
+
+def _share(hits: Mask, among: Mask) -> float:
+    return float(np.mean(hits[among])) if among.any() else float("nan")
+
+
+def diagnose(truth: Array, mean: Array, sd: Array, threshold: float, confidence: float = CONFIDENCE) -> Diagnosis:
+    """Compare one log-parameter of every muscle with a threshold, at the posterior's own confidence.
+
+    Args:
+        truth: (N, M) natural logs of F_o, or of b.
+        mean: (N, M) of the posterior.
+        sd: (N, M) of the posterior.
+        threshold: of the parameter itself (N for F_o), > 0.
+        confidence: posterior probability from which on a muscle counts as decided, in [0.5, 1).
+
+    Returns:
+        The decisions.
+
+    Raises:
+        InputError: threshold or confidence is outside its range.
+    """
+    from scipy.special import ndtri
+
+    if not threshold > 0.0:
+        raise InputError(f"threshold: {threshold} given, allowed is a value above 0")
+    if not 0.5 <= confidence < 1.0:
+        raise InputError(f"confidence: {confidence} given, allowed is at least 0.5 and below 1")
+    log_threshold, sure = np.log(threshold), float(ndtri(confidence))
+    distance = (mean - log_threshold) / sd
+    return Diagnosis(raised=truth > log_threshold, called_raised=distance > sure, called_normal=distance < -sure)

@@ -1,0 +1,174 @@
+"""Every metric of a recording, patient by patient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from jawenv.errors import InputError
+from jawenv.metrics.calibration import claimed_information, covered, nees, true_information
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose
+from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
+from jawenv.rollout import Recording
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+TARGETS = (0.10, 0.05, 0.02)
+
+
+@dataclass(frozen=True)
+class Score:
+    """The metrics of N episodes at their ends; P parameters, natural logs, so an sd of 0.05 is 5 %.
+
+    Attributes:
+        parameter_names: P names.
+        sd: (N, P) claimed standard deviations.
+        error: (N, P) estimate minus truth.
+        bound_sd: (N, P) posterior Cramer-Rao bound, NaN where not tracked.
+        worst_sd: (N,) largest of the P claimed standard deviations.
+        worst_bound_sd: (N,) largest of the P bounds.
+        time_to_s: threshold of the worst sd -> (N,) s until it was reached, infinite if never.
+        information_claimed: (N,) nats by the claimed covariance.
+        information_true: (N,) nats by the log score.
+        information_bound: (N,) nats by the bound, NaN where not tracked.
+        nees: (N,) of the posterior; P on average if it is honest.
+        nees_prior: (N,) of the prior at the same truth; below P where the cohort is narrower than the prior.
+        inside: sigmas -> (N,) share of the parameters whose truth lies within so many claimed standard
+            deviations.
+        rmse: (N,) root mean squared error over the parameters.
+        identified: (N,) number of parameters with sd <= 10 % and the truth inside the 95 % interval.
+        discomfort_s: (N,) integral of the cost over time.
+        largest_fraction: (N,) largest used fraction of a soft comfort limit.
+        violated: (N,) bool, a hard limit was crossed.
+        governor: (N,) share of the time in which the governor acted.
+        duration_s: (N,) length of the episode.
+        fibrosed: decisions on raised F_o.
+        blocked: decisions on raised b.
+    """
+
+    parameter_names: tuple[str, ...]
+    sd: Array
+    error: Array
+    bound_sd: Array
+    worst_sd: Array
+    worst_bound_sd: Array
+    time_to_s: dict[float, Array]
+    information_claimed: Array
+    information_true: Array
+    information_bound: Array
+    nees: Array
+    nees_prior: Array
+    inside: dict[int, Array]
+    rmse: Array
+    identified: npt.NDArray[np.intp]
+    discomfort_s: Array
+    largest_fraction: Array
+    violated: Mask
+    governor: Array
+    duration_s: Array
+    fibrosed: Diagnosis
+    blocked: Diagnosis
+
+    @property
+    def honesty_gap(self) -> Array:
+        """(N,) claimed minus true information, nats: above 0 the filter claims more than it delivers."""
+        return self.information_claimed - self.information_true
+
+    @property
+    def rmse_over_bound(self) -> Array:
+        """(P,) root mean squared error over the patients, over the bound."""
+        return rmse_over_bound(self.error, self.bound_sd)
+
+    def summary(self) -> dict[str, float]:
+        """Aggregate over the patients: means, and median, 90 % quantile and maximum of the worst sd.
+
+        The median time to a target counts the patients who never reach it as infinitely late, so that it is
+        infinite when fewer than half of them do; `share_to_*` says how many do.
+        """
+        table = {
+            "patients": float(len(self.nees)),
+            "worst_sd_median": float(np.median(self.worst_sd)),
+            "worst_sd_p90": float(np.quantile(self.worst_sd, 0.9)),
+            "worst_sd_max": float(np.max(self.worst_sd)),
+            "rmse": float(rmse(self.error, axis=(0, 1))),
+            "rmse_over_bound_mean": float(np.mean(self.rmse_over_bound)),
+            "rmse_over_bound_max": float(np.max(self.rmse_over_bound)),
+            "honesty_gap": float(np.mean(self.honesty_gap)),
+            "violation_share": float(np.mean(self.violated)),
+            "largest_fraction_max": float(np.max(self.largest_fraction)),
+        }
+        means = ("information_claimed", "information_true", "information_bound", "nees", "nees_prior")
+        for name in (*means, "identified", "discomfort_s", "governor"):
+            table[name] = float(np.mean(getattr(self, name)))
+        for sigmas, share in self.inside.items():
+            table[f"inside_{sigmas}_sigma"] = float(np.mean(share))
+        for target, seconds in self.time_to_s.items():
+            table[f"share_to_{target:g}"] = float(np.mean(np.isfinite(seconds)))
+            table[f"time_to_{target:g}_median_s"] = float(np.quantile(seconds, 0.5, method="inverted_cdf"))
+        for name, decisions in (("fibrosed", self.fibrosed), ("blocked", self.blocked)):
+            table[f"{name}_sensitivity"] = decisions.sensitivity
+            table[f"{name}_specificity"] = decisions.specificity
+        return table
+
+
+def score(
+    recording: Recording,
+    *,
+    targets: tuple[float, ...] = TARGETS,
+    sd_limit: float = 0.10,
+    fibrosed_F_o_N: float = FIBROSED_F_O_N,
+    blocked_b: float = BLOCKED_B,
+    confidence: float = CONFIDENCE,
+) -> Score:
+    """Judge a recording: precision, honesty, comfort and diagnosis of every patient when the episode ends.
+
+    Args:
+        recording: see `jawenv.rollout.play`.
+        targets: thresholds of the worst sd whose time is taken.
+        sd_limit: largest sd of an identified parameter.
+        fibrosed_F_o_N: F_o (N) above which a muscle is fibrosed.
+        blocked_b: b above which a muscle is blocked.
+        confidence: posterior probability from which on a diagnosis counts as made.
+
+    Returns:
+        The metrics per patient; `.summary()` aggregates them.
+
+    Raises:
+        InputError: a covariance is not positive definite, or an argument is out of range.
+    """
+    if not sd_limit > 0.0:
+        raise InputError(f"sd_limit: {sd_limit} given, allowed is a value above 0")
+    mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
+    truth, error = recording.truth, mean - recording.truth
+    sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)
+    over_time = recording.belief_sd
+    lived = np.diff(recording.time) * recording.valid[:, 1:]
+    forces = np.array([name.startswith("log_F_o/") for name in recording.parameter_names])
+    prior_cov = np.diag(np.square(recording.prior_sd))
+    return Score(
+        parameter_names=recording.parameter_names,
+        sd=sd,
+        error=error,
+        bound_sd=bound_sd,
+        worst_sd=worst_sd(sd),
+        worst_bound_sd=worst_sd(bound_sd),
+        time_to_s={target: time_to(over_time, recording.time, target, recording.valid) for target in targets},
+        information_claimed=claimed_information(cov, recording.prior_sd),
+        information_true=true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd),
+        information_bound=recording.at_end(recording.information_bound),
+        nees=nees(error, cov),
+        nees_prior=nees(recording.prior_mean - truth, prior_cov),
+        inside={sigmas: covered(error, sd, sigmas).mean(axis=-1) for sigmas in (1, 2, 3)},
+        rmse=rmse(error),
+        identified=identified(mean, sd, truth, sd_limit).sum(axis=-1),
+        discomfort_s=np.sum(recording.cost[:, 1:] * lived, axis=1),
+        largest_fraction=np.max(recording.comfort * recording.valid[..., None], axis=(1, 2)),
+        violated=np.asarray((recording.violation & recording.valid).any(axis=1)),
+        governor=np.sum(recording.governor[:, 1:] * lived, axis=1) / np.maximum(lived.sum(axis=1), lived.max()),
+        duration_s=recording.time[recording.last],
+        fibrosed=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], fibrosed_F_o_N, confidence),
+        blocked=diagnose(truth[:, ~forces], mean[:, ~forces], sd[:, ~forces], blocked_b, confidence),
+    )

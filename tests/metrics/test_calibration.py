@@ -1,0 +1,83 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import chi2, multivariate_normal
+
+from jawenv.errors import InputError
+from jawenv.metrics import claimed_information, covered, log_density, nees, nees_band, true_information
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def draw(seed, size=5):
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((size, size + 3))
+    return rng.standard_normal(size), rng.standard_normal(size), root @ root.T / size, rng
+
+
+def test_nees_by_hand():
+    assert nees(np.array([1.0, 2.0]), np.diag([4.0, 16.0])) == pytest.approx(0.5)
+
+
+@given(seeds)
+def test_nees_does_not_change_under_a_linear_map(seed):
+    error, _, cov, rng = draw(seed)
+    change = rng.standard_normal((5, 5)) + 4.0 * np.eye(5)
+    np.testing.assert_allclose(nees(change @ error, change @ cov @ change.T), nees(error, cov), rtol=1e-6)
+
+
+@given(seeds)
+def test_log_density_is_scipys(seed):
+    truth, mean, cov, _ = draw(seed)
+    np.testing.assert_allclose(log_density(truth, mean, cov), multivariate_normal.logpdf(truth, mean, cov), rtol=1e-8)
+
+
+@given(seeds)
+def test_true_information_is_the_log_ratio_of_the_densities(seed):
+    truth, mean, cov, rng = draw(seed)
+    prior_mean, prior_sd = rng.standard_normal(5), rng.uniform(0.5, 2.0, 5)
+    expected = multivariate_normal.logpdf(truth, mean, cov) - multivariate_normal.logpdf(
+        truth, prior_mean, np.diag(prior_sd**2)
+    )
+    np.testing.assert_allclose(true_information(truth, mean, cov, prior_mean, prior_sd), expected, rtol=1e-7, atol=1e-9)
+
+
+@given(seeds)
+def test_the_gap_is_half_the_difference_of_the_nees(seed):
+    truth, mean, cov, rng = draw(seed)
+    prior_mean, prior_sd = rng.standard_normal(5), rng.uniform(0.5, 2.0, 5)
+    gap = claimed_information(cov, prior_sd) - true_information(truth, mean, cov, prior_mean, prior_sd)
+    expected = 0.5 * (nees(mean - truth, cov) - nees(prior_mean - truth, np.diag(prior_sd**2)))
+    np.testing.assert_allclose(gap, expected, rtol=1e-7, atol=1e-8)
+
+
+@given(seeds, st.floats(0.01, 0.99))
+@settings(max_examples=50)
+def test_claiming_too_much_never_raises_the_expected_true_information(seed, shrink):
+    """Proper score: the exact covariance is the best claim when errors are drawn from it."""
+    _, mean, cov, rng = draw(seed)
+    errors = np.linalg.cholesky(cov) @ rng.standard_normal((5, 4000))
+    truths, prior_mean, prior_sd = mean + errors.T, np.zeros(5), np.ones(5)
+    honest = true_information(truths, mean, cov, prior_mean, prior_sd).mean()
+    assert true_information(truths, mean, cov * shrink**2, prior_mean, prior_sd).mean() <= honest + 0.15
+
+
+def test_claimed_information_by_hand():
+    assert claimed_information(np.diag([0.01, 0.04]), np.array([1.0, 1.0])) == pytest.approx(np.log(10.0) + np.log(5.0))
+    assert claimed_information(np.diag([0.25]), np.array([0.5])) == pytest.approx(0.0)
+
+
+def test_nees_band_is_the_chi_squared_interval_of_the_mean():
+    low, high = nees_band(60)
+    assert (low, high) == pytest.approx((10.79, 13.27), abs=0.01)
+    assert low == pytest.approx(chi2.ppf(0.025, 720) / 60)
+
+
+def test_covered_by_hand():
+    assert covered(np.array([-0.9, 1.1]), np.array([1.0, 1.0]), 1).tolist() == [True, False]
+
+
+def test_an_indefinite_covariance_is_refused():
+    with pytest.raises(InputError, match="covariance: not positive definite"):
+        nees(np.ones(2), np.diag([1.0, -1.0]))

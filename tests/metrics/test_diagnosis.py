@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jawenv.errors import InputError
+from jawenv.metrics import diagnose
+
+TRUTH = np.log([[2.0, 2.0, 2.0, 0.5, 0.5]])
+MEAN = np.log([[2.0, 1.05, 0.4, 0.5, 3.0]])
+SD = np.full((1, 5), 0.1)
+
+
+def test_decisions_by_hand():
+    made = diagnose(TRUTH, MEAN, SD, threshold=1.0)
+    assert made.called_raised.tolist() == [[True, False, False, False, True]]
+    assert made.called_normal.tolist() == [[False, False, True, True, False]]
+    assert made.sensitivity == pytest.approx(1 / 3)
+    assert made.specificity == pytest.approx(1 / 2)
+    assert made.undecided == pytest.approx(1 / 5)
+    assert made.wrong == pytest.approx(2 / 4)
+
+
+def test_who_has_learned_nothing_is_sensitive_and_specific_to_nothing():
+    made = diagnose(TRUTH, np.zeros((1, 5)), np.full((1, 5), 0.5), threshold=1.0)
+    assert (made.sensitivity, made.specificity, made.undecided) == (0.0, 0.0, 1.0)
+    assert np.isnan(made.wrong)
+
+
+def test_a_share_of_nobody_is_not_a_number():
+    assert np.isnan(diagnose(TRUTH, MEAN, SD, threshold=10.0).sensitivity)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 0.99), st.floats(0.5, 0.99))
+def test_asking_for_more_confidence_never_decides_more(seed, one, other):
+    rng = np.random.default_rng(seed)
+    truth, mean, sd = rng.standard_normal((3, 6)), rng.standard_normal((3, 6)), rng.uniform(0.1, 1.0, (3, 6))
+    low, high = sorted((one, other))
+    loose, strict = diagnose(truth, mean, sd, 1.0, low), diagnose(truth, mean, sd, 1.0, high)
+    assert not (strict.called_raised & ~loose.called_raised).any()
+    assert strict.undecided >= loose.undecided
+
+
+@pytest.mark.parametrize(
+    ("threshold", "confidence", "message"),
+    [
+        (-1.0, 0.95, "threshold: -1.0 given"),
+        (1.0, 1.0, "confidence: 1.0 given"),
+        (1.0, 0.3, "confidence: 0.3 given"),
+    ],
+)
+def test_arguments_out_of_range_are_named(threshold, confidence, message):
+    with pytest.raises(InputError, match=message):
+        diagnose(TRUTH, MEAN, SD, threshold, confidence)

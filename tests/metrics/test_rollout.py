@@ -1,0 +1,134 @@
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.errors import InputError
+from jawenv.rollout import information_bound, play
+
+SHORT = {"episode_s": 1.0}
+
+
+class Push:
+    """Sends the same action for ever, and remembers how it was called."""
+
+    def __init__(self, *action):
+        self.action = np.array(action, dtype=np.float32)
+        self.resets, self.starts = [], []
+
+    def reset(self, num_envs, seed=None):
+        self.resets.append((num_envs, seed))
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        self.starts.append(episode_start.copy())
+        return np.tile(self.action, (len(observation), 1)), state
+
+
+REST, OPEN = Push(0, 0, 0, 0), Push(0.4, 0.4, 0, 0)
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return play(OPEN, patients=3, seed=5, env_kwargs=SHORT)
+
+
+def test_a_recording_starts_at_the_reset_and_ends_with_the_episode(recording):
+    assert recording.time[0] == 0.0
+    assert recording.time[-1] == pytest.approx(1.0)
+    assert recording.belief_mean.shape == (3, 21, 12)
+    assert recording.parameter_names == jawenv.PARAMETER_NAMES
+    np.testing.assert_array_equal(recording.prior_sd, jawenv.cohort("trismus").prior.sd)
+    assert recording.valid.all()
+
+
+def test_another_agent_meets_the_same_patients(recording):
+    other = play(REST, patients=3, seed=5, env_kwargs=SHORT)
+    np.testing.assert_array_equal(other.truth, recording.truth)
+    assert not np.array_equal(other.belief_mean, recording.belief_mean)
+
+
+def test_the_same_seed_repeats_bit_for_bit_and_does_not_depend_on_the_company(recording):
+    again = play(OPEN, patients=1, seed=6, env_kwargs=SHORT)
+    np.testing.assert_array_equal(again.belief_cov[0], recording.belief_cov[1])
+
+
+def test_metrics_equal_what_the_environment_reports(recording):
+    judged = jawenv.score(recording)
+    np.testing.assert_allclose(judged.information_claimed, recording.information_claimed[:, -1], atol=1e-9)
+    np.testing.assert_allclose(judged.information_true, recording.information_true[:, -1], atol=1e-9)
+
+
+def test_given_patients_are_played(recording):
+    patients = [jawenv.cohort("severe").draw(np.random.default_rng(seed)) for seed in range(2)]
+    played = play(OPEN, patients=patients, seed=0, env_kwargs=SHORT)
+    np.testing.assert_allclose(played.truth, [patient.log_parameters() for patient in patients])
+
+
+def test_an_agent_is_told_how_many_worlds_and_when_they_start():
+    agent, steps = Push(0, 0, 0, 0), []
+    play(agent, patients=2, seed=9, env_kwargs={"episode_s": 0.2}, progress=lambda *step: steps.append(step))
+    assert agent.resets == [(2, 9)]
+    assert [starts.all() for starts in agent.starts] == [True, False, False, False]
+    assert steps == [(1, 4), (2, 4), (3, 4), (4, 4)]
+
+
+def test_a_world_that_ended_early_keeps_its_last_values():
+    played = play(Push(1, 1, 1, 1), patients=4, seed=0, env_kwargs={"episode_s": 4.0})
+    ended = np.flatnonzero(played.terminated)
+    assert len(ended), "full thrust is expected to cross a hard limit"
+    world, last = ended[0], played.last[ended[0]]
+    assert played.violation[world, last]
+    np.testing.assert_array_equal(played.belief_cov[world, last:], played.belief_cov[world, last : last + 1])
+    assert not played.cost[world, last + 1 :].any()
+
+
+def test_a_filter_that_diverged_ends_its_episode_the_step_before(monkeypatch):
+    from jawenv.envs.vector import JawVectorEnv
+
+    step = JawVectorEnv.step
+
+    def diverging(self, actions):
+        observation, reward, terminated, truncated, info = step(self, actions)
+        if info["time"][0] > 0.45:
+            info["belief_cov"][0] = np.nan
+            info["information_claimed"][0] = np.nan
+            terminated[0] = True
+        return observation, reward, terminated, truncated, info
+
+    monkeypatch.setattr(JawVectorEnv, "step", diverging)
+    played = play(REST, patients=2, seed=0, env_kwargs=SHORT)
+    assert played.terminated.tolist() == [True, False]
+    assert played.last.tolist() == [9, 20]
+    assert np.isfinite(jawenv.score(played).nees).all()
+
+
+def test_the_bound_is_the_same_however_the_environment_is_named(recording):
+    patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
+    env = gym.make("jawenv/Jaw-v0", **SHORT)
+    by_instance = information_bound(env, OPEN, patient)
+    env.close()
+    by_kwargs = information_bound(SHORT, OPEN, patient)
+    by_id = information_bound("jawenv/Jaw-v0", OPEN, patient)
+    assert by_instance.shape == (21, 12)
+    np.testing.assert_array_equal(by_instance, by_kwargs)
+    np.testing.assert_array_equal(by_instance, by_id[:21])
+    assert (by_instance[-1] < by_instance[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"patients": 0}, "patients: 0 given"),
+        ({"patients": []}, "patients: 0 given"),
+        ({"seed": -1}, "seed: -1 given"),
+        ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
+    ],
+)
+def test_bad_input_is_named(change, message):
+    with pytest.raises(InputError, match=message):
+        play(REST, **({"patients": 1, "seed": 0} | change))
+
+
+def test_something_that_is_no_environment_is_named():
+    with pytest.raises(InputError, match="env_or_jaw: a float given"):
+        information_bound(1.0, REST, None)

@@ -1,0 +1,120 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jawenv.errors import InputError
+from jawenv.metrics import nees_band, score
+from tests.metrics.linear_gaussian import linear_gaussian
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return score(linear_gaussian(patients=400))
+
+
+def test_an_exact_posterior_is_calibrated(exact):
+    low, high = nees_band(400)
+    summary = exact.summary()
+    assert low < summary["nees"] < high
+    assert low < summary["nees_prior"] < high
+    for sigmas, share in ((1, 0.6827), (2, 0.9545), (3, 0.9973)):
+        assert summary[f"inside_{sigmas}_sigma"] == pytest.approx(share, abs=0.02)
+    assert summary["honesty_gap"] == pytest.approx(0.0, abs=0.5)
+
+
+def test_an_exact_posterior_reaches_the_bound(exact):
+    assert exact.summary()["rmse_over_bound_mean"] == pytest.approx(1.0, abs=0.05)
+    np.testing.assert_allclose(exact.worst_sd, exact.worst_bound_sd)
+    np.testing.assert_allclose(exact.information_claimed, exact.information_bound)
+
+
+def test_overconfidence_shows(exact):
+    boastful = score(linear_gaussian(patients=400, shrink=0.25))
+    np.testing.assert_allclose(boastful.nees, 4.0 * exact.nees)
+    np.testing.assert_allclose(boastful.worst_sd, 0.5 * exact.worst_sd)
+    assert boastful.honesty_gap.mean() == pytest.approx(18.0, abs=1.5)  # (48 - 12) / 2
+    assert boastful.information_true.mean() < exact.information_true.mean()
+    assert boastful.identified.mean() / 12 < (boastful.sd <= 0.1).mean()
+
+
+def test_information_equals_what_the_environment_reports():
+    recording = linear_gaussian(patients=5)
+    np.testing.assert_allclose(score(recording).information_claimed, recording.information_claimed[:, -1])
+
+
+def test_relabelling_the_patients_changes_nothing_but_their_order():
+    recording = linear_gaussian(patients=6)
+    order = np.array([3, 1, 5, 0, 2, 4])
+    shuffled = replace(
+        recording,
+        **{
+            field: getattr(recording, field)[order]
+            for field in (
+                "belief_mean", "belief_cov", "truth", "bound_sd", "information_claimed", "information_true",
+                "information_bound", "cost", "comfort", "governor", "violation", "valid", "terminated",
+            )
+        },
+    )  # fmt: skip
+    before, after = score(recording), score(shuffled)
+    np.testing.assert_array_equal(after.nees, before.nees[order])
+    assert after.summary() == pytest.approx(before.summary(), nan_ok=True)
+
+
+def test_comfort_by_hand():
+    recording = linear_gaussian(patients=2, steps=4)
+    cost, comfort, violation = recording.cost.copy(), recording.comfort.copy(), recording.violation.copy()
+    cost[0] = [9.0, 1.0, 0.0, 2.0, 0.0]  # the cost at the reset is not part of a step
+    comfort[1, 2, 3] = 1.4
+    violation[1, 2] = True
+    judged = score(replace(recording, cost=cost, comfort=comfort, violation=violation))
+    assert judged.discomfort_s.tolist() == [1.5, 0.0]
+    assert judged.largest_fraction.tolist() == [0.5, 1.4]
+    assert judged.violated.tolist() == [False, True]
+    np.testing.assert_allclose(judged.governor, 0.25)
+
+
+def test_an_episode_that_ended_early_is_judged_where_it_ended():
+    recording = linear_gaussian(patients=2, steps=10)
+    valid = recording.valid.copy()
+    valid[0, 4:] = False
+    judged = score(replace(recording, valid=valid, cost=np.ones_like(recording.cost)))
+    np.testing.assert_allclose(judged.sd[0], recording.belief_sd[0, 3])
+    assert judged.duration_s.tolist() == [1.5, 5.0]
+    assert judged.discomfort_s.tolist() == [1.5, 5.0]
+    np.testing.assert_allclose(judged.governor, 0.25)
+
+
+def test_median_time_counts_those_who_never_arrive():
+    easy, hard = linear_gaussian(patients=3, noise=0.05), linear_gaussian(patients=3, noise=50.0)
+    assert np.isfinite(score(easy).summary()["time_to_0.1_median_s"])
+    assert score(hard).summary()["time_to_0.1_median_s"] == np.inf
+    assert score(hard).summary()["share_to_0.1"] == 0.0
+
+
+def test_diagnosis_uses_its_own_parameters(exact):
+    recording = linear_gaussian(patients=400)
+    np.testing.assert_array_equal(exact.fibrosed.raised, recording.truth[:, ::2] > np.log(1.0))
+    np.testing.assert_array_equal(exact.blocked.raised, recording.truth[:, 1::2] > np.log(10.0))
+    assert exact.fibrosed.wrong < 0.05
+
+
+def test_a_limit_out_of_range_is_named():
+    with pytest.raises(InputError, match="sd_limit: 0 given"):
+        score(linear_gaussian(patients=2, steps=2), sd_limit=0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda r: {"cost": r.cost[:, :-1]}, r"cost has shape \(2, 4\), allowed is \(2, 5\)"),
+        (lambda r: {"truth": np.full_like(r.truth, np.nan)}, "truth holds a value that is not finite"),
+        (lambda r: {"valid": ~r.valid}, "valid must begin True"),
+        (lambda r: {"time": r.time[::-1].copy()}, "time must hold at least two values and grow"),
+        (lambda r: {"truth": r.truth[0]}, "truth has shape"),
+    ],
+)
+def test_a_malformed_recording_is_refused(change, message):
+    recording = linear_gaussian(patients=2, steps=4)
+    with pytest.raises(InputError, match=message):
+        replace(recording, **change(recording))
