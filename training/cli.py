@@ -41,9 +41,7 @@ Resume = Annotated[
 ]
 Continue = Annotated[
     bool,
-    typer.Option(
-        "--continue", help="Go on with the run in the output folder if there is one; else start it."
-    ),
+    typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the output folder.")]
 
@@ -82,9 +80,7 @@ def ppo(
         settings = {"config": config, "output": output, "seed": seed, "n-envs": n_envs, "device": device}
         flags = {"continue": continue_, "overwrite": overwrite}
         for name in (name for name, value in (settings | flags).items() if value not in (None, False)):
-            raise InputError(
-                f"--{name} cannot be combined with --resume, which keeps the settings of the run"
-            )
+            raise InputError(f"--{name} cannot be combined with --resume, which keeps the settings of the run")
         return train.resume(RunFolder(resume), console, steps)
     source = config or DEFAULT_CONFIG
     wanted = TrainingConfig.load(source).changed(steps=steps, seed=seed, n_envs=n_envs, device=device)

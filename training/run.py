@@ -82,9 +82,7 @@ class RunFolder:
         if not self.path.is_dir():
             raise InputError(f"output {self.path} is a file; name a folder")
         if any(self.path.iterdir()) and not self.exists():
-            raise InputError(
-                f"output {self.path} is a folder that holds something other than a run; name another one"
-            )
+            raise InputError(f"output {self.path} is a folder that holds something other than a run; name another one")
         if self.exists() and not overwrite:
             raise InputError(
                 f"{self.path} already holds a run; continue it with --resume {self.path}, "
@@ -190,9 +188,7 @@ def _git_state() -> Mapping[str, object] | None:
     here = Path(__file__).parent
 
     def git(*arguments: str) -> str:
-        done = subprocess.run(
-            ["git", *arguments], cwd=here, capture_output=True, text=True, check=True, timeout=30
-        )
+        done = subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=True, timeout=30)
         return done.stdout.strip()
 
     try:

@@ -135,9 +135,7 @@ class _Session:
                 evaluations = Evaluations(run, config.evaluation, self._validation, interrupt, progress)
                 callbacks: list[BaseCallback] = [StopOnSignal(interrupt), EpisodeLog(progress)]
                 callbacks += [Checkpoints(run, config.checkpoints), evaluations]
-                model.learn(
-                    config.steps - self._from_step, CallbackList(callbacks), reset_num_timesteps=False
-                )
+                model.learn(config.steps - self._from_step, CallbackList(callbacks), reset_num_timesteps=False)
                 checkpoint = run.save_checkpoint(model, config.checkpoints.keep)
         except KeyboardInterrupt:
             self._console.print(f"stopped at once; --resume {run.path} goes on from the latest checkpoint")
@@ -259,6 +257,4 @@ def _steps_of(checkpoint: Path) -> int:
 
 def _damaged(checkpoint: Path, error: Exception) -> InputError:
     reason = " ".join(str(error).split())[:200] or type(error).__name__
-    return InputError(
-        f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it"
-    )
+    return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")

@@ -84,7 +84,16 @@ class NativeVecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{}] * self.num_envs
         if done.any():
             self._finish(np.flatnonzero(done), terminated, info, infos)
-        return np.asarray(observation), np.asarray(reward, dtype=np.float32), done, infos
+        return np.asarray(observation), self._checked(reward), done, infos
+
+    def _checked(self, reward: np.ndarray) -> np.ndarray:
+        """Rewards (N,) in single precision; one that is not finite would silently ruin the whole network."""
+        with np.errstate(over="ignore"):
+            single = np.asarray(reward, dtype=np.float32)
+        if not np.isfinite(single).all():
+            i = int(np.flatnonzero(~np.isfinite(single))[0])
+            raise InputError(f"reward of world {i} of {_name(self.env)} is {reward[i]}: must be a finite number")
+        return single
 
     def _finish(
         self, worlds: np.ndarray, terminated: np.ndarray, info: dict[str, Any], infos: list[dict[str, Any]]

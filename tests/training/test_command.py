@@ -94,9 +94,7 @@ def test_equal_seeds_give_equal_policies(tiny_config: Path, tmp_path: Path) -> N
     assert evaluations(tmp_path / "a") == evaluations(tmp_path / "b")
 
 
-def test_run_is_not_replaced_silently(
-    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_run_is_not_replaced_silently(tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = tmp_path / "run"
     assert train("--config", tiny_config, "--output", run, "--steps", 256) == 0
     capsys.readouterr()

@@ -34,8 +34,7 @@ def test_plain_line_every_ten_seconds(clock: Clock) -> None:
     lines = out.getvalue().splitlines()
     assert len(lines) == 3
     assert lines[1] == (
-        "40,000 of 100,000 steps (40 %) · 1,000 steps/s · 1:00 left · return 1.5 · "
-        "best evaluation 12.25 at 30,000"
+        "40,000 of 100,000 steps (40 %) · 1,000 steps/s · 1:00 left · return 1.5 · best evaluation 12.25 at 30,000"
     )
 
 

@@ -141,6 +141,18 @@ def test_shared_empty_info_does_not_outlive_its_step() -> None:
     assert worlds.step(np.zeros((3, 2)))[3] == [{}, {}, {}]
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+def test_reward_that_would_ruin_the_network_is_named(value: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    worlds = NativeVecEnv(PointVectorEnv(3, "same_step"))
+    worlds.seed(0)
+    worlds.reset()
+    observation, _, terminated, truncated, info = worlds.env.step(np.zeros((3, 2)))
+    outcome = (observation, np.array([0.0, value, 0.0]), terminated, truncated, info)
+    monkeypatch.setattr(worlds.env, "step", lambda actions: outcome)
+    with pytest.raises(InputError, match=r"reward of world 1 of PointVectorEnv is (nan|inf|1e\+300): must be"):
+        worlds.step(np.zeros((3, 2)))
+
+
 def test_other_autoreset_modes_are_refused() -> None:
     with pytest.raises(InputError, match="autoreset_mode of CartPoleVectorEnv is 'next_step'.*'same_step'"):
         NativeVecEnv(CartPoleVectorEnv(2))
