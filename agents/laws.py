@@ -1,0 +1,125 @@
+"""The two control laws that turn targets into actions, one for each control mode of the device.
+
+Positions are the columns (opening in mm above rest, side in mm, roll in rad); the fore-aft channel is a force. Both
+laws see only the observation. Motors in order: vertical left and right, horizontal left and right; roll and yaw come
+from the difference of two motors.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import default_mandible
+from jawenv.device.device import Device
+
+_DEVICE = Device()
+_VERTICAL_ARM, _HORIZONTAL_ARM = _DEVICE.vertical_arm_mm, _DEVICE.horizontal_arm_mm
+_MOUTHPIECE_MM = 1e3 * np.asarray(default_mandible().mouthpiece_m)
+
+
+class Wanted(NamedTuple):
+    """Targets in physical units.
+
+    Attributes:
+        place: (N, 3) opening (mm above rest), side (mm, + left), roll (rad from rest).
+        rate: (N, 3) their rates per second.
+        force_N: (N,) fore-aft force, + forward.
+    """
+
+    place: NDArray
+    rate: NDArray
+    force_N: NDArray
+
+
+class Felt(NamedTuple):
+    """What is observed: place and force as in `Wanted`, pitch (N,) in rad, opened (N,) as a share of the range."""
+
+    place: NDArray
+    force_N: NDArray
+    pitch: NDArray
+    opened: NDArray
+
+
+def _motors(down: NDArray, forward: NDArray, roll: NDArray, yaw: NDArray) -> NDArray:
+    """Four motors (N, 4): common downward and forward parts, and what the right one has more than the left."""
+    return np.stack([down - roll, down + roll, forward - yaw, forward + yaw], axis=-1)
+
+
+@dataclass(frozen=True)
+class TrajectoryLaw:
+    """Rates of the motors' targets: the target's own rate and a correction, and an admittance for the force.
+
+    Attributes:
+        correction: of a position error, 1/s.
+        admittance: rate per error of the fore-aft force, mm/s/N. With a zero target the horizontal motors follow
+            the jaw.
+        drift: its integral, mm/s/N/s: keeps the force while the jaw moves away steadily.
+        side_lever_mm: side motion of the incisors per angle that the horizontal motors turn, for feeding the target's
+            rate forward. Less than the 91 mm between condyles and incisors, as the condyles shift the other way and
+            the servo yields.
+        fastest: largest rate asked for in any direction, mm/s: below the soft limit of speed.
+    """
+
+    correction: tuple[float, float, float] = (3.0, 3.0, 3.0)
+    side_lever_mm: float = 60.0
+    admittance: float = 8.0
+    drift: float = 16.0
+    fastest: float = 30.0
+
+    def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
+        """Action (N, 4) and the new integral (N, 4), of which the last column is used (mm/s)."""
+        rate = wanted.rate + self.correction * (wanted.place - felt.place)
+        down, side = np.clip(rate[:, :2], -self.fastest, self.fastest).T
+        error = wanted.force_N - felt.force_N
+        integral = integral.copy()
+        integral[:, 3] = np.clip(integral[:, 3] + self.drift * error * dt, -self.fastest, self.fastest)
+        forward = np.clip(self.admittance * error + integral[:, 3], -self.fastest, self.fastest)
+        roll = _VERTICAL_ARM * rate[:, 2]
+        yaw = side * _HORIZONTAL_ARM / self.side_lever_mm
+        return np.clip(_motors(down, forward, roll, yaw) / _DEVICE.max_rate_mm_s, -1.0, 1.0), integral
+
+
+@dataclass(frozen=True)
+class ForceLaw:
+    """Thrusts: what a typical jaw would need for the target, and an integral law on the error for the rest.
+
+    The jaw is overdamped, so an integral alone is stable and smooth; answering its place or speed at once would only
+    add to the shaking by the unmodelled force. The fore-aft force is fed straight through; it also closes the jaw, by
+    its height below the condyles over their distance, and that much is added to the vertical thrust.
+
+    Attributes:
+        stiffness: of a typical closed jaw: N/mm for opening, N m/mm for side and N m/rad for roll.
+        stiffening: what full opening adds to it.
+        integral: gain as a share of the stiffness, 1/s.
+        largest: what the integral may reach: N, N m, N m.
+        holds_roll: false leaves roll free, as equal thrusts of the vertical motors do.
+    """
+
+    stiffness: tuple[float, float, float] = (0.12, 0.009, 2.0)
+    stiffening: tuple[float, float, float] = (0.0, 0.012, 2.0)
+    integral: tuple[float, float, float] = (5.0, 5.0, 3.0)
+    largest: tuple[float, float, float] = (16.0, 0.4, 0.2)
+    holds_roll: bool = False
+
+    def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
+        """Action (N, 4) and the new integral (N, 4), of which the first three columns are used (N, N m, N m)."""
+        stiffness = self.stiffness + np.multiply.outer(np.clip(felt.opened, 0.0, 1.0), self.stiffening)
+        error = wanted.place - felt.place
+        integral = integral.copy()
+        held = integral[:, :3] + stiffness * self.integral * error * dt
+        integral[:, :3] = np.clip(held, np.negative(self.largest), self.largest)
+        down, yaw, roll = (stiffness * wanted.place + integral[:, :3]).T
+        roll = roll * self.holds_roll
+        down = down + wanted.force_N * _height_over_lever(felt.pitch)
+        forward = wanted.force_N / 2.0
+        thrust = _motors(down / 2.0, forward, 1e3 * roll / (2.0 * _VERTICAL_ARM), 1e3 * yaw / (2.0 * _HORIZONTAL_ARM))
+        return np.clip(thrust / _DEVICE.full_scale_N, -1.0, 1.0), integral
+
+
+def _height_over_lever(pitch: NDArray) -> NDArray:
+    """How far the mouthpiece is below the condyles, over how far it is before them."""
+    x, _, z = _MOUTHPIECE_MM
+    below = x * np.sin(pitch) - z * np.cos(pitch)
+    return below / (x * np.cos(pitch) + z * np.sin(pitch))

@@ -1,0 +1,67 @@
+"""What a hand-made maneuver reads from an observation, back in physical units."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import default_fossa
+from jawenv.device.comfort import SOFT_FORCE
+from jawenv.envs.observation import (
+    OBSERVATION_LAYOUT,
+    OBSERVATION_SIZE,
+    POSE_SCALE,
+    RANGE_SCALE,
+)
+from jawenv.errors import InputError
+
+CREST_M = np.pi / default_fossa().spatial_frequency
+
+
+class Observed(NamedTuple):
+    """Parts of N observations.
+
+    Attributes:
+        jaw: (N, 3) opening, side and fore-aft place as signed fractions of their soft limits, 0 at rest.
+        range_mm: (N, 3) those limits.
+        pitch, roll: (N,) filtered angles, rad.
+        condyle: (N,) filtered place of the condyles on their way to the crest of the eminence, 0 to 1.
+        fore_aft_N: (N,) force of the device on the jaw along the head's forward axis, by the load cell.
+        margin: (N, 8) what is left of each comfort limit, negative beyond it.
+    """
+
+    jaw: NDArray
+    range_mm: NDArray
+    pitch: NDArray
+    roll: NDArray
+    condyle: NDArray
+    fore_aft_N: NDArray
+    margin: NDArray
+
+
+def read(observation: NDArray) -> Observed:
+    """Take N observations (N, 63) apart.
+
+    Raises:
+        InputError: an observation of another size, or one that is not finite.
+    """
+    if observation.ndim != 2 or observation.shape[1] != OBSERVATION_SIZE:
+        raise InputError(
+            f"observation has shape {observation.shape}, allowed are (N, {OBSERVATION_SIZE}) and ({OBSERVATION_SIZE},)"
+        )
+    if not np.isfinite(observation).all():
+        raise InputError("observation holds a value that is not finite")
+    part = {name: observation[:, place].astype(float) for name, place in OBSERVATION_LAYOUT.items()}
+    pose = part["pose"] * POSE_SCALE
+    pitch = pose[:, 2]
+    # The cell sits in the mouthpiece and turns with it; the motors push along the head's axes.
+    force = part["force"] * SOFT_FORCE
+    return Observed(
+        jaw=part["jaw"],
+        range_mm=part["jaw_range"] * RANGE_SCALE * 1e3,
+        pitch=pitch,
+        roll=pose[:, 4],
+        condyle=pose[:, 0] / CREST_M,
+        fore_aft_N=np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2],
+        margin=part["comfort_margin"],
+    )

@@ -1,0 +1,47 @@
+"""What every agent is: something that answers an observation with an action."""
+
+from typing import Protocol, runtime_checkable
+
+from numpy.typing import NDArray
+
+State = tuple[NDArray, ...] | None
+
+
+@runtime_checkable
+class Agent(Protocol):
+    """A hand-made maneuver, a trained policy or anything else that plays `jawenv/Jaw-v0`.
+
+    `predict` has the signature of stable-baselines3's `predict`, so a trained model and a hand-made maneuver are
+    interchangeable, also inside `stable_baselines3.common.evaluation.evaluate_policy`.
+
+    Attributes:
+        name: short name for tables and figures.
+    """
+
+    name: str
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Forget everything and get ready for `num_envs` worlds that start new episodes."""
+        ...
+
+    def predict(
+        self,
+        observation: NDArray,
+        state: State = None,
+        episode_start: NDArray | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray, State]:
+        """Choose the next action.
+
+        Args:
+            observation: (N, observation size), or (observation size,) for one world.
+            state: what the last call returned. An agent with a memory also keeps it itself, so a caller may leave
+                it out.
+            episode_start: (N,) true where a new episode begins with this observation.
+            deterministic: false lets a stochastic policy draw its action.
+
+        Returns:
+            action: (N, 4) or (4,), in [-1, 1].
+            state: to be handed to the next call; None for an agent without memory.
+        """
+        ...
