@@ -1,0 +1,139 @@
+"""Commands: ``python -m eval compare`` and ``python -m eval report``."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from eval.results import Results
+
+from jawenv.errors import InputError
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="python -m eval",
+    help="Compare maneuvers and trained agents on the same patients.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.callback()
+def _root() -> None:
+    """Compare maneuvers and trained agents on the same patients."""
+
+
+@app.command("compare")
+def compare_command(
+    entries: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MANEUVER|FILE|RUN]...", help="Names, maneuver files or training runs."),
+    ] = None,
+    all_maneuvers: Annotated[
+        bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
+    ] = False,
+    patients: Annotated[int, typer.Option(help="How many; all entries meet the same.", metavar="N")] = 64,
+    cohort: Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")] = "trismus",
+    seed: Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")] = 0,
+    control: Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")] = "force",
+    sensors: Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")] = "pose",
+    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    reference: Annotated[
+        str | None,
+        typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
+    ] = None,
+    output: Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")] = Path(
+        "runs/compare"
+    ),
+    fresh: Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")] = False,
+) -> None:
+    """Play every entry on the same patients with the same noise, rank them and write a report.
+
+    Writes report.html, patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the
+    same command goes on from there.
+    """
+    from eval.compare import Settings, compare
+    from eval.entries import load_entries, maneuver_names
+    from eval.progress import StudyProgress
+
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s)
+    wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
+    loaded = load_entries(wanted, settings.env_kwargs)
+    if reference is not None and reference not in [entry.label for entry in loaded]:
+        allowed = ", ".join(entry.label for entry in loaded)
+        raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
+    console = _console()
+    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+    with StudyProgress(loaded, console) as progress:
+        study = compare(
+            loaded,
+            settings,
+            output,
+            command=command,
+            fresh=fresh,
+            progress=progress.advance,
+            finished=progress.finished,
+        )
+    _present(study, output, reference, console)
+
+
+@app.command("report")
+def report_command(
+    folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
+    reference: Annotated[
+        str | None,
+        typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
+    ] = None,
+) -> None:
+    """Print the tables of a finished comparison and write its report again."""
+    from eval import results
+
+    _present(results.load(folder), folder, reference, _console())
+
+
+def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
+    from eval import report, table
+    from eval.ranking import rank
+
+    ranking = rank(study, reference)
+    table.show(ranking, console)
+    if not console.is_terminal:
+        console.print("drawing the report")
+    with console.status("drawing the report"):
+        written = report.write(study, ranking, output / "report.html")
+    console.print(
+        f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",
+        soft_wrap=True,
+    )
+
+
+def _console() -> Console:
+    """A terminal of its own width, or a log wide enough for the tables."""
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns:
+        Exit code: 0 done, 2 unusable input, 130 interrupted.
+    """
+    try:
+        code = int(app(arguments, prog_name="python -m eval", standalone_mode=False) or 0)
+        if code == INTERRUPTED:  # typer catches Ctrl-C itself
+            print("interrupted: finished entries are kept, the same command goes on from there", file=sys.stderr)
+        return code
+    except InputError as error:
+        message = str(error)
+    except typer.TyperException as error:
+        message = error.format_message()
+    print(f"error: {' '.join(message.split())}", file=sys.stderr)
+    return 2

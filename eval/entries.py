@@ -1,0 +1,145 @@
+"""What is compared: every maneuver or trained run with the settings under which it is played."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import jawenv
+from agents import registry
+from agents.policies import TrainedPolicy
+from agents.protocol import Agent
+
+_OWN_OF_A_RUN = ("control", "sensors", "control_hz")
+_STUDYS_OWN = ("cohort", "episode_s")
+_DEFAULTS: dict[str, Any] = {
+    "control": "force",
+    "sensors": "pose",
+    "control_hz": 20.0,
+    "cohort": "trismus",
+    "episode_s": 30.0,
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One row of a comparison.
+
+    Attributes:
+        label: unique within the study.
+        spec: what the user typed: a maneuver's name, a file or a run's folder.
+        env_kwargs: arguments of the environment it is played in.
+        note: in which settings it differs from those asked for; empty if in none.
+        trained: whether it comes from a training run.
+        description: what it does, in a sentence; empty if unknown.
+        agent: plays it.
+    """
+
+    label: str
+    spec: str
+    env_kwargs: dict[str, Any]
+    note: str
+    trained: bool
+    description: str
+    agent: Agent = field(repr=False)
+
+    def about(self) -> dict[str, Any]:
+        """All but the agent, for the results' metadata."""
+        return {
+            "label": self.label,
+            "spec": self.spec,
+            "env_kwargs": self.env_kwargs,
+            "note": self.note,
+            "trained": self.trained,
+            "description": self.description,
+        }
+
+
+def maneuver_names() -> tuple[str, ...]:
+    """Every hand-made maneuver of the project, and the random policy as the floor."""
+    return (*registry.names(), registry.RANDOM)
+
+
+def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any]) -> list[Entry]:
+    """Load every agent, with its own control mode and sensors where it was trained on others.
+
+    Args:
+        specs: maneuvers, files or runs; one named twice counts once.
+        env_kwargs: settings asked for.
+
+    Raises:
+        InputError: an unknown maneuver, a damaged file or checkpoint.
+    """
+    entries = [_load(spec, env_kwargs) for spec in dict.fromkeys(specs)]
+    labels = [entry.label for entry in entries]
+    return [
+        entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
+        for entry in entries
+    ]
+
+
+def _load(spec: str, env_kwargs: dict[str, Any]) -> Entry:
+    trained_in = _settings_of_run(spec)
+    asked = _DEFAULTS | env_kwargs
+    own = {key: trained_in[key] for key in _OWN_OF_A_RUN if trained_in.get(key, asked[key]) != asked[key]}
+    notes = [f"played with {key} {value}" for key, value in own.items()]
+    notes += [
+        f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
+    ]
+    settings = asked | own
+    agent = registry.load_agent(spec, control=settings["control"], control_hz=settings["control_hz"])
+    maneuver = getattr(agent, "maneuver", None)
+    return Entry(
+        label=agent.name,
+        spec=spec,
+        env_kwargs=env_kwargs | own,
+        note=", ".join(notes),
+        trained=isinstance(agent, TrainedPolicy),
+        description=getattr(maneuver, "description", ""),
+        agent=agent,
+    )
+
+
+def _settings_of_run(spec: str) -> dict[str, Any]:
+    """Arguments of the environment that a run was trained in; none if `spec` is not a run or a checkpoint of one."""
+    path = Path(spec)
+    if path.is_dir():
+        folders = [path]
+    else:
+        folders = [path.parent, path.parent.parent] if path.suffix == ".zip" and path.exists() else []
+    for folder in folders:
+        if (folder / "config.yaml").is_file():
+            from training.config import TrainingConfig
+
+            return _DEFAULTS | TrainingConfig.load(folder / "config.yaml").env.kwargs
+    return {}
+
+
+def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
+    """A key that changes with whatever could change the entry's results: its file, the settings, the program.
+
+    Args:
+        entry: whose results are kept under the key.
+        settings: of the study.
+    """
+    content = hashlib.sha256(json.dumps([entry.about(), settings], sort_keys=True).encode())
+    path = Path(entry.spec)
+    if path.is_dir():
+        files: Iterable[Path] = sorted(path.glob("*.zip"))
+    else:
+        files = [path] if path.is_file() else []
+    for file in (*files, *_program()):
+        content.update(file.name.encode())
+        content.update(file.read_bytes())
+    return content.hexdigest()[:16]
+
+
+def _program() -> list[Path]:
+    """The files that decide what an episode is."""
+    folders = [Path(jawenv.__file__).parent, Path(registry.__file__).parent]
+    kinds = {".py", ".json", ".yaml", ".toml", ".csv"}
+    return sorted(file for folder in folders for file in folder.rglob("*") if file.suffix in kinds)

@@ -1,0 +1,6 @@
+"""Keeps the notebooks small when they run as tests."""
+
+import os
+
+os.environ.setdefault("JAWENV_NOTEBOOK_PATIENTS", "4")
+os.environ.setdefault("JAWENV_NOTEBOOK_EPISODE_S", "5")

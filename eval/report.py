@@ -1,0 +1,109 @@
+"""One HTML file that shows a whole study; it needs no network and no other file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from eval import drawing, figures, svg, verdict, words
+from eval.ranking import Ranking
+from eval.results import Results
+from eval.statistics import RESAMPLES
+from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class EntryFigure:
+    """The 12 parameters of one entry over time."""
+
+    entry: str
+    picture: Markup
+
+
+def write(study: Results, ranking: Ranking, path: Path) -> Path:
+    """Write the report.
+
+    Args:
+        study: results of all entries.
+        ranking: of the same study.
+        path: of the HTML file.
+
+    Returns:
+        The path.
+    """
+    page = render(study, ranking)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_name(path.name + ".unfinished")
+    unfinished.write_text(page, encoding="utf-8")
+    os.replace(unfinished, path)
+    return path
+
+
+def render(study: Results, ranking: Ranking) -> str:
+    """The report as HTML text.
+
+    Args:
+        study: results of all entries.
+        ranking: of the same study.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(("html.j2",), default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": words.number,
+        "percent": words.percent,
+        "interval": words.interval,
+        "label": words.label,
+        "in_percent": lambda found: words.scaled(found, 100.0),
+    }
+    return environment.get_template("report.html.j2").render(
+        ranking=ranking,
+        about=study.about,
+        headline=verdict.headline(ranking),
+        remarks=verdict.remarks(ranking),
+        pictures=dict(_pictures(study, ranking)),
+        entry_figures=list(_entry_figures(study, ranking)),
+        fibrosed_F_o_N=FIBROSED_F_O_N,
+        blocked_b=BLOCKED_B,
+        confidence=CONFIDENCE,
+        resamples=RESAMPLES,
+    )
+
+
+def _pictures(study: Results, ranking: Ranking) -> Iterator[tuple[str, Markup]]:
+    """Every figure that shows all entries, by its name."""
+    drawn = {
+        "overview": (figures.overview, "Information and worst standard deviation of every entry"),
+        "differences": (figures.differences, "Paired differences of information"),
+        "sd_over_time": (figures.sd_over_time, "Standard deviation of every parameter over time"),
+        "time_to_target": (figures.time_to_target, "Share of patients that reach a target over time"),
+        "calibration": (figures.calibration, "NEES, coverage and honesty gap"),
+        "nees_over_time": (figures.nees_over_time, "Mean NEES over time"),
+        "discomfort": (figures.discomfort, "Information against discomfort"),
+    }
+    for name, (draw, label) in drawn.items():
+        yield name, _picture(draw(study, ranking), name, label)
+
+
+def _entry_figures(study: Results, ranking: Ranking) -> Iterator[EntryFigure]:
+    colour = drawing.colours(ranking)
+    for place, row in enumerate(ranking.rows, 1):
+        drawn = figures.sd_of_entry(study, row.entry, colour[row.entry])
+        label = f"Standard deviation of every parameter over time, {words.label(row.entry)}"
+        yield EntryFigure(row.entry, _picture(drawn, f"entry{place}", label))
+
+
+def _picture(figure: Figure, name: str, label: str) -> Markup:
+    return Markup(svg.inline(figure, name, label))  # noqa: S704  (our own figure, ids and label are escaped)

@@ -1,0 +1,122 @@
+"""What the patients of a study say about all patients: bootstrap intervals and paired differences.
+
+Every interval is over patients (scipy.stats.bootstrap): bias-corrected and accelerated for means, percentile
+for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshirani 1993, chapters 11 and 14).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import bootstrap
+
+Array = npt.NDArray[np.float64]
+RESAMPLES = 2000
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A figure over patients with the ends of its 95 % confidence interval (NaN where there is none)."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def known(self) -> bool:
+        """Whether there is an interval: it takes two patients."""
+        return not (np.isnan(self.low) or np.isnan(self.high))
+
+    def overlaps(self, other: Interval) -> bool:
+        """Whether the two intervals share a value."""
+        return self.low <= other.high and other.low <= self.high
+
+
+def _over_patients(statistic: Callable[[Array], Array], values: Array, method: str, seed: int) -> Interval:
+    """Bootstrap a statistic of the rows of `values`; `statistic` reduces axis -2 of (..., N, columns)."""
+    estimate = float(statistic(values[None])[0])
+    if len(values) < 2 or not np.isfinite(estimate):
+        return Interval(estimate, float("nan"), float("nan"))
+    if np.all(values == values[0]):
+        return Interval(estimate, estimate, estimate)
+
+    def of_rows(rows: Array, axis: int = -1) -> Array:
+        return statistic(values[rows.astype(np.intp)])
+
+    found = bootstrap(
+        (np.arange(len(values)),),
+        of_rows,
+        n_resamples=RESAMPLES,
+        batch=max(1, 4_000_000 // values.size),
+        confidence_level=CONFIDENCE,
+        method=method,
+        rng=np.random.default_rng(seed),
+    ).confidence_interval
+    return Interval(estimate, float(found.low), float(found.high))
+
+
+def mean(values: Array, seed: int = 0) -> Interval:
+    """Mean over patients.
+
+    Args:
+        values: (N,) one per patient.
+        seed: of the resampling.
+    """
+    column = np.asarray(values, dtype=np.float64)[:, None]
+    return _over_patients(lambda x: x[..., 0].mean(axis=-1), column, "BCa", seed)
+
+
+def quantile(values: Array, share: float, seed: int = 0) -> Interval:
+    """Quantile over patients, always one of the values, so that infinite ones ('never') may take part.
+
+    Args:
+        values: (N,) one per patient.
+        share: 0.5 is the median.
+        seed: of the resampling.
+    """
+    values = np.asarray(values, dtype=np.float64)
+    finite = values[np.isfinite(values)]
+    largest = float(finite.max()) if len(finite) else 0.0
+    # Resampling needs finite numbers: 'never' is any number beyond the largest, and is turned back at the
+    # end.
+    ranked = np.where(np.isfinite(values), values, largest + 1.0)
+
+    def of(x: Array) -> Array:
+        found: Array = np.quantile(x[..., 0], share, axis=-1, method="inverted_cdf")
+        return found
+
+    found = _over_patients(of, ranked[:, None], "percentile", seed)
+    return Interval(*(np.inf if end > largest else end for end in (found.value, found.low, found.high)))
+
+
+def rmse_over_bound(error: Array, bound_sd: Array, seed: int = 0) -> Interval:
+    """Mean over the parameters of root mean squared error over bound, both taken over the patients.
+
+    Args:
+        error: (N, P).
+        bound_sd: (N, P).
+        seed: of the resampling.
+    """
+    size = error.shape[1]
+
+    def of(x: Array) -> Array:
+        squares = np.mean(np.square(x), axis=-2)
+        ratio: Array = np.sqrt(squares[..., :size] / squares[..., size:]).mean(axis=-1)
+        return ratio
+
+    return _over_patients(of, np.hstack([error, bound_sd]), "BCa", seed)
+
+
+def difference(values: Array, reference: Array, seed: int = 0) -> Interval:
+    """Mean over patients of a value minus the reference's value on the same patient and noise.
+
+    Args:
+        values: (N,) one per patient.
+        reference: (N,) of the same patients in the same order.
+        seed: of the resampling.
+    """
+    return mean(np.asarray(values) - np.asarray(reference), seed)

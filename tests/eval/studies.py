@@ -1,0 +1,45 @@
+"""Studies of known outcome: linear-Gaussian recordings in place of played episodes."""
+
+from eval import results
+from eval.results import Results
+from tests.metrics.linear_gaussian import linear_gaussian
+
+GOOD, TRAINED, BOASTFUL, IDLE = "good_one", "ppo-seed0", "boastful", "hold_still"
+# label -> measurement noise, what the covariance is multiplied by, cost per second of every second patient
+ENTRIES = {GOOD: (0.3, 1.0, 0.0), IDLE: (20.0, 1.0, 0.0), TRAINED: (0.5, 1.0, 0.4), BOASTFUL: (0.6, 0.2, 0.0)}
+
+
+def about(label: str) -> dict:
+    return {
+        "label": label,
+        "spec": label,
+        "env_kwargs": {"control": "force"},
+        "note": "played with control trajectory" if label == TRAINED else "",
+        "trained": label == TRAINED,
+        "description": f"What {label} does.",
+    }
+
+
+def study(patients: int = 40) -> Results:
+    parts = [
+        results.from_recording(linear_gaussian(patients, noise=noise, shrink=shrink, hurt=hurt), label, 7, about(label))
+        for label, (noise, shrink, hurt) in ENTRIES.items()
+    ]
+    settings = {
+        "patients": patients,
+        "cohort": "trismus",
+        "seed": 7,
+        "control": "force",
+        "sensors": "pose",
+        "episode_s": 20.0,
+    }
+    return results.join(
+        parts,
+        {
+            "command": "python -m eval compare good_one",
+            "settings": settings,
+            "entries": [about(label) for label in ENTRIES],
+            "versions": {"jawenv": "0.1.0"},
+            "finished": "2030-01-01 00:00 UTC",
+        },
+    )

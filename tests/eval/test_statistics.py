@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from eval import statistics
+
+VALUES = np.random.default_rng(0).exponential(size=60)
+
+
+def test_a_mean_has_an_interval_that_is_the_same_every_time():
+    found = statistics.mean(VALUES)
+    assert found.value == pytest.approx(VALUES.mean())
+    assert found.low < found.value < found.high
+    assert found == statistics.mean(VALUES)
+
+
+def test_intervals_of_a_mean_cover_it_as_often_as_they_say():
+    rng = np.random.default_rng(1)
+    covered = [(i := statistics.mean(rng.exponential(size=40))).low <= 1.0 <= i.high for _ in range(200)]
+    assert 0.88 <= np.mean(covered) <= 0.99
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.1, 100.0), st.floats(-100.0, 100.0))
+def test_an_interval_moves_with_the_unit(scale, shift):
+    plain, moved = statistics.mean(VALUES), statistics.mean(scale * VALUES + shift)
+    np.testing.assert_allclose([moved.low, moved.high], [scale * plain.low + shift, scale * plain.high + shift])
+
+
+def test_a_median_over_patients_who_never_arrive():
+    times = np.array([1.0, 2.0, 3.0, 4.0, np.inf, np.inf, np.inf, np.inf, np.inf])
+    found = statistics.quantile(times, 0.5)
+    assert found.value == np.inf
+    assert found.low < np.inf
+    assert statistics.quantile(np.full(4, np.inf), 0.5).high == np.inf
+
+
+def test_a_quantile_is_one_of_the_values():
+    assert statistics.quantile(np.arange(10.0), 0.9).value == 8.0
+
+
+def test_one_patient_has_no_interval():
+    found = statistics.mean(np.array([3.0]))
+    assert found.value == 3.0
+    assert not found.known
+
+
+def test_patients_who_all_agree_have_an_interval_without_width():
+    assert statistics.mean(np.zeros(5)) == statistics.Interval(0.0, 0.0, 0.0)
+
+
+def test_a_paired_difference_is_sharper_than_two_means():
+    rng = np.random.default_rng(2)
+    patients = rng.normal(0.0, 10.0, 50)
+    one, other = patients + rng.normal(0.0, 0.1, 50), patients + 1.0 + rng.normal(0.0, 0.1, 50)
+    found = statistics.difference(other, one)
+    assert found.low > 0.9
+    assert found.high < 1.1
+    assert statistics.mean(one).overlaps(statistics.mean(other))
+
+
+def test_rmse_over_bound_of_errors_drawn_from_the_bound():
+    rng = np.random.default_rng(3)
+    bound = rng.uniform(0.1, 1.0, (300, 12))
+    found = statistics.rmse_over_bound(2.0 * bound * rng.standard_normal(bound.shape), bound)
+    assert found.low < 2.0 < found.high
