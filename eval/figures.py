@@ -278,9 +278,7 @@ def discomfort(study: Results, ranking: Ranking) -> Figure:
         if x.known and y.known:
             axes.plot([x.low, x.high], [height, height], **ends)
             axes.plot([x.value, x.value], [max(y.low, floor), max(y.high, floor)], **ends)
-        axes.plot(
-            x.value, height, "v" if below else "o", ms=13, color=colour[row.entry], mec="white", mew=0.8, zorder=3
-        )
+        axes.plot(x.value, height, "o", ms=13, color=colour[row.entry], mec="white", mew=0.8, zorder=3)
         number: dict[str, Any] = {
             "color": "white",
             "fontsize": 8,
@@ -289,11 +287,11 @@ def discomfort(study: Results, ranking: Ranking) -> Figure:
             "va": "center_baseline",
         }
         axes.text(x.value, height, str(place), zorder=4, **number)
-        told = [f"{words.number(y.value, 0)} nats"] if below else []
+        told = ["\u2193"] if below else []
         if row.violated.value > 0.0:
             told.append(f"{words.percent(row.violated.value, 0)} % of the episodes stopped early")
         axes.annotate(
-            ", ".join(told), (x.value, height), xytext=(10, 7), textcoords="offset points", fontsize=8, color=INK
+            " ".join(told), (x.value, height), xytext=(10, 7), textcoords="offset points", fontsize=8, color=INK
         )
     axes.set(
         xlabel="discomfort, s (integral of the cost: 0 is within every soft limit)",

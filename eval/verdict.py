@@ -53,7 +53,8 @@ def _of_agent(ranking: Ranking, row: Row) -> str:
         )
         if row.difference.known:
             chance = "which may be chance" if _tied(row) else "which is not chance"
-            told += f" (95 % interval {words.interval(row.difference, 2)}, {chance})"
+            digits = 2 if abs(row.difference.value) < 10.0 else 1
+            told += f" (95 % interval {words.interval(row.difference, digits)}, {chance})"
     ahead_of_it = [words.label(other.entry) for other in ranking.rows[: place - 1] if not other.trained]
     if ahead_of_it:
         told += f". Ahead of it: {_list(ahead_of_it)}"
