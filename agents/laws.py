@@ -34,10 +34,11 @@ class Wanted(NamedTuple):
 
 
 class Felt(NamedTuple):
-    """What is observed: place and force as in `Wanted`, pitch (N,) in rad, opened (N,) as a share of the range."""
+    """What is observed: place and force as in `Wanted`; pitch in rad, opened as a share of the range."""
 
     place: NDArray
     force_N: NDArray
+    down_N: NDArray
     pitch: NDArray
     opened: NDArray
 
@@ -64,7 +65,7 @@ class TrajectoryLaw:
 
     correction: tuple[float, float, float] = (3.0, 3.0, 3.0)
     side_lever_mm: float = 60.0
-    admittance: float = 8.0
+    admittance: float = 6.0
     drift: float = 16.0
     fastest: float = 30.0
 
@@ -92,7 +93,7 @@ class ForceLaw:
     Attributes:
         stiffness: of a typical closed jaw: N/mm for opening, N m/mm for side and N m/rad for roll.
         stiffening: what full opening adds to it.
-        integral: gain as a share of the stiffness, 1/s.
+        integral: gain as a share of the stiffness, 1/s; more for a jaw that takes more force to open.
         largest: what the integral may reach: N, N m, N m.
         holds_roll: false leaves roll free, as equal thrusts of the vertical motors do.
     """
@@ -108,7 +109,7 @@ class ForceLaw:
         stiffness = self.stiffness + np.multiply.outer(np.clip(felt.opened, 0.0, 1.0), self.stiffening)
         error = wanted.place - felt.place
         integral = integral.copy()
-        held = integral[:, :3] + stiffness * self.integral * error * dt
+        held = integral[:, :3] + self._stiffer(felt)[:, None] * stiffness * self.integral * error * dt
         integral[:, :3] = np.clip(held, np.negative(self.largest), self.largest)
         down, yaw, roll = (stiffness * wanted.place + integral[:, :3]).T
         roll = roll * self.holds_roll
@@ -116,6 +117,14 @@ class ForceLaw:
         forward = wanted.force_N / 2.0
         thrust = _motors(down / 2.0, forward, 1e3 * roll / (2.0 * _VERTICAL_ARM), 1e3 * yaw / (2.0 * _HORIZONTAL_ARM))
         return np.clip(thrust / _DEVICE.full_scale_N, -1.0, 1.0), integral
+
+    def _stiffer(self, felt: Felt) -> NDArray:
+        """How much stiffer than typical the jaw is (N,), 1 to 5, by the force that holds it open.
+
+        A typical jaw takes twice its stiffness times the opening, as it must be lifted off the teeth first.
+        """
+        typical = 2.0 * self.stiffness[0] * np.maximum(felt.place[:, 0], 5.0)
+        return np.clip(felt.down_N / typical, 1.0, 5.0)
 
 
 def _height_over_lever(pitch: NDArray) -> NDArray:

@@ -26,7 +26,7 @@ class Observed(NamedTuple):
         range_mm: (N, 3) those limits.
         pitch, roll: (N,) filtered angles, rad.
         condyle: (N,) filtered place of the condyles on their way to the crest of the eminence, 0 to 1.
-        fore_aft_N: (N,) force of the device on the jaw along the head's forward axis, by the load cell.
+        forward_N, down_N: (N,) force of the device on the jaw along the head's axes, by the load cell.
         margin: (N, 8) what is left of each comfort limit, negative beyond it.
     """
 
@@ -35,7 +35,8 @@ class Observed(NamedTuple):
     pitch: NDArray
     roll: NDArray
     condyle: NDArray
-    fore_aft_N: NDArray
+    forward_N: NDArray
+    down_N: NDArray
     margin: NDArray
 
 
@@ -62,6 +63,7 @@ def read(observation: NDArray) -> Observed:
         pitch=pitch,
         roll=pose[:, 4],
         condyle=pose[:, 0] / CREST_M,
-        fore_aft_N=np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2],
+        forward_N=np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2],
+        down_N=np.sin(pitch) * force[:, 0] - np.cos(pitch) * force[:, 2],
         margin=part["comfort_margin"],
     )

@@ -5,33 +5,15 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.guard import comfortable_size
 from agents.laws import Felt, ForceLaw, TrajectoryLaw, Wanted
-from agents.maneuver import CHANNELS, ROLL_FULL_SCALE_RAD, Maneuver, Targets
+from agents.maneuver import ROLL_FULL_SCALE_RAD, Maneuver, Targets
 from agents.observed import Observed, read
 from agents.protocol import State
-from jawenv.device.comfort import COMFORT_LIMITS, SOFT_FORCE
+from jawenv.device.comfort import SOFT_FORCE
 from jawenv.errors import InputError
 
 CONTROLS = ("force", "trajectory")
-
-# Which channels shrink when little is left of a limit, and the margin below which they begin to. Opening and side are
-# no limits here: the targets themselves stay within them. Nor is speed: the targets' rates are bounded, and the
-# unmodelled force alone shakes the jaw to its soft limit now and then. The crest of the eminence is no comfort limit,
-# but near it a jaw under pure force snaps open (the fold of its equilibrium).
-_GUARDS: dict[str, dict[str, float]] = {
-    "force": {"opening": 0.2, "side": 0.2, "fore_aft": 0.2, "roll": 0.2},
-    "fore_aft": {"fore_aft": 0.35},
-    "condyle_fore_aft": {"fore_aft": 0.35},
-    "condyle_side": {"side": 0.2},
-    "tension": {"opening": 0.1, "side": 0.2},
-    "crest": {"opening": 0.3, "fore_aft": 0.4},
-}
-_GUARD = np.array(
-    [[_GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in COMFORT_LIMITS + ("crest",)]
-)
-CREST_SHARE = 0.85  # of the condyles' way to the crest: no margin is left there
-SHRINK_S = 0.3  # time constant
-REGROW = 0.01  # 1/s, back towards full size
 
 
 class Memory(NamedTuple):
@@ -99,7 +81,7 @@ class Player:
         single = rows.ndim == 1
         seen = read(rows[None] if single else rows)
         memory = self._recall(state, seen, episode_start)
-        size = _comfortable_size(memory.size, seen, self._dt)
+        size = comfortable_size(memory.size, seen, self._dt)
         targets = self.maneuver.targets(memory.step * self._dt)
         shrinking = (size - memory.size) / self._dt
         targets = Targets(size * targets.value, size * targets.rate + shrinking * targets.value)
@@ -131,15 +113,6 @@ class Player:
         )
 
 
-def _comfortable_size(size: NDArray, seen: Observed, dt: float) -> NDArray:
-    """Shrink channels in proportion to what is missing of their guard; let the others regrow slowly."""
-    margin = np.column_stack([seen.margin, 1.0 - seen.condyle / CREST_SHARE])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        allowed = np.where(_GUARD > 0.0, np.clip(margin[:, :, None] / _GUARD, 0.0, 1.0), 1.0).min(axis=1)
-    shrunk = size + (allowed - size) * (1.0 - np.exp(-dt / SHRINK_S))
-    return np.where(allowed < size, shrunk, np.minimum(size + REGROW * dt, 1.0))
-
-
 def _wanted(targets: Targets, seen: Observed) -> Wanted:
     """Targets in physical units."""
     unit = np.column_stack([seen.range_mm[:, :2], np.full(len(seen.roll), ROLL_FULL_SCALE_RAD)])
@@ -150,4 +123,4 @@ def _wanted(targets: Targets, seen: Observed) -> Wanted:
 def _felt(seen: Observed, rest_roll: NDArray) -> Felt:
     """The observed place in the same units."""
     place = np.column_stack([seen.jaw[:, :2] * seen.range_mm[:, :2], seen.roll - rest_roll])
-    return Felt(place, seen.fore_aft_N, seen.pitch, seen.jaw[:, 0])
+    return Felt(place, seen.forward_N, seen.down_N, seen.pitch, seen.jaw[:, 0])
