@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
-    from jawenv.mechanics import acceleration
-    from jawenv.metrics import score
+    from jawenv.mechanics.acceleration import acceleration
+    from jawenv.metrics.score import score
     from jawenv.rollout import information_bound, play
 
 _HOMES = {

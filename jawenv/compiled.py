@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 from platformdirs import user_cache_dir
@@ -47,21 +47,43 @@ def njit(function: Function) -> Function:
     return _compile(function, parallel=False)
 
 
-def njit_parallel(function: Function) -> Function:
-    """Compile a kernel whose ``prange`` loop runs over worlds, one world on one thread."""
-    return _compile(function, parallel=True)
+class WorldKernel:
+    """A kernel whose ``prange`` loop runs over worlds, compiled once for one thread and once for all.
+
+    A single world would only wait for threads that have nothing to do, so it takes the serial form; both are made from
+    the same source and give the same numbers. The first argument that has one entry per world is ``arguments[place]``.
+    """
+
+    def __init__(self, function: Callable[..., None], place: int) -> None:
+        """Declare both forms; each is compiled at its first call, or read from the cache."""
+        self.name = function.__name__
+        self._place = place
+        self._forms = {parallel: _compile(function, parallel=parallel) for parallel in (False, True)}
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run the form that suits the number of worlds."""
+        self._forms[len(arguments[self._place]) > 1](*arguments)
+
+    def is_cached(self, num_worlds: int) -> bool:
+        """Whether the form for this number of worlds lies in the cache, so that its first call compiles nothing."""
+        return any(_form_folder(num_worlds > 1).rglob(f"*.{self.name}-*.nbi"))
+
+
+def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
+    """Decorator that makes a ``WorldKernel``; ``place`` is the position of an argument with one entry per world."""
+    return lambda function: WorldKernel(function, place)
+
+
+def _form_folder(parallel: bool) -> Path:
+    # Numba's cache does not tell the two forms of one function apart.
+    return cache_folder() / ("parallel" if parallel else "serial")
 
 
 def _compile(function: Function, parallel: bool) -> Function:
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
+    config: Any = numba.config
+    previous, config.CACHE_DIR = config.CACHE_DIR, str(_form_folder(parallel))
     try:
-        compiled: Function = numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
+        compiled: Any = numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
     finally:
-        numba.config.CACHE_DIR = previous
-    return compiled
-
-
-def is_cached(kernel: Callable[..., Any]) -> bool:
-    """Whether a compiled form of ``kernel`` lies in the cache, so that its first call needs no compilation."""
-    return any(cache_folder().rglob(f"*{kernel.__name__}*.nbi"))
+        config.CACHE_DIR = previous
+    return cast(Function, compiled)

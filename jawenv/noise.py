@@ -24,7 +24,7 @@ _ROUNDS = 10
 
 
 @njit
-def multiply_high(a, b):  # type: ignore[no-untyped-def]
+def multiply_high(a, b):
     """Upper 64 bits of the 128-bit product of two unsigned 64-bit integers."""
     a_low, a_high = a & _LOW, a >> _HALF
     b_low, b_high = b & _LOW, b >> _HALF
@@ -34,7 +34,7 @@ def multiply_high(a, b):  # type: ignore[no-untyped-def]
 
 
 @njit
-def philox(key, counter):  # type: ignore[no-untyped-def]
+def philox(key, counter):
     """Four random 64-bit integers for a key of two and a counter of four unsigned 64-bit integers."""
     k0, k1 = key
     c0, c1, c2, c3 = counter
@@ -51,7 +51,7 @@ def philox(key, counter):  # type: ignore[no-untyped-def]
 
 
 @njit
-def normal_pair(a, b):  # type: ignore[no-untyped-def]
+def normal_pair(a, b):
     """Two independent standard normals from two random 64-bit integers."""
     radius = sqrt(-2.0 * log((float(a >> _TO_MANTISSA) + 0.5) * _UNIT))
     angle = 2.0 * pi * float(b >> _TO_MANTISSA) * _UNIT
@@ -59,7 +59,7 @@ def normal_pair(a, b):  # type: ignore[no-untyped-def]
 
 
 @njit
-def fill_normals(key, tick, normals):  # type: ignore[no-untyped-def]
+def fill_normals(key, tick, normals):
     """Fill ``normals`` (a multiple of four) with the standard normals that belong to (key, tick)."""
     zero = np.uint64(0)
     for block in range(normals.shape[0] // 4):

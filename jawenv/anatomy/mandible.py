@@ -60,9 +60,7 @@ class Mandible(FrozenArrays):
             raise InputError("inertia_kg_m2 must be symmetric")
         moments = np.linalg.eigvalsh(self.inertia_kg_m2)
         if moments[0] <= 0:
-            raise InputError(
-                f"inertia_kg_m2 must be positive definite; its principal moments are {moments.tolist()}"
-            )
+            raise InputError(f"inertia_kg_m2 must be positive definite; its principal moments are {moments.tolist()}")
         if moments[0] + moments[1] < moments[2]:
             raise InputError(
                 f"inertia_kg_m2 has the principal moments {moments.tolist()}; "

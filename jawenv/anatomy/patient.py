@@ -56,9 +56,7 @@ class Patient(InputModel):
         return validate(cls, data, cls.__name__)
 
     @classmethod
-    def from_log_parameters(
-        cls, theta: ArrayLike, *, name: str = "patient", head_tilt_deg: float = 0.0
-    ) -> Self:
+    def from_log_parameters(cls, theta: ArrayLike, *, name: str = "patient", head_tilt_deg: float = 0.0) -> Self:
         """A patient from natural-log parameters, (12,) in the order of `PARAMETER_NAMES`.
 
         Raises:

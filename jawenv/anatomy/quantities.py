@@ -52,6 +52,4 @@ def read_data(name: str) -> dict[str, object]:
 @cache
 def load_quantities(name: str) -> Mapping[str, Quantity]:
     """All quantities of one data file (`mandible.toml`, `fossa.toml`, `strengths.toml`), by name."""
-    return MappingProxyType(
-        {key: validate(Quantity, data, f"{name}: {key}") for key, data in read_data(name).items()}
-    )
+    return MappingProxyType({key: validate(Quantity, data, f"{name}: {key}") for key, data in read_data(name).items()})

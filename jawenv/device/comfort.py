@@ -51,7 +51,7 @@ LIMITS_FIELDS = [
 
 
 @njit
-def used_fractions(jaw, muscles, limits, q, u, force, fractions):  # type: ignore[no-untyped-def]
+def used_fractions(jaw, muscles, limits, q, u, force, fractions):
     """Fill ``fractions`` (8) for a motion, the muscles' (F_o, b) and the magnitude of the force on the mouthpiece."""
     body_to_head = rotation(q)
     contact = contact_point(jaw, q)
@@ -75,7 +75,7 @@ def used_fractions(jaw, muscles, limits, q, u, force, fractions):  # type: ignor
 
 
 @njit
-def cost_of(fraction, hard):  # type: ignore[no-untyped-def]
+def cost_of(fraction, hard):
     """Cost of one used fraction: 0 up to the soft limit, 1 at the hard limit."""
     return max(0.0, fraction - 1.0) / (hard - 1.0)
 

@@ -74,7 +74,7 @@ class Device:
         brake_N_s_m: The governor's speed brake (G).
         unmodelled_force_N: Sd of each component of the force that no model explains, anew every 10 ms (G).
         unmodelled_moment_N_m: The same for its moment (G).
-        cell_force_N: Noise of the load cell per 10 ms reading (G: 0.02-0.2 N).
+        cell_force_N: Noise of one sample of the load cell, three per 10 ms (G: 0.02-0.2 N).
         cell_moment_N_m: The same for its moments (G).
         cell_gain: Sd of the load cell's gain error, one value for a whole episode (G: 1 %).
         encoder_position_mm: Noise of the mouthpiece position (G: 0.05-0.3 mm).
@@ -102,8 +102,8 @@ class Device:
     brake_N_s_m: float = 60.0
     unmodelled_force_N: float = 0.1
     unmodelled_moment_N_m: float = 0.003
-    cell_force_N: float = 0.05
-    cell_moment_N_m: float = 0.001
+    cell_force_N: float = 0.07
+    cell_moment_N_m: float = 0.0014
     cell_gain: float = 0.01
     encoder_position_mm: float = 0.1
     encoder_angle_deg: float = 0.1

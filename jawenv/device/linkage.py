@@ -6,14 +6,14 @@ from jawenv.compiled import njit
 
 
 @njit
-def path_at(limits, opening):  # type: ignore[no-untyped-def]
+def path_at(limits, opening):
     """Forward place of the mouthpiece (m) on the natural path, ``opening`` (m) above the rest opening."""
     s = opening / limits.opening
     return limits.path[0] + limits.path[1] * s + limits.path[2] * s * s
 
 
 @njit
-def excursions(limits, jaw, place):  # type: ignore[no-untyped-def]
+def excursions(limits, jaw, place):
     """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
     opening = jaw.mouthpiece[2] - place[2] - limits.rest_opening
     return opening, place[1] - limits.rest_side, place[0] - path_at(limits, opening)

@@ -26,13 +26,13 @@ STOP_ONSET_WIDTH = 0.5e-3
 
 
 @njit
-def onset(limit):  # type: ignore[no-untyped-def]
+def onset(limit):
     """Used fraction at which the governor begins for the limit with this index."""
     return 1.0 + GOVERNOR_ONSET * (HARD[limit] - 1.0)
 
 
 @njit
-def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):  # type: ignore[no-untyped-def]
+def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
     """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i."""
     point = row3(device.point, i)
     arm = apply(body_to_head, point)
@@ -43,7 +43,7 @@ def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):  # t
 
 
 @njit
-def mouthpiece_motion(jaw, q, u, body_to_head):  # type: ignore[no-untyped-def]
+def mouthpiece_motion(jaw, q, u, body_to_head):
     """Place and velocity of the mouthpiece in head axes."""
     arm = vector3(jaw.mouthpiece)
     _, slope, _, _ = fossa(jaw, q[0])
@@ -53,7 +53,7 @@ def mouthpiece_motion(jaw, q, u, body_to_head):  # type: ignore[no-untyped-def]
 
 
 @njit
-def command_motors(device, jaw, motors, q, u, action, trajectory, dt):  # type: ignore[no-untyped-def]
+def command_motors(device, jaw, motors, q, u, action, trajectory, dt):
     """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor."""
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, body_to_head)
@@ -80,7 +80,7 @@ def command_motors(device, jaw, motors, q, u, action, trajectory, dt):  # type: 
 
 
 @njit
-def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):  # type: ignore[no-untyped-def]
+def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and governor's part.
 
     The last value is 1.0 when the governor acts, else 0.0.
@@ -114,14 +114,14 @@ def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):  # type
 
 
 @njit
-def end_stop(device, travel, limit, rate):  # type: ignore[no-untyped-def]
+def end_stop(device, travel, limit, rate):
     """Push back of a one-sided stop at ``limit`` (0 or less inside)."""
     ramp, steepness = smooth_ramp(travel - limit, STOP_ONSET_WIDTH)
     return max(0.0, device.stop_stiffness * ramp + device.stop_damping * steepness * rate)
 
 
 @njit
-def governor_force(device, jaw, limits, place, velocity):  # type: ignore[no-untyped-def]
+def governor_force(device, jaw, limits, place, velocity):
     """Force of the governor's stops and brake on the mouthpiece (head axes), and 1.0 when one of them works."""
     opening, side, fore_aft = excursions(limits, jaw, place)
     wide = limits.side * onset(SIDE)

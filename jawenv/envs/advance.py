@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import get_thread_id, prange
+from numba import prange
+from numba.np.ufunc.parallel import get_thread_id
 
-from jawenv.compiled import njit, njit_parallel
+from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
+from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import command_motors, device_wrench
 from jawenv.envs.belief import refresh_information
 from jawenv.estimation.ekf import (
     FILTER_SCRATCH,
     N_MEASUREMENTS,
+    follow_trend,
+    mean_force,
     measure,
     parameter_variance,
     predict,
@@ -20,14 +24,16 @@ from jawenv.estimation.ekf import (
     update,
     update_covariance,
 )
-from jawenv.estimation.sensitivity import plus
+from jawenv.estimation.sensitivity import N_SAMPLES, plus
 from jawenv.mechanics.dynamics import N_STATES, state_rate
 from jawenv.mechanics.kinematics import split
+from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
 
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
-SUBSTEPS = 4  # Runge-Kutta steps of the true motion per tick
-N_NORMALS = 24  # 6 unmodelled wrench, 6 load cell, 12 encoders
+SUBSTEPS = 2  # Runge-Kutta steps of the true motion per tick
+N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
+_CELL, _ENCODERS = 6, 24
 
 SETTINGS = np.dtype(
     [
@@ -51,9 +57,9 @@ SCRATCH = np.dtype(
         ("filter", FILTER_SCRATCH),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
-        ("reading", "f8", 6),
         ("unmodelled", "f8", 6),
-        ("mean_wrench", "f8", 6),
+        ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
+        ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("fractions", "f8", N_LIMITS),
         ("matrix", "f8", (12, 12)),
         ("right", "f8", 12),
@@ -63,11 +69,16 @@ SCRATCH = np.dtype(
 
 
 @njit
-def true_motion(device, world, scratch, trajectory):  # type: ignore[no-untyped-def]
-    """Move the jaw through one tick; leaves the device's mean wrench in ``scratch.mean_wrench``, returns the governor's."""
-    extra, mean = scratch.unmodelled, scratch.mean_wrench
+def keep_sample(samples, i, wrench):
+    """Write a wrench into row i."""
     for k in range(6):
-        mean[k] = 0.0
+        samples[i, k] = wrench[k]
+
+
+@njit
+def true_motion(device, world, scratch, trajectory):
+    """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
+    extra = scratch.unmodelled
     acted = 0.0
     h = TICK / SUBSTEPS
     for substep in range(SUBSTEPS):
@@ -76,13 +87,10 @@ def true_motion(device, world, scratch, trajectory):  # type: ignore[no-untyped-
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             since = substep * h + (0.0 if stage == 0 else (h if stage == 3 else 0.5 * h))
-            wrench, governed = device_wrench(
-                device, world.jaw, world.limits, world.motors, q, u, since, trajectory
-            )
+            wrench, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, since, trajectory)
             acted = max(acted, governed)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            for k in range(6):
-                mean[k] += wrench[k] * (weight / TICK)
+            if stage == 0 and 2 * substep % SUBSTEPS == 0:
+                keep_sample(scratch.wrench, 2 * substep // SUBSTEPS, wrench)
             total = (
                 wrench[0] + extra[0],
                 wrench[1] + extra[1],
@@ -92,32 +100,48 @@ def true_motion(device, world, scratch, trajectory):  # type: ignore[no-untyped-
                 wrench[5] + extra[5],
             )
             q_rate, u_rate = state_rate(world.jaw, world.muscles, q, u, total)
+            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
             sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
             q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
         for i in range(5):
             world.state[i] = start_q[i] + sum_q[i]
             world.state[5 + i] = start_u[i] + sum_u[i]
+    q, u = split(world.state)
+    wrench, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, TICK, trajectory)
+    keep_sample(scratch.wrench, N_SAMPLES - 1, wrench)
     if trajectory:
-        for i in range(4):
+        for i in range(N_MOTORS):
             world.motors.target[i] += world.motors.rate[i] * TICK
-    return acted
+    return max(acted, governed)
 
 
 @njit
-def sense(device, world, scratch):  # type: ignore[no-untyped-def]
+def read_load_cell(device, world, scratch):
+    """The load cell's samples: one gain error for the episode, fresh noise for each sample."""
+    for i in range(N_SAMPLES):
+        for k in range(6):
+            noise = device.cell_force if k < 3 else device.cell_moment
+            value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
+            scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
+    for k in range(6):
+        world.reading[k] = (scratch.samples[0, k] + 4.0 * scratch.samples[1, k] + scratch.samples[2, k]) / 6.0
+
+
+@njit
+def sense(device, world, scratch):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
     measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
     for i in range(3):
-        scratch.measured[i] += device.encoder_position * normals[12 + i]
-        scratch.measured[3 + i] += device.encoder_angle * normals[15 + i]
-        scratch.measured[6 + i] += device.encoder_velocity * normals[18 + i]
-        scratch.measured[9 + i] += device.encoder_rate * normals[21 + i]
+        scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]
+        scratch.measured[3 + i] += device.encoder_angle * normals[_ENCODERS + 3 + i]
+        scratch.measured[6 + i] += device.encoder_velocity * normals[_ENCODERS + 6 + i]
+        scratch.measured[9 + i] += device.encoder_rate * normals[_ENCODERS + 9 + i]
 
 
 @njit
-def advance_tick(device, model, world, action, settings, scratch):  # type: ignore[no-untyped-def]
+def advance_tick(device, model, world, action, settings, scratch):
     """One tick of one world: command, motion, load cell, prediction, encoders, update, comfort."""
     fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
     normals = scratch.normals
@@ -129,34 +153,25 @@ def advance_tick(device, model, world, action, settings, scratch):  # type: igno
     for i in range(N_STATES):
         scratch.filter.state[i] = world.state[i]
     acted = true_motion(device, world, scratch, settings.trajectory)
-    for k in range(3):
-        scratch.reading[k] = (
-            scratch.mean_wrench[k] / (1.0 + world.cell_gain) + device.cell_force * normals[6 + k]
-        )
-        scratch.reading[3 + k] = (
-            scratch.mean_wrench[3 + k] / (1.0 + world.cell_gain) + device.cell_moment * normals[9 + k]
-        )
-    time = world.tick * TICK
+    read_load_cell(device, world, scratch)
     if settings.bound:
         # scratch.filter.state still holds the true state at the start of the tick.
-        wrench = scratch.mean_wrench
-        total = (wrench[0], wrench[1], wrench[2], wrench[3], wrench[4], wrench[5])
-        propagate(model, world.muscles, scratch.filter.state, total, TICK, scratch.filter)
-        predict_covariance(world.bound, scratch.reading, settings.wrench_variance, 0.0, scratch.filter)
-        update_covariance(
-            model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter
-        )
-    noise = parameter_variance(settings.parameter_rate, settings.parameter_time, time, TICK)
+        propagate(model, world.muscles, scratch.filter.state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
+        predict_covariance(world.bound, settings.wrench_variance, 0.0, scratch.filter)
+        update_covariance(model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
+    noise = parameter_variance(settings.parameter_rate, settings.parameter_time, world.tick * TICK, TICK)
     predict(
         model,
         world.mean,
         world.covariance,
-        scratch.reading,
+        scratch.samples,
+        world.trend,
         TICK,
         settings.wrench_variance,
         noise,
         scratch.filter,
     )
+    follow_trend(world.trend, scratch.samples, TICK)
     sense(device, world, scratch)
     update(
         model,
@@ -167,18 +182,15 @@ def advance_tick(device, model, world, action, settings, scratch):  # type: igno
         settings.used,
         scratch.filter,
     )
-    for k in range(6):
-        world.reading[k] = scratch.reading[k]
     world.tick += 1
     return acted
 
 
 @njit
-def take_comfort(world, scratch, share):  # type: ignore[no-untyped-def]
+def take_comfort(world, scratch, share):
     """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
     q, u = split(world.state)
-    mean = scratch.mean_wrench
-    force = (mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) ** 0.5
+    force = norm(mean_force(scratch.wrench))
     used_fractions(world.jaw, world.muscles, world.limits, q, u, force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
@@ -188,8 +200,29 @@ def take_comfort(world, scratch, share):  # type: ignore[no-untyped-def]
             world.violated = 1
 
 
-@njit_parallel
-def advance(devices, models, worlds, actions, active, all_settings, scratches):  # type: ignore[no-untyped-def]
+@njit
+def clear_step(world):
+    """Forget the discomfort and the governor's work of the last step."""
+    for k in range(N_LIMITS):
+        world.fractions[k] = 0.0
+        world.costs[k] = 0.0
+    world.governor = 0.0
+
+
+@njit
+def advance_world(device, model, world, action, settings, scratch):
+    """Advance one world by one control period."""
+    clear_step(world)
+    share = 1.0 / settings.ticks_per_step
+    for _ in range(settings.ticks_per_step):
+        acted = advance_tick(device, model, world, action, settings, scratch)
+        world.governor += share * acted
+        take_comfort(world, scratch, share)
+    refresh_information(world, settings, scratch.matrix, scratch.right)
+
+
+@world_kernel(place=2)
+def advance(devices, models, worlds, actions, active, all_settings, scratches):
     """Advance every active world by one control period.
 
     Args:
@@ -202,17 +235,5 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches): 
         scratches: Working memory, dtype ``SCRATCH``, one for each thread.
     """
     for i in prange(worlds.shape[0]):
-        if not active[i]:
-            continue
-        device, settings = devices[0], all_settings[0]
-        world, scratch = worlds[i], scratches[get_thread_id()]
-        for k in range(N_LIMITS):
-            world.fractions[k] = 0.0
-            world.costs[k] = 0.0
-        world.governor = 0.0
-        share = 1.0 / settings.ticks_per_step
-        for _ in range(settings.ticks_per_step):
-            acted = advance_tick(device, models[i], world, actions[i], settings, scratch)
-            world.governor += share * acted
-            take_comfort(world, scratch, share)
-        refresh_information(world, settings, scratch.matrix, scratch.right)
+        if active[i]:
+            advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratches[get_thread_id()])

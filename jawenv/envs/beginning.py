@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import get_thread_id, prange
+from numba import prange
+from numba.np.ufunc.parallel import get_thread_id
 
-from jawenv.compiled import njit, njit_parallel
+from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import motor_point, mouthpiece_motion
-from jawenv.envs.advance import sense
+from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.estimation.ekf import GAIN, N_FILTER, set_muscles, update, update_covariance
 from jawenv.mechanics.dynamics import N_STATES
@@ -49,7 +50,7 @@ BEGINNING_SCRATCH = np.dtype(
 
 
 @njit
-def keep_place(jaw, pose, places, i):  # type: ignore[no-untyped-def]
+def keep_place(jaw, pose, places, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
     place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), rotation(q))
@@ -58,8 +59,8 @@ def keep_place(jaw, pose, places, i):  # type: ignore[no-untyped-def]
 
 
 @njit
-def open_slowly(jaw, muscles, pose, sensitivity, scratch):  # type: ignore[no-untyped-def]
-    """Poses from rest to the end of the painless range, in ``scratch``; returns their number less one, -1 if no rest."""
+def open_slowly(jaw, muscles, pose, sensitivity, scratch):
+    """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none."""
     poses, places = scratch.poses, scratch.places
     _, found = settle(jaw, muscles, pose, 0.0, False, sensitivity, scratch.matrix, scratch.right)
     poses[0, :] = pose[:5]
@@ -71,9 +72,7 @@ def open_slowly(jaw, muscles, pose, sensitivity, scratch):  # type: ignore[no-un
     for i in range(1, RANGE_STEPS + 1):
         poses[i, :] = poses[i - 1, :]
         opening = rest_opening + furthest * i / RANGE_STEPS
-        force, found = settle(
-            jaw, muscles, poses[i], opening, True, sensitivity, scratch.matrix, scratch.right
-        )
+        force, found = settle(jaw, muscles, poses[i], opening, True, sensitivity, scratch.matrix, scratch.right)
         too_far = poses[i, 0] > CREST_SHARE * jaw.crest - CONDYLE_FREE
         if not found or force > PAINLESS_FORCE or too_far:
             return i - 1
@@ -82,7 +81,7 @@ def open_slowly(jaw, muscles, pose, sensitivity, scratch):  # type: ignore[no-un
 
 
 @njit
-def set_limits(world, last, scratch):  # type: ignore[no-untyped-def]
+def set_limits(world, last, scratch):
     """Comfort limits of ``world`` from its path of ``last`` + 1 poses; False when the painless range is too small."""
     jaw, limits, poses, places = world.jaw, world.limits, scratch.poses, scratch.places
     limits.rest_opening = jaw.mouthpiece[2] - places[0, 2]
@@ -110,23 +109,21 @@ def set_limits(world, last, scratch):  # type: ignore[no-untyped-def]
 
 
 @njit
-def reset_motors(device, world):  # type: ignore[no-untyped-def]
+def reset_motors(device, world):
     """Motors without thrust, their targets where the resting jaw has put them."""
     q, u = split(world.state)
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(world.jaw, q, u, body_to_head)
     motors = world.motors
     for i in range(N_MOTORS):
-        _, _, position, _ = motor_point(
-            device, world.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4])
-        )
+        _, _, position, _ = motor_point(device, world.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
         motors.target[i] = position
         motors.thrust[i], motors.command[i], motors.rate[i] = 0.0, 0.0, 0.0
         motors.heat[i], motors.cap[i] = 0.0, device.thrust_peak
 
 
 @njit
-def reset_belief(device, model, world, settings, scratch):  # type: ignore[no-untyped-def]
+def reset_belief(device, model, world, settings, scratch):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
@@ -158,32 +155,37 @@ def reset_belief(device, model, world, settings, scratch):  # type: ignore[no-un
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
-@njit_parallel
-def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted):  # type: ignore[no-untyped-def]
+@njit
+def begin_world(device, model, world, settings, scratch, beginning):
+    """Put one world at rest; False when the device cannot treat its patient."""
+    set_muscles(world.log_parameters, 0, world.muscles)
+    for k in range(N_STATES):
+        world.state[k] = 0.0
+    world.state[0], world.state[2] = 3e-3, 0.05
+    last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
+    if last < 0 or not set_limits(world, last, beginning):
+        return False
+    world.tick = 0
+    world.violated = 0
+    clear_step(world)
+    for k in range(6):
+        world.reading[k] = 0.0
+        world.trend[k] = 0.0
+    reset_motors(device, world)
+    reset_belief(device, model, world, settings, scratch)
+    return True
+
+
+@world_kernel(place=2)
+def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     ``accepted`` (N,) becomes False for a chosen world whose jaw has no rest pose in the treatable box or too small a
     painless range; such a world must be given another patient.
     """
     for i in prange(worlds.shape[0]):
-        if not chosen[i]:
-            continue
-        device, settings = devices[0], all_settings[0]
-        world, scratch, beginning = worlds[i], scratches[get_thread_id()], beginnings[get_thread_id()]
-        set_muscles(world.log_parameters, 0, world.muscles)
-        for k in range(N_STATES):
-            world.state[k] = 0.0
-        world.state[0], world.state[2] = 3e-3, 0.05
-        last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
-        accepted[i] = last >= 0 and set_limits(world, last, beginning)
-        if not accepted[i]:
-            continue
-        world.tick = 0
-        world.violated = 0
-        world.governor = 0.0
-        for k in range(6):
-            world.reading[k] = 0.0
-        for k in range(world.fractions.shape[0]):
-            world.fractions[k], world.costs[k] = 0.0, 0.0
-        reset_motors(device, world)
-        reset_belief(device, models[i], world, settings, scratch)
+        if chosen[i]:
+            thread = get_thread_id()
+            accepted[i] = begin_world(
+                devices[0], models[i], worlds[i], all_settings[0], scratches[thread], beginnings[thread]
+            )

@@ -17,7 +17,7 @@ from jawenv.mechanics.jaw import N_PARAMETERS
 
 
 @njit
-def cholesky_parameters(covariance, lower):  # type: ignore[no-untyped-def]
+def cholesky_parameters(covariance, lower):
     """Cholesky factor of the parameters' block into ``lower`` (12, 12); returns its log-determinant, NaN if not PD."""
     log_det = 0.0
     for j in range(N_PARAMETERS):
@@ -38,7 +38,7 @@ def cholesky_parameters(covariance, lower):  # type: ignore[no-untyped-def]
 
 
 @njit
-def refresh_information(world, settings, lower, whitened):  # type: ignore[no-untyped-def]
+def refresh_information(world, settings, lower, whitened):
     """Set log-determinants, NEES and log score of ``world`` from its belief, bound and truth."""
     if settings.bound:
         world.log_det_bound = cholesky_parameters(world.bound, lower)

@@ -19,7 +19,7 @@ def describe(worlds: Any, with_bound: bool) -> dict[str, Any]:
     """Fresh info of one record of dtype ``WORLD``, or of an array of N of them with N leading in every array.
 
     Keys: ``parameter_names``; ``belief_mean`` (12), ``belief_cov`` (12, 12), ``belief_sd`` (12) and ``truth`` (12),
-    natural logs; ``information_claimed`` and ``information_true`` (the log score, of which the mean over patients counts),
+    natural logs; ``information_claimed`` and ``information_true`` (log score, of which the mean over patients counts),
     nats since the prior; ``information_bound`` and ``bound_sd`` (12) only ``with_bound``; ``nees``;
     ``cost`` and ``cost_<limit>`` (mean over the step); ``comfort`` {limit: largest used fraction of the soft limit
     during the step}; ``violation``; ``governor`` (share of the step in which it acted); ``jaw_state`` (10: true q, u);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, Literal, cast
 
 import gymnasium as gym
 import numpy as np
@@ -23,12 +23,12 @@ Action = NDArray[np.float32]
 _ON = np.ones(1, dtype=np.bool_)
 
 
-def observation_space() -> spaces.Box:
+def observation_space() -> Any:
     """The flat observation of one world; ``OBSERVATION_LAYOUT`` says what lies where."""
     return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (OBSERVATION_SIZE,), np.float32)
 
 
-def action_space() -> spaces.Box:
+def action_space() -> Any:
     """One number in [-1, 1] for each motor."""
     return spaces.Box(-1.0, 1.0, (N_MOTORS,), np.float32)
 
@@ -80,7 +80,7 @@ class JawEnv(gym.Env[Observation, Action]):
     * v0: first version.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array"], "render_fps": 20}
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 20}
 
     def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
         """Check the arguments and allocate one world.
@@ -89,13 +89,11 @@ class JawEnv(gym.Env[Observation, Action]):
             InputError: an argument is unknown or has a value that is not allowed.
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise InputError(
-                f"render_mode is {render_mode!r}; allowed: {', '.join(self.metadata['render_modes'])}"
-            )
+            raise InputError(f"render_mode is {render_mode!r}; allowed: {', '.join(self.metadata['render_modes'])}")
         self.configuration = configure(arguments)
         self.render_mode = render_mode
-        self.observation_space = observation_space()
-        self.action_space = action_space()
+        self.observation_space: spaces.Space[Observation] = observation_space()
+        self.action_space: spaces.Space[Action] = action_space()
         self.simulation = Simulation(1, self.configuration)
         self.metadata = {**self.metadata, "render_fps": self.configuration.control_hz}
         self._seeded = False
@@ -164,7 +162,9 @@ class JawEnv(gym.Env[Observation, Action]):
         if self._renderer is None:
             from jawenv.envs.rendering.renderer import Renderer
 
-            self._renderer = Renderer(self.render_mode, self.configuration.control_hz)
+            self._renderer = Renderer(
+                cast(Literal["human", "rgb_array"], self.render_mode), self.configuration.control_hz
+            )
         scene = build_scene(self.simulation)
         return self._renderer.draw(scene) if self.render_mode == "rgb_array" else self._renderer.show(scene)
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from math import log10, sqrt
 
-from numba import get_thread_id, prange
+from numba import prange
+from numba.np.ufunc.parallel import get_thread_id
 
-from jawenv.compiled import njit, njit_parallel
+from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
@@ -67,7 +68,7 @@ _TIME = OBSERVATION_LAYOUT["time_left"].start
 
 
 @njit
-def bounded(value):  # type: ignore[no-untyped-def]
+def bounded(value):
     """``value`` inside the observation's bounds; not-a-number becomes the lower bound."""
     if not value > -OBSERVATION_BOUND:
         return -OBSERVATION_BOUND
@@ -75,7 +76,7 @@ def bounded(value):  # type: ignore[no-untyped-def]
 
 
 @njit
-def observe_world(device, model, world, settings, scratch, seen):  # type: ignore[no-untyped-def]
+def observe_world(device, model, world, settings, scratch, seen):
     """Fill one row of the observation."""
     for i in range(N_PARAMETERS):
         sd = sqrt(max(world.covariance[N_STATES + i, N_STATES + i], 1e-300))
@@ -99,25 +100,19 @@ def observe_world(device, model, world, settings, scratch, seen):  # type: ignor
         seen[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
         lead = 0.0
         if settings.trajectory:
-            _, _, position, _ = motor_point(
-                device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4])
-            )
+            _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
     set_muscles(world.mean, N_STATES, scratch.filter.muscles)
-    force = (1.0 + world.mean[GAIN]) * sqrt(
-        world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2
-    )
+    force = (1.0 + world.mean[GAIN]) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.filter.muscles, limits, q, u, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     seen[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)
 
 
-@njit_parallel
-def observe(devices, models, worlds, all_settings, scratches, observation):  # type: ignore[no-untyped-def]
+@world_kernel(place=2)
+def observe(devices, models, worlds, all_settings, scratches, observation):
     """Fill ``observation`` (N, 63), float32."""
     for i in prange(worlds.shape[0]):
-        observe_world(
-            devices[0], models[i], worlds[i], all_settings[0], scratches[get_thread_id()], observation[i]
-        )
+        observe_world(devices[0], models[i], worlds[i], all_settings[0], scratches[get_thread_id()], observation[i])

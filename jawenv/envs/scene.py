@@ -23,10 +23,7 @@ def build_scene(simulation: Simulation) -> Any:
     q, _ = split(world["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
     mouthpiece = contact + body_to_head @ jaw["mouthpiece"]
-    tensions = [
-        muscle_pull(jaw, world["muscles"], i, tuple(contact), rotation(q))[3]
-        for i in range(len(MUSCLE_NAMES))
-    ]
+    tensions = [muscle_pull(jaw, world["muscles"], i, tuple(contact), rotation(q))[3] for i in range(len(MUSCLE_NAMES))]
     return Scene(
         muscle_names=MUSCLE_NAMES,
         muscle_origin_m=jaw["origin"].copy(),

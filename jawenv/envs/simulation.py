@@ -12,8 +12,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Cohort, Patient, cohort
-from jawenv.compiled import is_cached
+from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
 from jawenv.device.device import Device
 from jawenv.envs.advance import SCRATCH, SETTINGS, TICK, advance
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
@@ -29,7 +28,7 @@ Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score"]
 
 # The filter's parameter noise: sd per square root of a second at the start, and the time constant of its decay.
-PARAMETER_RATE = 0.05
+PARAMETER_RATE = 0.035
 PARAMETER_TIME = 5.0
 REDRAWS = 200
 
@@ -130,13 +129,14 @@ class Simulation:
         self.worlds = make_worlds(num_worlds)
         self.models = np.zeros(num_worlds, dtype=JAW)
         self._jaw = build_jaw()
+        self._gravity = default_mandible().gravity
         threads = numba.get_num_threads()
         self._scratches = np.zeros(threads, dtype=SCRATCH)
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, OBSERVATION_SIZE), dtype=np.float32)
-        announce_compilation()
+        announce_compilation(num_worlds)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
@@ -149,13 +149,10 @@ class Simulation:
         settings["used"] = pose if configuration.sensors == "pose" else point
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
-        settings["wrench_variance"] = np.repeat(
-            [
-                float(device["unmodelled_force"]) ** 2 + float(device["cell_force"]) ** 2,
-                float(device["unmodelled_moment"]) ** 2 + float(device["cell_moment"]) ** 2,
-            ],
-            3,
-        )
+        # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
+        cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
+        unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
+        settings["wrench_variance"] = np.repeat([unmodelled[0] + cell_force, unmodelled[1] + cell_moment], 3)
         settings["parameter_rate"] = PARAMETER_RATE
         settings["parameter_time"] = PARAMETER_TIME
         settings["prior_mean"] = self.cohort.prior.mean
@@ -185,7 +182,7 @@ class Simulation:
             self._episodes[i] += 1
             self.worlds["key"][i] = words[:2]
             drawn[int(i)] = np.random.Generator(np.random.Philox(key=np.array(words[2:], dtype=np.uint64)))
-            self._place(int(i), patients[i], drawn[int(i)])
+            self._place(int(i), patients[int(i)], drawn[int(i)])
         waiting = chosen.copy()
         accepted = np.ones(len(chosen), dtype=np.bool_)
         for _ in range(REDRAWS):
@@ -203,7 +200,7 @@ class Simulation:
             if not waiting.any():
                 break
             for i in np.flatnonzero(waiting):
-                given = patients[i]
+                given = patients[int(i)]
                 if given is not None:
                     raise InputError(
                         f"patient {given.name!r} has no rest pose within reach of the device, or a painless range "
@@ -220,7 +217,7 @@ class Simulation:
             log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
         else:
             log_parameters, tilt = patient.log_parameters(), patient.head_tilt_deg
-        self._jaw["gravity"] = gravity_in_head(float(np.linalg.norm(self._jaw["gravity"])), tilt)
+        self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
         self.worlds["jaw"][index] = self._jaw
         self.worlds["log_parameters"][index] = log_parameters
@@ -243,7 +240,7 @@ def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
     return np.uint64(episode), np.uint64(0), np.uint64(0), np.uint64(0)
 
 
-def announce_compilation() -> None:
-    """Say once, on stderr, that kernels are being compiled, when they are not in the cache."""
-    if not is_cached(advance):
+def announce_compilation(num_worlds: int) -> None:
+    """Say on stderr that kernels are about to be compiled, when they are not in the cache."""
+    if not advance.is_cached(num_worlds):
         print("jawenv: compiling the simulation for this machine, once (about a minute) ...", file=sys.stderr)

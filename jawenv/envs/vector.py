@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from gymnasium import error
@@ -22,9 +22,7 @@ from jawenv.envs.simulation import Simulation, configure
 from jawenv.errors import InputError
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
-StepBatch = tuple[
-    NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
-]
+StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
 
 class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
@@ -43,7 +41,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
     world, and ``reset_mask`` (N,) bool.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self,
@@ -81,9 +79,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         """The filter's prior over the log-parameters."""
         return self.simulation.cohort.prior
 
-    def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> Batch:
+    def reset(self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None) -> Batch:
         """Start episodes in all worlds, or in those of ``options["reset_mask"]``.
 
         Raises:
@@ -104,9 +100,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         if mask is None:
             return self._all
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
-            raise InputError(
-                f"option reset_mask is {mask!r}; allowed: a bool array of shape ({self.num_envs},)"
-            )
+            raise InputError(f"option reset_mask is {mask!r}; allowed: a bool array of shape ({self.num_envs},)")
         return mask
 
     def _checked_patients(self, patients: Any) -> list[Patient | None]:
@@ -127,9 +121,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         else:
             seeds = list(seed)
             if len(seeds) != self.num_envs:
-                raise InputError(
-                    f"seed has {len(seeds)} entries; allowed: an integer or {self.num_envs} entries"
-                )
+                raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {self.num_envs} entries")
         for i in np.flatnonzero(self._all if not self._seeded else chosen):
             if seeds[i] is not None or not self._seeded:
                 self.simulation.seed_world(int(i), np_random(seeds[i])[0])
@@ -158,9 +150,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         worlds = simulation.worlds
         now = potential(configuration.reward, worlds)
         info = simulation.info(worlds)
-        reward = (
-            now - self._potential - configuration.comfort_weight * info["cost"] / configuration.control_hz
-        )
+        reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.control_hz
         reward[waiting] = 0.0
         self._potential = now
         terminated = info["violation"] | ~np.isfinite(worlds["log_det"])

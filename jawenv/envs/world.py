@@ -44,6 +44,7 @@ WORLD = np.dtype(
         ("mean", "f8", N_FILTER),
         ("covariance", "f8", (N_FILTER, N_FILTER)),
         ("reading", "f8", 6),  # load cell, body axes
+        ("trend", "f8", 6),  # the load cell's recent mean
         ("log_det_prior", "f8"),
         ("log_det", "f8"),
         ("log_det_bound", "f8"),

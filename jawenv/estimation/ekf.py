@@ -1,8 +1,15 @@
 """The extended Kalman filter over motion, log-parameters and load-cell gain.
 
-State (23): q and u (10), natural logs of F_o and b per muscle (12), relative gain error g of the load cell (1). The
-force on the jaw is (1 + g) times the reading. Process noise is an unmodelled wrench, constant over one step, plus the
-noise of the load cell; the parameters receive a noise that decays with time (see ``parameter_variance``).
+State (23): q and u (10), natural logs of F_o and b per muscle (12), relative gain error g of the load cell (1).
+
+* The force on the jaw is the reading plus g times the recent trend of readings. A reading that multiplied g would
+  let the filter take the load cell's noise for a force without effect.
+* g is considered, not estimated (Schmidt 1966): its prior uncertainty spreads to everything that it touches, and is
+  never thought to have become smaller. A servo makes the reading answer to errors of the estimated motion, and a filter
+  that learns g from such readings learns a wrong one.
+* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, plus what first-order
+  filtering neglects: the curvature of the muscles' exponentials (see ``add_curvature``).
+* The parameters receive a noise that decays with time (see ``parameter_variance``).
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
@@ -16,25 +23,25 @@ from math import exp
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.estimation.sensitivity import N_COLUMNS, SENSITIVITY_SCRATCH, propagate
+from jawenv.estimation.sensitivity import GAIN, N_COLUMNS, SENSITIVITY_SCRATCH, WRENCH, propagate
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
 from jawenv.mechanics.vec3 import add, apply, cross, vector3
 
-N_GAIN = 1
-GAIN = N_STATES + N_PARAMETERS
-N_FILTER = N_STATES + N_PARAMETERS + N_GAIN
+N_FILTER = N_STATES + N_PARAMETERS + 1
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
-WRENCH_COLUMN = N_STATES + N_PARAMETERS
+TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
+# How often the neglected curvature counts: it is the same error from step to step, where process noise would be new.
+CURVATURE_REPEATS = 5.0
 
 FILTER_SCRATCH = np.dtype(
     [
         *SENSITIVITY_SCRATCH,
         ("muscles", "f8", (N_MUSCLES, 2)),
         ("state", "f8", N_STATES),
-        ("transition", "f8", (N_STATES, N_FILTER)),
         ("product", "f8", (N_STATES, N_FILTER)),
+        ("tension_covariance", "f8", (N_MUSCLES, N_MUSCLES)),
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),
         ("expected", "f8", N_MEASUREMENTS),
         ("shift", "f8", N_FILTER),
@@ -45,7 +52,7 @@ FILTER_SCRATCH = np.dtype(
 
 
 @njit
-def set_muscles(log_parameters, offset, muscles):  # type: ignore[no-untyped-def]
+def set_muscles(log_parameters, offset, muscles):
     """(F_o, b) per muscle from an array that holds the log-parameters from ``offset`` on."""
     for i in range(N_MUSCLES):
         muscles[i, 0] = exp(log_parameters[offset + 2 * i])
@@ -53,7 +60,7 @@ def set_muscles(log_parameters, offset, muscles):  # type: ignore[no-untyped-def
 
 
 @njit
-def parameter_variance(rate, time_constant, time, dt):  # type: ignore[no-untyped-def]
+def parameter_variance(rate, time_constant, time, dt):
     """Variance that each log-parameter receives between ``time`` and ``time + dt``.
 
     Its sd per square root of a second starts at ``rate`` and decays with ``time_constant``: early, while the filter
@@ -64,7 +71,7 @@ def parameter_variance(rate, time_constant, time, dt):  # type: ignore[no-untype
 
 
 @njit
-def multiply_row(left, i, right, product):  # type: ignore[no-untyped-def]
+def multiply_row(left, i, right, product):
     """Row i of ``product`` = row i of ``left`` times ``right``, four rows of ``right`` at a time."""
     last = N_FILTER - N_FILTER % 4
     for j in range(N_FILTER):
@@ -79,24 +86,18 @@ def multiply_row(left, i, right, product):  # type: ignore[no-untyped-def]
 
 
 @njit
-def predict_covariance(covariance, reading, wrench_variance, parameter_noise, scratch):  # type: ignore[no-untyped-def]
+def predict_covariance(covariance, wrench_variance, parameter_noise, scratch):
     """P <- F P F^T + G W G^T + Q, with F and G from ``scratch.total`` as left by ``propagate``."""
-    total, transition, product = scratch.total, scratch.transition, scratch.product
+    total, product = scratch.total, scratch.product
     for i in range(N_STATES):
-        for j in range(WRENCH_COLUMN):
-            transition[i, j] = total[i, j]
-        by_gain = 0.0
-        for k in range(N_WRENCH):
-            by_gain += total[i, WRENCH_COLUMN + k] * reading[k]
-        transition[i, GAIN] = by_gain
-        multiply_row(transition, i, covariance, product)
+        multiply_row(total, i, covariance, product)
     for i in range(N_STATES):
         for j in range(i + 1):
             value = 0.0
             for k in range(N_FILTER):
-                value += product[i, k] * transition[j, k]
+                value += product[i, k] * total[j, k]
             for k in range(N_WRENCH):
-                value += total[i, WRENCH_COLUMN + k] * total[j, WRENCH_COLUMN + k] * wrench_variance[k]
+                value += total[i, WRENCH + k] * total[j, WRENCH + k] * wrench_variance[k]
             covariance[i, j] = value
             covariance[j, i] = value
         for j in range(N_STATES, N_FILTER):
@@ -107,24 +108,76 @@ def predict_covariance(covariance, reading, wrench_variance, parameter_noise, sc
 
 
 @njit
-def predict(jaw, mean, covariance, reading, dt, wrench_variance, parameter_noise, scratch):  # type: ignore[no-untyped-def]
-    """Time update of ``mean`` (23) and ``covariance`` (23, 23) over one step with the load cell's reading (6)."""
-    set_muscles(mean, N_STATES, scratch.muscles)
-    factor = 1.0 + mean[GAIN]
-    wrench = (
-        factor * reading[0],
-        factor * reading[1],
-        factor * reading[2],
-        factor * reading[3],
-        factor * reading[4],
-        factor * reading[5],
+def mean_force(samples):
+    """Mean force over a step from its three samples, by Simpson's rule."""
+    return (
+        (samples[0, 0] + 4.0 * samples[1, 0] + samples[2, 0]) / 6.0,
+        (samples[0, 1] + 4.0 * samples[1, 1] + samples[2, 1]) / 6.0,
+        (samples[0, 2] + 4.0 * samples[1, 2] + samples[2, 2]) / 6.0,
     )
-    propagate(jaw, scratch.muscles, mean, wrench, dt, scratch)
-    predict_covariance(covariance, reading, wrench_variance, parameter_noise, scratch)
 
 
 @njit
-def measure(jaw, state, rows, expected):  # type: ignore[no-untyped-def]
+def set_tension_covariance(covariance, scratch):
+    """Covariance (6, 6) of the log-tensions log F_o + b (l - l_o)/l_o that the parameters' covariance implies."""
+    for i in range(N_MUSCLES):
+        a, e = N_STATES + 2 * i, scratch.muscles[i, 1] * scratch.pulls[i, 6]
+        for j in range(N_MUSCLES):
+            b, f = N_STATES + 2 * j, scratch.muscles[j, 1] * scratch.pulls[j, 6]
+            scratch.tension_covariance[i, j] = (
+                covariance[a, b]
+                + e * covariance[a + 1, b]
+                + f * covariance[a, b + 1]
+                + e * f * covariance[a + 1, b + 1]
+            )
+
+
+@njit
+def add_curvature(mean, covariance, scratch):
+    """Second-order terms of the tensions' exponentials (Jazwinski 1970, section 9.3).
+
+    A tension of log-variance s has a mean larger by s/2 than the value at the mean log, and an error of variance s^2 / 2
+    that the linearisation does not see. Both vanish as the parameters become known.
+    """
+    total, spread = scratch.total, scratch.tension_covariance
+    for r in range(N_STATES):
+        for i in range(N_MUSCLES):
+            mean[r] += 0.5 * spread[i, i] * total[r, N_STATES + 2 * i]
+        for c in range(r + 1):
+            value = 0.0
+            for i in range(N_MUSCLES):
+                for j in range(N_MUSCLES):
+                    square = spread[i, j] * spread[i, j]
+                    value += square * total[r, N_STATES + 2 * i] * total[c, N_STATES + 2 * j]
+            covariance[r, c] += 0.5 * CURVATURE_REPEATS * value
+            covariance[c, r] = covariance[r, c]
+
+
+@njit
+def follow_trend(trend, samples, dt):
+    """Let the load cell's trend (6) follow its samples with ``TREND_TIME``; called after they have been used."""
+    follow = 1.0 - exp(-dt / TREND_TIME)
+    for k in range(N_WRENCH):
+        reading = (samples[0, k] + 4.0 * samples[1, k] + samples[2, k]) / 6.0
+        trend[k] += follow * (reading - trend[k])
+
+
+@njit
+def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, parameter_noise, scratch):
+    """Time update of ``mean`` (23) and ``covariance`` (23, 23) over one step.
+
+    ``samples`` (3, 6) and ``trend`` (6) are the load cell's, ``wrench_variance`` (6) that of the wrench not known:
+    unmodelled and load-cell noise together.
+    """
+    set_muscles(mean, N_STATES, scratch.muscles)
+    propagate(jaw, scratch.muscles, mean, samples, trend, mean[GAIN], dt, scratch)
+    set_tension_covariance(covariance, scratch)
+    predict_covariance(covariance, wrench_variance, parameter_noise, scratch)
+    add_curvature(mean, covariance, scratch)
+
+
+@njit
+def measure(jaw, state, rows, expected):
     """Expected measurements (12) and their derivatives by the ten states, into ``rows`` (12, 10)."""
     q, u = split(state)
     body_to_head = rotation(q)
@@ -158,7 +211,7 @@ def measure(jaw, state, rows, expected):  # type: ignore[no-untyped-def]
 
 
 @njit
-def assimilate(covariance, row, variance, gain):  # type: ignore[no-untyped-def]
+def assimilate(covariance, row, variance, gain):
     """Covariance after one scalar measurement; returns the innovation's variance and leaves P h in ``gain`` (23)."""
     for j in range(N_FILTER):
         gain[j] = 0.0
@@ -171,15 +224,17 @@ def assimilate(covariance, row, variance, gain):  # type: ignore[no-untyped-def]
     for k in range(N_STATES):
         innovation_variance += row[k] * gain[k]
     inverse = 1.0 / innovation_variance
+    considered = covariance[GAIN, GAIN]
     for i in range(N_FILTER):
         for j in range(N_FILTER):
             # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
             covariance[i, j] -= (gain[i] * gain[j]) * inverse
+    covariance[GAIN, GAIN] = considered
     return innovation_variance
 
 
 @njit
-def update(jaw, mean, covariance, measured, variances, used, scratch):  # type: ignore[no-untyped-def]
+def update(jaw, mean, covariance, measured, variances, used, scratch):
     """Measurement update with ``measured`` (12), noise ``variances`` (12) and ``used`` (12, bool)."""
     measure(jaw, mean, scratch.rows, scratch.expected)
     for j in range(N_FILTER):
@@ -195,12 +250,12 @@ def update(jaw, mean, covariance, measured, variances, used, scratch):  # type: 
         weight = innovation / variance
         for j in range(N_FILTER):
             scratch.shift[j] += weight * scratch.gain[j]
-    for j in range(N_FILTER):
+    for j in range(GAIN):
         mean[j] += scratch.shift[j]
 
 
 @njit
-def update_covariance(jaw, state, covariance, variances, used, scratch):  # type: ignore[no-untyped-def]
+def update_covariance(jaw, state, covariance, variances, used, scratch):
     """Measurement update of the covariance alone, linearised at ``state``: the bound's half of ``update``."""
     measure(jaw, state, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
@@ -208,4 +263,4 @@ def update_covariance(jaw, state, covariance, variances, used, scratch):  # type
             assimilate(covariance, scratch.rows[i], variances[i], scratch.gain)
 
 
-__all__ = ["N_COLUMNS", "FILTER_SCRATCH", "N_FILTER", "N_MEASUREMENTS", "predict", "update"]
+__all__ = ["FILTER_SCRATCH", "GAIN", "N_COLUMNS", "N_FILTER", "N_MEASUREMENTS", "predict", "propagate", "update"]

@@ -1,7 +1,9 @@
 """One step of the filter's model and its exact derivative.
 
-The model is one classical Runge-Kutta step with a constant wrench; its derivative is the same step applied to the
-variational equation, so that it is the derivative of the numbers that the filter computes, to rounding.
+The model is one classical Runge-Kutta step under the wrench that the load cell read at the start, the middle and the
+end of the step: a stiff servo changes its force within one, and a filter that takes the mean misplaces the
+jaw by a quarter of its motion. The derivative is the same step applied to the variational equation, so that it is the
+derivative of the numbers that the filter computes, to rounding.
 """
 
 from __future__ import annotations
@@ -11,12 +13,15 @@ from math import cos, sin
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.mechanics.dynamics import N_INPUT_COLUMNS, N_STATES, linearise_acceleration
-from jawenv.mechanics.jaw import N_MUSCLES
+from jawenv.mechanics.dynamics import N_INPUT_COLUMNS, N_STATES, N_WRENCH, linearise_acceleration
+from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
 from jawenv.mechanics.kinematics import angle_rates, split
 
-# Columns: the ten states, then log F_o and log b of each muscle, then the wrench.
-N_COLUMNS = N_STATES + N_INPUT_COLUMNS
+# Columns: the ten states, log F_o and log b of each muscle, the load cell's gain, the unmodelled wrench.
+GAIN = N_STATES + N_PARAMETERS
+WRENCH = GAIN + 1
+N_COLUMNS = WRENCH + N_WRENCH
+N_SAMPLES = 3  # of the load cell per step
 
 SENSITIVITY_SCRATCH = [
     ("by_state", "f8", (5, N_STATES)),
@@ -31,7 +36,7 @@ SENSITIVITY_SCRATCH = [
 
 
 @njit
-def fill_angle_rate_derivatives(q, omega, by_angle):  # type: ignore[no-untyped-def]
+def fill_angle_rate_derivatives(q, omega, by_angle):
     """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
     cp, sp = cos(q[3]), sin(q[3])
     ca, sa = cos(q[4]), sin(q[4])
@@ -47,8 +52,19 @@ def fill_angle_rate_derivatives(q, omega, by_angle):  # type: ignore[no-untyped-
 
 
 @njit
-def rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch):  # type: ignore[no-untyped-def]
-    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``."""
+def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
+    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
+
+    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) what the load cell read of late.
+    """
+    wrench = (
+        sample[0] + gain * trend[0],
+        sample[1] + gain * trend[1],
+        sample[2] + gain * trend[2],
+        sample[3] + gain * trend[3],
+        sample[4] + gain * trend[4],
+        sample[5] + gain * trend[5],
+    )
     acceleration = linearise_acceleration(
         jaw, muscles, q, u, wrench, scratch.by_state, scratch.by_input, scratch.stiffness, scratch.pulls
     )
@@ -63,9 +79,7 @@ def rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch):  # type: ignore[n
         a, b = by_angle[i, 0], by_angle[i, 1]
         c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
         for j in range(N_COLUMNS):
-            slope[2 + i, j] = (
-                a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
-            )
+            slope[2 + i, j] = a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
     for i in range(5):
         # One pass over the columns with all factors in registers: this product is the filter's largest cost.
         a0, a1, a2, a3, a4 = by_state[i, 0], by_state[i, 1], by_state[i, 2], by_state[i, 3], by_state[i, 4]
@@ -74,13 +88,16 @@ def rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch):  # type: ignore[n
             slope[5 + i, j] = (
                 a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
             ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
-        for j in range(N_INPUT_COLUMNS):
+        for j in range(N_PARAMETERS):
             slope[5 + i, N_STATES + j] += by_input[i, j]
+        for j in range(N_WRENCH):
+            slope[5 + i, WRENCH + j] += by_input[i, N_PARAMETERS + j]
+            slope[5 + i, GAIN] += trend[j] * by_input[i, N_PARAMETERS + j]
     return angle_rates(q, omega), acceleration
 
 
 @njit
-def set_identity(matrix):  # type: ignore[no-untyped-def]
+def set_identity(matrix):
     """Ones on the diagonal of the leading square block, zeros elsewhere."""
     for i in range(matrix.shape[0]):
         for j in range(matrix.shape[1]):
@@ -89,15 +106,19 @@ def set_identity(matrix):  # type: ignore[no-untyped-def]
 
 
 @njit
-def propagate(jaw, muscles, state, wrench, dt, scratch):  # type: ignore[no-untyped-def]
-    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` (10, 28) with its derivative."""
+def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` (10, 29) with its derivative.
+
+    ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
+    ``rate_and_sensitivity``.
+    """
     set_identity(scratch.total)
     set_identity(scratch.stage)
     start_q, start_u = split(state)
     q, u = start_q, start_u
     sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
     for step in range(4):
-        rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, wrench, scratch)
+        rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, samples[(step + 1) // 2], trend, gain, scratch)
         velocity = (u[0], u[1], rates[0], rates[1], rates[2])
         weight = dt / 3.0 if step == 1 or step == 2 else dt / 6.0
         sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
@@ -113,14 +134,14 @@ def propagate(jaw, muscles, state, wrench, dt, scratch):  # type: ignore[no-unty
 
 
 @njit
-def plus(a, s, b):  # type: ignore[no-untyped-def]
+def plus(a, s, b):
     """A + s b for tuples of five."""
     return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2], a[3] + s * b[3], a[4] + s * b[4])
 
 
 @njit
-def accumulate(target, factor, source):  # type: ignore[no-untyped-def]
-    """Target += factor * source for two (10, 28) arrays."""
+def accumulate(target, factor, source):
+    """Target += factor * source for two (10, 29) arrays."""
     for i in range(N_STATES):
         for j in range(N_COLUMNS):
             target[i, j] += factor * source[i, j]

@@ -26,7 +26,7 @@ N_INPUT_COLUMNS = 2 * N_MUSCLES + N_WRENCH
 
 
 @njit
-def inertial_coupling(jaw, slope, body_to_head):  # type: ignore[no-untyped-def]
+def inertial_coupling(jaw, slope, body_to_head):
     """Schur form of the 5 x 5 mass matrix: W = M_tr M_rr^-1 (two rows) and the inverse of M_tt - W M_rt (2 x 2)."""
     m = jaw.mass
     x, y, z = jaw.centre_of_mass[0], jaw.centre_of_mass[1], jaw.centre_of_mass[2]
@@ -52,7 +52,7 @@ def inertial_coupling(jaw, slope, body_to_head):  # type: ignore[no-untyped-def]
 
 
 @njit
-def solve_mass(coupling, right_x, right_y, right_turn):  # type: ignore[no-untyped-def]
+def solve_mass(coupling, right_x, right_y, right_turn):
     """U' from M u' = (right_x, right_y, right_turn)."""
     inverse, w_first, w_second, schur = coupling
     rx = right_x - (w_first[0] * right_turn[0] + w_first[1] * right_turn[1] + w_first[2] * right_turn[2])
@@ -70,13 +70,13 @@ def solve_mass(coupling, right_x, right_y, right_turn):  # type: ignore[no-untyp
 
 
 @njit
-def inertia_times(jaw, a):  # type: ignore[no-untyped-def]
+def inertia_times(jaw, a):
     """Inertia about the centre of mass times a body vector."""
     return apply((row3(jaw.inertia, 0), row3(jaw.inertia, 1), row3(jaw.inertia, 2)), a)
 
 
 @njit
-def body_moment(jaw, body_to_head, moment, omega, wrench):  # type: ignore[no-untyped-def]
+def body_moment(jaw, body_to_head, moment, omega, wrench):
     """Moment about the contact point in body axes: forces, device wrench, damping of rotation."""
     pull = (wrench[0], wrench[1], wrench[2])
     turn = add((wrench[3], wrench[4], wrench[5]), cross(vector3(jaw.mouthpiece), pull))
@@ -84,7 +84,7 @@ def body_moment(jaw, body_to_head, moment, omega, wrench):  # type: ignore[no-un
 
 
 @njit
-def acceleration_kernel(jaw, muscles, q, u, wrench):  # type: ignore[no-untyped-def]
+def acceleration_kernel(jaw, muscles, q, u, wrench):
     """U' (five numbers) for coordinates q, speeds u and the device's wrench (six numbers, body axes)."""
     body_to_head = rotation(q)
     force, moment = resultant(jaw, muscles, q, u, body_to_head)
@@ -102,14 +102,14 @@ def acceleration_kernel(jaw, muscles, q, u, wrench):  # type: ignore[no-untyped-
 
 
 @njit
-def state_rate(jaw, muscles, q, u, wrench):  # type: ignore[no-untyped-def]
+def state_rate(jaw, muscles, q, u, wrench):
     """(q', u') as two tuples of five."""
     rates = angle_rates(q, (u[2], u[3], u[4]))
     return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration_kernel(jaw, muscles, q, u, wrench)
 
 
 @njit
-def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):  # type: ignore[no-untyped-def]
+def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):
     """U' and its exact derivatives.
 
     Fills ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input`` (5, 18) with d u'/d(log F_o, log b per muscle;
@@ -150,9 +150,7 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
     gap = subtract((0.0, 0.0, m * lift), change)
     twist = scale(m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, lift))))
     twist = subtract(twist, apply_transposed(body_to_head, apply(ell, shift)))
-    column = solve_mass(
-        coupling, -(gap[0] + slope * gap[2] + curvature * net[2]), -gap[1], scale(-1.0, twist)
-    )
+    column = solve_mass(coupling, -(gap[0] + slope * gap[2] + curvature * net[2]), -gap[1], scale(-1.0, twist))
     for i in range(5):
         by_state[i, 0] = column[i]
     # y
@@ -199,7 +197,7 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
 
 
 @njit
-def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):  # type: ignore[no-untyped-def]
+def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 18)."""
     for muscle in range(N_MUSCLES):
         pull = (pulls[muscle, 0], pulls[muscle, 1], pulls[muscle, 2])

@@ -21,7 +21,7 @@ HOLD_STIFFNESS = 20e3  # N/m
 
 
 @njit
-def solve_five(matrix, right):  # type: ignore[no-untyped-def]
+def solve_five(matrix, right):
     """Solve a 5 x 5 system in place by elimination with row pivoting; the solution replaces ``right``."""
     for k in range(5):
         pivot = k
@@ -44,7 +44,7 @@ def solve_five(matrix, right):  # type: ignore[no-untyped-def]
 
 
 @njit
-def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):  # type: ignore[no-untyped-def]
+def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
     """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
 
     With ``held`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
@@ -101,7 +101,7 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):  # type: 
 
 
 @njit
-def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):  # type: ignore[no-untyped-def]
+def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):
     """Derivative of u' by q (5 x 5) with the spring's force following the motion."""
     arm = vector3(jaw.mouthpiece)
     slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])

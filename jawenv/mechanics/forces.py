@@ -21,7 +21,7 @@ from jawenv.mechanics.vec3 import add, apply, cross, dot, norm, row3, scale, sub
 
 
 @njit
-def smooth_ramp(depth, width):  # type: ignore[no-untyped-def]
+def smooth_ramp(depth, width):
     """Depth of a one-sided stop with a quadratic onset over ``width``, and its slope: continuous to the slope."""
     if depth <= 0.0:
         return 0.0, 0.0
@@ -31,7 +31,7 @@ def smooth_ramp(depth, width):  # type: ignore[no-untyped-def]
 
 
 @njit
-def muscle_pull(jaw, muscles, i, contact, body_to_head):  # type: ignore[no-untyped-def]
+def muscle_pull(jaw, muscles, i, contact, body_to_head):
     """Muscle i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
 
     ``muscles`` is (6, 2): F_o in N, b. The law is van Ruijven & Weijs (1990) as used by Young (2016), eq. 2.2.
@@ -44,7 +44,7 @@ def muscle_pull(jaw, muscles, i, contact, body_to_head):  # type: ignore[no-unty
 
 
 @njit
-def resultant(jaw, muscles, q, u, body_to_head):  # type: ignore[no-untyped-def]
+def resultant(jaw, muscles, q, u, body_to_head):
     """Resultant force and moment about the contact point, head axes, of everything but the device."""
     contact = contact_point(jaw, q)
     weight = scale(jaw.mass, vector3(jaw.gravity))
@@ -70,7 +70,7 @@ def resultant(jaw, muscles, q, u, body_to_head):  # type: ignore[no-untyped-def]
 
 
 @njit
-def capsule_force(jaw, x):  # type: ignore[no-untyped-def]
+def capsule_force(jaw, x):
     """Forward force of the stops behind the fossa's roof (x < 0) and past the crest, and its derivative by x."""
     back, back_slope = smooth_ramp(-x, jaw.stop_width)
     front, front_slope = smooth_ramp(x - jaw.crest, jaw.stop_width)
@@ -79,7 +79,7 @@ def capsule_force(jaw, x):  # type: ignore[no-untyped-def]
 
 
 @njit
-def clear_stiffness(stiffness):  # type: ignore[no-untyped-def]
+def clear_stiffness(stiffness):
     """Set the (3, 3, 3) array of K, L, N to zero."""
     for m in range(3):
         for i in range(3):
@@ -88,7 +88,7 @@ def clear_stiffness(stiffness):  # type: ignore[no-untyped-def]
 
 
 @njit
-def add_point(stiffness, arm, force):  # type: ignore[no-untyped-def]
+def add_point(stiffness, arm, force):
     """Add a point force that does not depend on place to N."""
     along = dot(arm, force)
     for i in range(3):
@@ -98,7 +98,7 @@ def add_point(stiffness, arm, force):  # type: ignore[no-untyped-def]
 
 
 @njit
-def add_line(stiffness, arm, direction, k):  # type: ignore[no-untyped-def]
+def add_line(stiffness, arm, direction, k):
     """Add the symmetric rank-one stiffness k e e^T at ``arm`` to K, L and N."""
     turn = cross(arm, direction)
     for i in range(3):
@@ -109,7 +109,7 @@ def add_line(stiffness, arm, direction, k):  # type: ignore[no-untyped-def]
 
 
 @njit
-def add_isotropic(stiffness, arm, k):  # type: ignore[no-untyped-def]
+def add_isotropic(stiffness, arm, k):
     """Add the stiffness k 1 at ``arm`` to K, L and N."""
     square = dot(arm, arm)
     for i in range(3):
@@ -126,7 +126,7 @@ def add_isotropic(stiffness, arm, k):  # type: ignore[no-untyped-def]
 
 
 @njit
-def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):  # type: ignore[no-untyped-def]
+def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):
     """As ``resultant``, and fill ``stiffness`` (3, 3, 3) and ``pulls``.
 
     ``pulls`` (6, 7) receives per muscle its force, its moment about the contact point and its strain (l - l_o)/l_o.

@@ -48,7 +48,7 @@ def angle_rates(q: Five, omega: Vector) -> Vector:
 
 
 @njit
-def fossa(jaw, x):  # type: ignore[no-untyped-def]
+def fossa(jaw, x):
     """Height z of the condyle's path at x and its first three derivatives."""
     d, f = jaw.fossa_drop, jaw.fossa_frequency
     c, s = cos(f * x), sin(f * x)
@@ -56,13 +56,13 @@ def fossa(jaw, x):  # type: ignore[no-untyped-def]
 
 
 @njit
-def contact_point(jaw, q):  # type: ignore[no-untyped-def]
+def contact_point(jaw, q):
     """Contact point r_* in head axes."""
     return (q[0], q[1], jaw.fossa_drop * (cos(jaw.fossa_frequency * q[0]) - 1.0))
 
 
 @njit
-def split(state):  # type: ignore[no-untyped-def]
+def split(state):
     """State array (10 or more) as the tuples q and u."""
     return (
         (state[0], state[1], state[2], state[3], state[4]),

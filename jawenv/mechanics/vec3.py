@@ -63,12 +63,12 @@ def apply_transposed(m: Matrix, a: Vector) -> Vector:
 
 
 @njit
-def row3(array, i):  # type: ignore[no-untyped-def]
+def row3(array, i):
     """Row i of an (n, 3) array as a vector."""
     return (array[i, 0], array[i, 1], array[i, 2])
 
 
 @njit
-def vector3(array):  # type: ignore[no-untyped-def]
+def vector3(array):
     """A (3,) array as a vector."""
     return (array[0], array[1], array[2])

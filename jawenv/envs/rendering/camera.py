@@ -58,9 +58,7 @@ class Pose:
 FIXED = Pose(np.eye(3), np.zeros(3))
 
 
-def draw_mesh(
-    canvas: Canvas, camera: Camera, mesh: Mesh, pose: Pose, ramp: list[Colour], line: Colour
-) -> None:
+def draw_mesh(canvas: Canvas, camera: Camera, mesh: Mesh, pose: Pose, ramp: list[Colour], line: Colour) -> None:
     """Draw a surface, shaded from `ramp`, with a contour around its silhouette.
 
     The contour is drawn first: the faces then cover its inner half, so no line crosses the surface.

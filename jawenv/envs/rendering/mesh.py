@@ -153,7 +153,5 @@ def slab(outline: Array, thickness: float) -> Mesh:
     """Flat plate: `outline` (K, 2) in x and y, extruded over `thickness` in z, centred on z = 0."""
     centre = outline.mean(axis=0)
     levels = [(-0.5, 0.97), (-0.3, 1.0), (0.3, 1.0), (0.5, 0.97)]
-    rings = [
-        np.insert(centre + (outline - centre) * grow, 2, level * thickness, axis=1) for level, grow in levels
-    ]
+    rings = [np.insert(centre + (outline - centre) * grow, 2, level * thickness, axis=1) for level, grow in levels]
     return loft(np.stack(rings))

@@ -145,9 +145,7 @@ def _sides(scene: Scene) -> tuple[list[int], list[int]]:
     return near, [i for i in range(len(scene.muscle_names)) if i not in near]
 
 
-def _muscle(
-    canvas: Canvas, camera: Camera, scene: Scene, index: int, fade: float = 0.0, alpha: int = 255
-) -> None:
+def _muscle(canvas: Canvas, camera: Camera, scene: Scene, index: int, fade: float = 0.0, alpha: int = 255) -> None:
     start = camera.project(1000 * scene.muscle_origin_m[index])
     end = camera.project(1000 * scene.muscle_insertion_m[index])
     width = muscle_width(float(scene.muscle_tension_N[index]))
@@ -235,9 +233,7 @@ def _draw_arrow(canvas: Canvas, start: Array, tip: Array) -> None:
 
 def _draw_names(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     """Name the muscles of the near side; thin leaders come from the free space behind the jaw."""
-    for name, start, end in zip(
-        scene.muscle_names, scene.muscle_origin_m, scene.muscle_insertion_m, strict=True
-    ):
+    for name, start, end in zip(scene.muscle_names, scene.muscle_origin_m, scene.muscle_insertion_m, strict=True):
         kind = kind_of(name)
         if not name.endswith("_right") or kind not in _NAME_PLACES:
             continue
