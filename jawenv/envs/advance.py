@@ -157,7 +157,7 @@ def advance_tick(device, model, world, action, settings, scratch):
     if settings.bound:
         # scratch.filter.state still holds the true state at the start of the tick.
         propagate(model, world.muscles, scratch.filter.state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-        predict_covariance(world.bound, settings.wrench_variance, 0.0, scratch.filter)
+        predict_covariance(world.bound, settings.wrench_variance, 0.0, 0.0, scratch.filter)
         update_covariance(model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
     noise = parameter_variance(settings.parameter_rate, settings.parameter_time, world.tick * TICK, TICK)
     predict(

@@ -8,7 +8,7 @@ State (23): q and u (10), natural logs of F_o and b per muscle (12), relative ga
   never thought to have become smaller. A servo makes the reading answer to errors of the estimated motion, and a filter
   that learns g from such readings learns a wrong one.
 * Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, plus what first-order
-  filtering neglects: the curvature of the muscles' exponentials (see ``add_curvature``).
+  filtering neglects: the curvature of the muscles' exponentials (see ``shift_by_curvature``).
 * The parameters receive a noise that decays with time (see ``parameter_variance``).
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
@@ -40,7 +40,9 @@ FILTER_SCRATCH = np.dtype(
         *SENSITIVITY_SCRATCH,
         ("muscles", "f8", (N_MUSCLES, 2)),
         ("state", "f8", N_STATES),
-        ("product", "f8", (N_STATES, N_FILTER)),
+        ("product", "f8", (N_STATES, N_COLUMNS)),
+        ("turned", "f8", (N_COLUMNS, N_STATES)),
+        ("row", "f8", N_STATES),
         ("tension_covariance", "f8", (N_MUSCLES, N_MUSCLES)),
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),
         ("expected", "f8", N_MEASUREMENTS),
@@ -86,25 +88,47 @@ def multiply_row(left, i, right, product):
 
 
 @njit
-def predict_covariance(covariance, wrench_variance, parameter_noise, scratch):
-    """P <- F P F^T + G W G^T + Q, with F and G from ``scratch.total`` as left by ``propagate``."""
-    total, product = scratch.total, scratch.product
+def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, scratch):
+    """P <- F P F^T + G W G^T + C S C^T + Q, with F and G from ``scratch.total`` as left by ``propagate``.
+
+    C are the columns of the log-tensions and S is ``curvature`` times the squares of ``scratch.tension_covariance``.
+    All three products share one pass: [F P, G W, C S] times [F, G, C]^T.
+    """
+    total, product, turned = scratch.total, scratch.product, scratch.turned
     for i in range(N_STATES):
         multiply_row(total, i, covariance, product)
+        for k in range(N_COLUMNS):
+            turned[k, i] = total[i, k]
     for i in range(N_STATES):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(N_FILTER):
-                value += product[i, k] * total[j, k]
-            for k in range(N_WRENCH):
-                value += total[i, WRENCH + k] * total[j, WRENCH + k] * wrench_variance[k]
-            covariance[i, j] = value
-            covariance[j, i] = value
         for j in range(N_STATES, N_FILTER):
             covariance[i, j] = product[i, j]
             covariance[j, i] = product[i, j]
+        for k in range(N_WRENCH):
+            product[i, WRENCH + k] = total[i, WRENCH + k] * wrench_variance[k]
+        if curvature > 0.0:
+            add_curvature(scratch.tension_covariance, curvature, total, product, i)
+    for i in range(N_STATES):
+        for j in range(N_STATES):
+            scratch.row[j] = 0.0
+        for k in range(N_COLUMNS):
+            factor = product[i, k]
+            for j in range(N_STATES):
+                scratch.row[j] += factor * turned[k, j]
+        for j in range(i + 1):
+            covariance[i, j] = scratch.row[j]
+            covariance[j, i] = scratch.row[j]
     for i in range(N_STATES, GAIN):
         covariance[i, i] += parameter_noise
+
+
+@njit
+def add_curvature(spread, curvature, total, product, i):
+    """Add row i of C S to the columns of log F_o in ``product``."""
+    for a in range(N_MUSCLES):
+        value = 0.0
+        for b in range(N_MUSCLES):
+            value += spread[a, b] * spread[a, b] * total[i, N_STATES + 2 * b]
+        product[i, N_STATES + 2 * a] += curvature * value
 
 
 @njit
@@ -133,24 +157,15 @@ def set_tension_covariance(covariance, scratch):
 
 
 @njit
-def add_curvature(mean, covariance, scratch):
-    """Second-order terms of the tensions' exponentials (Jazwinski 1970, section 9.3).
+def shift_by_curvature(mean, scratch):
+    """Second-order shift of the predicted motion (Jazwinski 1970, section 9.3).
 
-    A tension of log-variance s has a mean larger by s/2 than the value at the mean log, and an error of variance s^2 / 2
-    that the linearisation does not see. Both vanish as the parameters become known.
+    A tension of log-variance s has a mean larger by s/2 than the value at its mean log, and an error of variance
+    s^2 / 2 that the linearisation does not see (see ``predict_covariance``). Both vanish as parameters become known.
     """
-    total, spread = scratch.total, scratch.tension_covariance
-    for r in range(N_STATES):
-        for i in range(N_MUSCLES):
-            mean[r] += 0.5 * spread[i, i] * total[r, N_STATES + 2 * i]
-        for c in range(r + 1):
-            value = 0.0
-            for i in range(N_MUSCLES):
-                for j in range(N_MUSCLES):
-                    square = spread[i, j] * spread[i, j]
-                    value += square * total[r, N_STATES + 2 * i] * total[c, N_STATES + 2 * j]
-            covariance[r, c] += 0.5 * CURVATURE_REPEATS * value
-            covariance[c, r] = covariance[r, c]
+    for i in range(N_STATES):
+        for k in range(N_MUSCLES):
+            mean[i] += 0.5 * scratch.tension_covariance[k, k] * scratch.total[i, N_STATES + 2 * k]
 
 
 @njit
@@ -172,8 +187,8 @@ def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, paramete
     set_muscles(mean, N_STATES, scratch.muscles)
     propagate(jaw, scratch.muscles, mean, samples, trend, mean[GAIN], dt, scratch)
     set_tension_covariance(covariance, scratch)
-    predict_covariance(covariance, wrench_variance, parameter_noise, scratch)
-    add_curvature(mean, covariance, scratch)
+    shift_by_curvature(mean, scratch)
+    predict_covariance(covariance, wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
 
 
 @njit
