@@ -1,0 +1,17 @@
+"""Fixtures for all tests; that this file exists also makes the helpers beside it (``newton_euler``) importable."""
+
+import numpy as np
+import pytest
+
+from jawenv.mechanics import build_jaw
+
+
+@pytest.fixture
+def jaw():
+    """The default jaw, the test's own: its fields may be overwritten."""
+    return build_jaw()
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20_160_101)

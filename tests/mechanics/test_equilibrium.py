@@ -1,0 +1,81 @@
+"""Where the relaxed jaw rests, and how far a force opens it."""
+
+import newton_euler as twin
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import jawenv
+from jawenv.estimation.sensitivity import sensitivity_scratch
+from jawenv.mechanics.equilibrium import settle
+
+CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
+
+
+def all_muscles(F_o, b=7.0):
+    return np.log(np.tile([F_o, b], 6))
+
+
+def settled(jaw, log_parameters, opening=None, pose=CLOSED):
+    """Pose (5) and downward force (N) at equilibrium, free or held on the vertical spring."""
+    pose = np.array(pose)
+    force, found = settle(
+        jaw,
+        np.exp(log_parameters).reshape(6, 2),
+        pose,
+        opening or 0.0,
+        opening is not None,
+        sensitivity_scratch(),
+        np.empty((5, 5)),
+        np.empty(5),
+    )
+    assert found
+    return pose, force
+
+
+def opening_m(jaw, pose):
+    return jaw["mouthpiece"][2] - twin.measurement(jaw, np.concatenate([pose, np.zeros(5)]))[2]
+
+
+def opening_under(jaw, F_o, force):
+    """Opening (m) under a downward force, on the branch that starts at rest."""
+    log_parameters = all_muscles(F_o)
+    rest, _ = settled(jaw, log_parameters)
+    spring = brentq(lambda s: settled(jaw, log_parameters, s, rest)[1] - force, opening_m(jaw, rest), 0.035, xtol=1e-7)
+    return opening_m(jaw, settled(jaw, log_parameters, spring, rest)[0])
+
+
+def test_at_rest_nothing_accelerates_and_a_push_dies_away(jaw, rng):
+    for name in ("trismus", "healthy", "severe", "one_sided", "blockage"):
+        log_parameters = jawenv.cohort(name).draw_log_parameters(rng)
+        pose, _ = settled(jaw, log_parameters)
+        at_rest = np.concatenate([pose, np.zeros(5)])
+        np.testing.assert_allclose(twin.state_rate(jaw, log_parameters, at_rest, np.zeros(6)), 0.0, atol=1e-8)
+        flow = twin.derivative(lambda s, p=log_parameters: twin.state_rate(jaw, p, s, np.zeros(6)), at_rest)
+        assert np.linalg.eigvals(flow).real.max() < 0.0
+
+
+def test_held_open_the_spring_carries_the_jaw(jaw, rng):
+    log_parameters = jawenv.cohort("trismus").draw_log_parameters(rng)
+    rest, _ = settled(jaw, log_parameters)
+    pose, force = settled(jaw, log_parameters, opening_m(jaw, rest) + 0.010, rest)
+    down = twin.rotation(pose).T @ [0, 0, -force]
+    left_over = twin.acceleration(jaw, log_parameters, pose, np.zeros(5), np.concatenate([down, np.zeros(3)]))
+    np.testing.assert_allclose(left_over, 0.0, atol=1e-7)
+    assert force > 0.0
+    assert opening_m(jaw, pose) - opening_m(jaw, rest) == pytest.approx(0.010, abs=force / 20e3 + 1e-9)
+
+
+def test_equal_sides_rest_in_the_midline(jaw):
+    pose, _ = settled(jaw, all_muscles(1.2))
+    np.testing.assert_allclose(pose[[1, 3, 4]], 0.0, atol=1e-12)
+
+
+def test_a_healthy_relaxed_jaw_hangs_open_under_its_own_weight(jaw):
+    pose, _ = settled(jaw, all_muscles(0.25))
+    assert 0.027 < opening_m(jaw, pose) < 0.030
+
+
+@pytest.mark.parametrize(("F_o", "force", "low_mm", "high_mm"), [(1.2, 4.0, 26, 30), (6.0, 15.0, 13, 17)])
+def test_a_stiffer_jaw_opens_less(jaw, F_o, force, low_mm, high_mm):
+    assert low_mm < 1e3 * opening_under(jaw, F_o, force) < high_mm
