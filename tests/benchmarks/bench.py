@@ -1,0 +1,203 @@
+"""Speed beside Gymnasium's Humanoid-v5, growth of memory and start-up times: `make bench`.
+
+Speeds are medians of interleaved repeats, so that what else the machine does falls on all of them alike. A target that
+is missed is reported as missed; the exit code says only whether the measurement ran. On a busy machine look at the
+ratio, and at the processor time beside each elapsed one.
+"""
+
+import argparse
+import ctypes
+import gc
+import os
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+import gymnasium as gym
+import numba
+import numpy as np
+
+import jawenv  # noqa: F401  registers the environment
+
+WORLDS = 256
+CONTROL_HZ = 20.0
+HEAVY = ("torch", "matplotlib", "pymunk")
+IMPORT = f"""
+import sys, time
+start = time.perf_counter()
+import jawenv
+print(time.perf_counter() - start, *[name for name in {HEAVY} if name in sys.modules])
+"""
+FIRST_STEP = """
+import time
+import gymnasium as gym, jawenv
+env = gym.make("jawenv/Jaw-v0")
+env.reset(seed=0)
+env.step(env.action_space.sample())
+print(time.time(), time.process_time())
+"""
+
+
+class Size(NamedTuple):
+    repeats: int = 7
+    single_steps: int = 3_000
+    vector_steps: int = 60
+    memory_env_steps: int = 1_000_000
+    memory_single_steps: int = 20_000
+
+
+FULL, QUICK = Size(), Size(2, 500, 10, 20_000, 1_000)
+
+
+class Row(NamedTuple):
+    what: str
+    value: str
+    target: str = ""
+    met: bool | None = None  # None where there is nothing to reach
+
+
+def say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def sinusoids(worlds: int | None) -> Callable[[int], np.ndarray]:
+    """Slow motor commands of a third of full scale: four motors, each world in another phase."""
+    phase = 0.7 * np.arange(4 * (worlds or 1)).reshape((4,) if worlds is None else (worlds, 4))
+    return lambda step: (0.3 * np.sin(2.0 * np.pi * 0.3 * step / CONTROL_HZ + phase)).astype(np.float32)
+
+
+# Both return steps per second, resets included.
+def run_single(env: gym.Env, action: Callable[[int], np.ndarray], steps: int) -> float:
+    start = time.perf_counter()
+    for step in range(steps):
+        _, _, terminated, truncated, _ = env.step(action(step))
+        if terminated or truncated:
+            env.reset()
+    return steps / (time.perf_counter() - start)
+
+
+def run_vector(vec: gym.vector.VectorEnv, action: Callable[[int], np.ndarray], steps: int) -> float:
+    start = time.perf_counter()
+    for step in range(steps):
+        vec.step(action(step))
+    return steps * vec.num_envs / (time.perf_counter() - start)
+
+
+def speeds(size: Size) -> list[Row]:
+    jaw, humanoid = gym.make("jawenv/Jaw-v0"), gym.make("Humanoid-v5")
+    vec = gym.make_vec("jawenv/Jaw-v0", num_envs=WORLDS)
+    for env in (jaw, humanoid, vec):
+        env.reset(seed=0)
+    humanoid.action_space.seed(0)
+    rates, cpu = [], 0.0
+    for repeat in range(size.repeats + 1):  # the first warms up
+        say(f"speed: {'warm-up' if repeat == 0 else f'repeat {repeat} of {size.repeats}'}")
+        one = run_single(jaw, sinusoids(None), size.single_steps)
+        peer = run_single(humanoid, lambda _: humanoid.action_space.sample(), size.single_steps)
+        start = time.process_time()
+        rates.append((one, peer, run_vector(vec, sinusoids(WORLDS), size.vector_steps)))
+        cpu += time.process_time() - start
+    jaws, humanoids, batches = (np.array(column) for column in zip(*rates[1:], strict=True))
+    ratio, batch = float(np.median(jaws / humanoids)), float(np.median(batches))
+    return [
+        Row("Humanoid-v5, one environment, random actions", f"{np.median(humanoids):,.0f} steps/s"),
+        Row("Jaw-v0, one environment, filter included", f"{np.median(jaws):,.0f} steps/s"),
+        Row("  over Humanoid-v5, median of paired ratios", f"{ratio:.2f} x", ">= 2 x", ratio >= 2.0),
+        Row(f"Jaw-v0, {WORLDS} worlds", f"{batch:,.0f} env-steps/s", ">= 20,000", batch >= 20_000),
+        Row("  per second of processor time", f"{len(rates) * size.vector_steps * WORLDS / cpu:,.0f} env-steps/s"),
+    ]
+
+
+def resident_mib() -> float:
+    """Memory that this process occupies now, without what a collection or the allocator would give back."""
+    gc.collect()
+    if sys.platform == "linux":
+        if platform.libc_ver()[0] == "glibc":
+            ctypes.CDLL(None).malloc_trim(0)
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+    return int(subprocess.check_output(["ps", "-o", "rss=", "-p", str(os.getpid())])) / 2**10
+
+
+def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
+    """Growth of memory over `steps`, after a tenth of them as warm-up."""
+    for tenth in range(11):
+        say(f"memory: {what}, {f'{10 * tenth} %' if tenth else 'warm-up'}")
+        run(steps // 10)
+        if tenth == 0:
+            before = resident_mib()
+    grown = resident_mib() - before
+    # Over a million steps, one byte lost in each would show.
+    return Row(f"memory growth, {what}", f"{grown:+.2f} MiB of {before:.0f}", "< 1 MiB", grown < 1.0)
+
+
+def memory(size: Size) -> list[Row]:
+    vec, jaw = gym.make_vec("jawenv/Jaw-v0", num_envs=WORLDS), gym.make("jawenv/Jaw-v0")
+    vec.reset(seed=0)
+    jaw.reset(seed=0)
+    calls = max(10, size.memory_env_steps // WORLDS // 10 * 10)
+    batch, single = sinusoids(WORLDS), sinusoids(None)
+    return [
+        growth(lambda n: run_vector(vec, batch, n), calls, f"{WORLDS} worlds, {calls * WORLDS:,} env-steps"),
+        growth(lambda n: run_single(jaw, single, n), size.memory_single_steps, f"{size.memory_single_steps:,} steps"),
+    ]
+
+
+def child(code: str) -> str:
+    """What a fresh Python prints last."""
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return done.stdout.strip().splitlines()[-1]
+
+
+def start_up(size: Size) -> list[Row]:
+    """Import time, what it drags in, and the time to the first step; the kernels are cached by now."""
+    say("start-up: fresh processes")
+    imports = [child(IMPORT).split() for _ in range(size.repeats)]
+    heavy = sorted({name for _, *names in imports for name in names})
+    seconds = median(float(first) for first, *_ in imports)
+    firsts = []
+    for _ in range(size.repeats):
+        start = time.time()
+        end, processor_s = map(float, child(FIRST_STEP).split())
+        firsts.append((end - start, processor_s))
+    first, busy = (median(column) for column in zip(*firsts, strict=True))
+    return [
+        Row("import jawenv, fresh process", f"{seconds:.2f} s", "<= 1 s", seconds <= 1.0),
+        Row(f"  of {', '.join(HEAVY)} it imports", ", ".join(heavy) or "none", "none", not heavy),
+        Row("process start to end of first step", f"{first:.2f} s", "<= 2 s", first <= 2.0),
+        Row("  processor time of that", f"{busy:.2f} s"),
+    ]
+
+
+def processor() -> str:
+    source = Path("/proc/cpuinfo")
+    lines = source.read_text().splitlines() if source.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def show(rows: list[Row], load_before: tuple[float, float, float]) -> None:
+    load, threads = os.getloadavg(), numba.get_num_threads()
+    print(f"{processor()}, {os.cpu_count()} cores, {threads} threads for worlds; {platform.platform()}")
+    print(f"load average (1 min): {load_before[0]:.2f} before, {load[0]:.2f} after")
+    print(f"Python {platform.python_version()}, Numba {numba.__version__}, Gymnasium {gym.__version__}")
+    what, value, target = (max(len(str(row[i])) for row in rows) for i in range(3))
+    for row in rows:
+        verdict = "" if row.met is None else "met" if row.met else "missed"
+        print(f"{row.what:<{what}}  {row.value:>{value}}  {row.target:<{target}}  {verdict}".rstrip())
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
+    parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
+    size = QUICK if parser.parse_args().quick else FULL
+    load = os.getloadavg()
+    show([*speeds(size), *memory(size), *start_up(size)], load)
+
+
+if __name__ == "__main__":
+    main()
