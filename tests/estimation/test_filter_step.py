@@ -1,0 +1,235 @@
+"""One step of the compiled filter against dense textbook matrices and filterpy, with an independent model."""
+
+import newton_euler as twin
+import numpy as np
+import pytest
+from filterpy.kalman import ExtendedKalmanFilter
+
+import jawenv
+from jawenv.estimation.ekf import (
+    CURVATURE_REPEATS,
+    FILTER_SCRATCH,
+    TREND_TIME,
+    assimilate,
+    follow_trend,
+    measure,
+    parameter_variance,
+    predict,
+    propagate,
+    update,
+)
+
+DT = 0.01
+STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
+WRENCH_VARIANCE = np.array([0.012, 0.012, 0.012, 1e-5, 1e-5, 1e-5])
+VARIANCES = np.repeat([1e-4, 1.7e-3, 1e-3, 2e-2], 3) ** 2
+ALL = np.ones(12, dtype=np.uint8)
+POINT = np.tile(np.repeat([1, 0], 3), 2).astype(np.uint8)
+# Of the states (m, rad, m/s, rad/s), parameters and gain, as after some seconds of measurement.
+SD = np.concatenate([[1e-4, 1e-4], [2e-3] * 3, [1e-3] * 2, [1e-2] * 3, [0.3] * 12, [0.01]])
+
+
+@pytest.fixture
+def scratch():
+    return np.zeros(1, dtype=FILTER_SCRATCH)[0]
+
+
+class Belief:
+    """A random mean and correlated covariance of a moving jaw, with load-cell samples and their trend."""
+
+    def __init__(self, rng, gain_sd=0.01, parameter_sd=0.3):
+        motion = [
+            rng.uniform(1e-3, 8e-3),
+            rng.uniform(-1e-3, 1e-3),
+            rng.uniform(0.1, 0.4),
+            *rng.uniform(-0.05, 0.05, 2),
+        ]
+        motion += [*rng.uniform(-0.02, 0.02, 2), *rng.uniform(-0.5, 0.5, 3)]
+        parameters = jawenv.cohort("trismus").draw_log_parameters(rng)
+        self.mean = np.concatenate([motion, parameters, [rng.normal() * gain_sd]])
+        sd = SD.copy()
+        sd[PARAMETERS], sd[GAIN] = parameter_sd, gain_sd
+        factor = rng.normal(size=(23, 40))
+        correlation = factor @ factor.T
+        scale = sd / np.sqrt(np.diag(correlation))
+        self.covariance = correlation * np.outer(scale, scale)
+        self.covariance = 0.5 * (self.covariance + self.covariance.T)
+        self.trend = np.concatenate([rng.uniform(-8, 8, 3), rng.uniform(-0.1, 0.1, 3)])
+        self.samples = self.trend + rng.normal(size=(3, 6)) * [0.5, 0.5, 0.5, 0.02, 0.02, 0.02]
+
+
+def model_step(jaw, mean, samples, trend, wrench=0.0):
+    """The independent Runge-Kutta step of the ten states and the last stage's state; complex-safe."""
+
+    def rate(since, state):
+        sample = samples[round(2 * since / DT)]
+        return twin.state_rate(jaw, mean[PARAMETERS], state, sample + mean[GAIN] * trend + wrench)
+
+    return twin.runge_kutta(rate, mean[STATE], DT)
+
+
+def jacobians(jaw, belief):
+    """Dense F (23, 23) and G (23, 6)."""
+    by_all = twin.derivative(
+        lambda v: model_step(jaw, v[:23], belief.samples, belief.trend, v[23:])[0],
+        np.concatenate([belief.mean, np.zeros(6)]),
+    )
+    F, G = np.eye(23), np.zeros((23, 6))
+    F[STATE], G[STATE] = by_all[:, :23], by_all[:, 23:]
+    return F, G
+
+
+def run_predict(jaw, belief, scratch, noise=0.0):
+    mean, covariance = belief.mean.copy(), belief.covariance.copy()
+    predict(jaw, mean, covariance, belief.samples, belief.trend, DT, WRENCH_VARIANCE, noise, scratch)
+    return mean, covariance
+
+
+def assert_same_covariance(actual, expected, relative=1e-9):
+    """Equal relative to the standard deviations: P spans ten orders of magnitude."""
+    sd = np.sqrt(np.diag(expected))
+    sd[sd == 0.0] = 1.0
+    assert np.abs((actual - expected) / np.outer(sd, sd)).max() < relative
+    np.testing.assert_array_equal(actual, actual.T)
+
+
+def assert_same_mean(actual, expected, covariance, relative=1e-9):
+    sd = np.sqrt(np.diag(covariance))
+    sd[sd == 0.0] = 1.0
+    assert np.abs((actual - expected) / sd).max() < relative
+
+
+def test_the_step_and_its_jacobian(jaw, rng, scratch):
+    """All 29 columns: states, log-parameters, load-cell gain, unmodelled wrench."""
+    for _ in range(10):
+        belief = Belief(rng)
+        F, G = jacobians(jaw, belief)
+        expected, _ = model_step(jaw, belief.mean, belief.samples, belief.trend)
+        state = belief.mean[STATE].copy()
+        muscles = np.exp(belief.mean[PARAMETERS]).reshape(6, 2)
+        propagate(jaw, muscles, state, belief.samples, belief.trend, belief.mean[GAIN], DT, scratch)
+        np.testing.assert_allclose(state, expected.real, rtol=1e-10, atol=1e-12)
+        total = np.hstack([F[STATE], G[STATE]])
+        for rows in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10)):
+            for columns in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29)):
+                wrong = np.abs(scratch["total"][rows, columns] - total[rows, columns]).max()
+                assert wrong <= 1e-8 * np.abs(total[rows, columns]).max()
+
+
+def test_measurements_and_their_rows(jaw, rng):
+    for _ in range(20):
+        state = Belief(rng).mean[STATE].copy()
+        rows, expected = np.empty((12, 10)), np.empty(12)
+        measure(jaw, state, rows, expected)
+        np.testing.assert_allclose(expected, twin.measurement(jaw, state), rtol=1e-12, atol=1e-15)
+        by_state = twin.derivative(lambda s: twin.measurement(jaw, s), state)
+        np.testing.assert_allclose(rows, by_state, rtol=1e-12, atol=1e-14)
+
+
+def tension_spread(jaw, belief, last):
+    """Covariance (6, 6) of the logs of the tensions at the step's last stage."""
+    gradient = twin.derivative(
+        lambda p: np.log(twin.tensions(jaw, p, last[:5].real.astype(complex))), belief.mean[PARAMETERS]
+    )
+    return gradient @ belief.covariance[PARAMETERS, PARAMETERS] @ gradient.T
+
+
+def test_prediction_is_the_dense_one_with_the_second_order_of_the_tensions(jaw, rng, scratch):
+    """Mean + s/2 and variance + s^2/2 (counted CURVATURE_REPEATS times) for log-tensions of covariance s."""
+    for _ in range(10):
+        belief, noise = Belief(rng), 1e-5
+        mean, covariance = run_predict(jaw, belief, scratch, noise)
+        F, G = jacobians(jaw, belief)
+        step, last = model_step(jaw, belief.mean, belief.samples, belief.trend)
+        spread, by_tension = tension_spread(jaw, belief, last), F[:, 10:22:2].copy()
+        by_tension[10:] = 0.0
+        expected_mean = np.concatenate([step.real, belief.mean[10:]]) + by_tension @ np.diag(spread) / 2
+        Q = np.diag(np.concatenate([np.zeros(10), np.full(12, noise), [0.0]]))
+        expected = F @ belief.covariance @ F.T + G @ np.diag(WRENCH_VARIANCE) @ G.T + Q
+        without = expected.copy()
+        expected += CURVATURE_REPEATS / 2 * by_tension @ spread**2 @ by_tension.T
+        assert_same_mean(mean, expected_mean, expected)
+        assert_same_covariance(covariance, expected)
+        assert np.abs(expected - without).max() > 1e-6 * np.abs(expected[STATE, STATE]).max(), "the term is at work"
+
+
+class TwinFilter(ExtendedKalmanFilter):
+    """filterpy's filter, moved by the independent model."""
+
+    def __init__(self, jaw, belief):
+        super().__init__(dim_x=23, dim_z=12)
+        self.jaw, self.belief = jaw, belief
+        self.x, self.P = belief.mean.copy(), belief.covariance.copy()
+        self.F, G = jacobians(jaw, belief)
+        self.Q = G @ np.diag(WRENCH_VARIANCE) @ G.T
+
+    def predict_x(self, u=0):
+        self.x[STATE] = model_step(self.jaw, self.x, self.belief.samples, self.belief.trend)[0].real
+
+
+def test_a_step_with_a_perfect_load_cell_is_filterpys(jaw, rng, scratch):
+    """Gain known, parameters known so well (1e-6) that the second-order terms vanish."""
+    for _ in range(10):
+        belief = Belief(rng, gain_sd=0.0, parameter_sd=1e-6)
+        reference = TwinFilter(jaw, belief)
+        reference.predict()
+        mean, covariance = run_predict(jaw, belief, scratch)
+        assert_same_mean(mean, reference.x, reference.P)
+        assert_same_covariance(covariance, reference.P)
+        noise = rng.multivariate_normal(np.zeros(23), reference.P, method="cholesky", check_valid="ignore")
+        measured = twin.measurement(jaw, reference.x[STATE] + noise[STATE]) + np.sqrt(VARIANCES) * rng.normal(size=12)
+        update(jaw, mean, covariance, measured, VARIANCES, ALL, scratch)
+        reference.update(
+            measured,
+            lambda x: np.hstack([twin.derivative(lambda s: twin.measurement(jaw, s), x[STATE]), np.zeros((12, 13))]),
+            lambda x: twin.measurement(jaw, x[STATE]),
+            R=np.diag(VARIANCES),
+        )
+        assert_same_mean(mean, reference.x, reference.P)
+        assert_same_covariance(covariance, reference.P)
+
+
+@pytest.mark.parametrize("used", [ALL, POINT], ids=["pose", "point"])
+def test_the_update_considers_the_gain_as_schmidt_does(jaw, rng, scratch, used):
+    """The optimal gain without its last row, and Joseph's form, which holds for any gain."""
+    chosen = used.astype(bool)
+    for _ in range(10):
+        belief = Belief(rng)
+        H = np.hstack([twin.derivative(lambda s: twin.measurement(jaw, s), belief.mean[STATE]), np.zeros((12, 13))])
+        H, R = H[chosen], np.diag(VARIANCES[chosen])
+        expected = twin.measurement(jaw, belief.mean[STATE])
+        measured = expected + 3.0 * np.sqrt(VARIANCES) * rng.normal(size=12)
+        K = belief.covariance @ H.T @ np.linalg.inv(H @ belief.covariance @ H.T + R)
+        K[GAIN] = 0.0
+        rest = np.eye(23) - K @ H
+        P = rest @ belief.covariance @ rest.T + K @ R @ K.T
+        mean, covariance = belief.mean.copy(), belief.covariance.copy()
+        update(jaw, mean, covariance, measured, VARIANCES, used, scratch)
+        assert_same_mean(mean, belief.mean + K @ (measured - expected)[chosen], P)
+        assert_same_covariance(covariance, P)
+        assert mean[GAIN] == belief.mean[GAIN]
+        assert covariance[GAIN, GAIN] == belief.covariance[GAIN, GAIN]
+
+
+def test_one_measurement_reports_the_variance_of_its_innovation(jaw, rng):
+    belief, row, gain = Belief(rng), rng.normal(size=10), np.empty(23)
+    covariance = belief.covariance.copy()
+    variance = assimilate(covariance, row, 1e-6, gain)
+    assert variance == pytest.approx(row @ belief.covariance[STATE, STATE] @ row + 1e-6, rel=1e-12)
+    np.testing.assert_allclose(gain, belief.covariance[:, STATE] @ row, rtol=1e-10)
+
+
+def test_the_parameters_noise_decays_and_does_not_depend_on_the_step():
+    rate, time_constant = 0.035, 5.0
+    halves = parameter_variance(rate, time_constant, 1.0, 0.5) + parameter_variance(rate, time_constant, 1.5, 0.5)
+    assert parameter_variance(rate, time_constant, 1.0, 1.0) == pytest.approx(halves, rel=1e-12)
+    assert parameter_variance(rate, time_constant, 0.0, 1e-6) == pytest.approx(rate**2 * 1e-6, rel=1e-5)
+    after = parameter_variance(rate, time_constant, time_constant, 1e-6)
+    assert np.sqrt(after / 1e-6) == pytest.approx(rate / np.e, rel=1e-5)
+
+
+def test_the_trend_follows_the_readings():
+    trend, samples = np.zeros(6), np.tile(np.arange(1.0, 7.0), (3, 1))
+    for _ in range(round(TREND_TIME / DT)):
+        follow_trend(trend, samples, DT)
+    np.testing.assert_allclose(trend, (1 - np.exp(-1)) * samples[0], rtol=1e-12)
