@@ -71,7 +71,7 @@ def sinusoids(worlds: int | None) -> Callable[[int], np.ndarray]:
     return lambda step: (0.3 * np.sin(2.0 * np.pi * 0.3 * step / CONTROL_HZ + phase)).astype(np.float32)
 
 
-# Both return steps per second, resets included.
+# Both: steps per second, resets included.
 def run_single(env: gym.Env, action: Callable[[int], np.ndarray], steps: int) -> float:
     start = time.perf_counter()
     for step in range(steps):
@@ -130,8 +130,7 @@ def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
         run(steps // 10)
         if tenth == 0:
             before = resident_mib()
-    grown = resident_mib() - before
-    # Over a million steps, one byte lost in each would show.
+    grown = resident_mib() - before  # over a million steps, one byte lost in each would show
     return Row(f"memory growth, {what}", f"{grown:+.2f} MiB of {before:.0f}", "< 1 MiB", grown < 1.0)
 
 
@@ -139,23 +138,22 @@ def memory(size: Size) -> list[Row]:
     vec, jaw = gym.make_vec("jawenv/Jaw-v0", num_envs=WORLDS), gym.make("jawenv/Jaw-v0")
     vec.reset(seed=0)
     jaw.reset(seed=0)
-    calls = max(10, size.memory_env_steps // WORLDS // 10 * 10)
-    batch, single = sinusoids(WORLDS), sinusoids(None)
+    calls, alone = size.memory_env_steps // WORLDS // 10 * 10, size.memory_single_steps
     return [
-        growth(lambda n: run_vector(vec, batch, n), calls, f"{WORLDS} worlds, {calls * WORLDS:,} env-steps"),
-        growth(lambda n: run_single(jaw, single, n), size.memory_single_steps, f"{size.memory_single_steps:,} steps"),
+        growth(
+            lambda n: run_vector(vec, sinusoids(WORLDS), n), calls, f"{WORLDS} worlds, {calls * WORLDS:,} env-steps"
+        ),
+        growth(lambda n: run_single(jaw, sinusoids(None), n), alone, f"one environment, {alone:,} steps"),
     ]
 
 
 def child(code: str) -> str:
-    """What a fresh Python prints last."""
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    return done.stdout.strip().splitlines()[-1]
+    return subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def start_up(size: Size) -> list[Row]:
     """Import time, what it drags in, and the time to the first step; the kernels are cached by now."""
-    say("start-up: fresh processes")
+    say("start-up")
     imports = [child(IMPORT).split() for _ in range(size.repeats)]
     heavy = sorted({name for _, *names in imports for name in names})
     seconds = median(float(first) for first, *_ in imports)
@@ -176,11 +174,10 @@ def start_up(size: Size) -> list[Row]:
 def processor() -> str:
     source = Path("/proc/cpuinfo")
     lines = source.read_text().splitlines() if source.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
+    return next((line.partition(":")[2].strip() for line in lines if "model name" in line), platform.machine())
 
 
-def show(rows: list[Row], load_before: tuple[float, float, float]) -> None:
+def show(load_before: tuple[float, float, float], rows: list[Row]) -> None:
     load, threads = os.getloadavg(), numba.get_num_threads()
     print(f"{processor()}, {os.cpu_count()} cores, {threads} threads for worlds; {platform.platform()}")
     print(f"load average (1 min): {load_before[0]:.2f} before, {load[0]:.2f} after")
@@ -195,8 +192,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    load = os.getloadavg()
-    show([*speeds(size), *memory(size), *start_up(size)], load)
+    show(os.getloadavg(), [*speeds(size), *memory(size), *start_up(size)])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,51 @@
+"""Play a maneuver file on simulated patients and print what it found out, and whether that can be believed.
+
+    python examples/score_a_maneuver.py examples/opening_with_circles.yaml --patients 32
+
+For a comparison with other maneuvers and a report use `python -m eval compare`.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import jawenv
+from agents import load_agent
+
+FILE = Path(__file__).parent / "opening_with_circles.yaml"
+
+
+def main() -> None:
+    """Read the command line, play and print."""
+    parser = argparse.ArgumentParser(description="Score a maneuver file.")
+    parser.add_argument("maneuver", nargs="?", default=FILE, help="maneuver file, or the name of a hand-made one")
+    parser.add_argument("--patients", type=int, default=16)
+    parser.add_argument("--episode-s", type=float, default=30.0)
+    parser.add_argument("--control", choices=["force", "trajectory"], default="force")
+    given = parser.parse_args()
+
+    agent = load_agent(given.maneuver, control=given.control)
+    env_kwargs = {"control": given.control, "episode_s": given.episode_s}
+    score = jawenv.score(jawenv.play(agent, patients=given.patients, seed=0, env_kwargs=env_kwargs))
+
+    print(f"{agent.name} on {given.patients} patients of the default cohort, {given.episode_s:g} s each\n")
+    print("parameter                        claimed sd   rms error     bound   (median, rms, median over the patients)")
+    rms = np.sqrt(np.mean(score.error**2, axis=0))
+    for i, name in enumerate(score.parameter_names):
+        sd, bound = np.median(score.sd[:, i]), np.median(score.bound_sd[:, i])
+        print(f"{name:32s} {sd:10.1%} {rms[i]:11.1%} {bound:9.1%}")
+    print(
+        f"\ninformation: {np.mean(score.information_true):.1f} nats, {np.mean(score.information_claimed):.1f} claimed"
+    )
+    print(f"NEES: {np.mean(score.nees):.1f} (honest: about 12)")
+    print(f"discomfort: {np.mean(score.discomfort_s):.2f} s, a hard limit crossed in {np.mean(score.violated):.0%}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except jawenv.InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,45 @@
+"""The examples run as their first lines say, in a process of their own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600)
+
+
+def test_score_a_maneuver() -> None:
+    done = run("examples/score_a_maneuver.py", "--patients", "3", "--episode-s", "3")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("opening_with_circles on 3 patients")
+    assert sum(line.startswith(("log_F_o/", "log_b/")) for line in lines) == 12
+    assert any(line.startswith("NEES: ") for line in lines)
+
+
+def test_score_a_maneuver_names_a_file_that_is_not_there() -> None:
+    done = run("examples/score_a_maneuver.py", "no_such_file.yaml")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ") and "no_such_file.yaml" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_reuse_environment_needs_no_torch() -> None:
+    # A package that is None in sys.modules cannot be imported.
+    code = """
+import runpy, sys
+for name in ("torch", "stable_baselines3", "pandas", "agents", "training", "eval"):
+    sys.modules[name] = None
+sys.argv = ["reuse_environment.py", "--episode-s", "3"]
+runpy.run_path("examples/reuse_environment.py", run_name="__main__")
+"""
+    done = run("-c", code)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("3 s, ")
+    assert "16 drawn patients: " in done.stdout
