@@ -19,7 +19,7 @@ GUARDS: dict[str, dict[str, float]] = {
     "tension": {"opening": 0.1, "side": 0.1},
     "crest": {"opening": 0.3, "fore_aft": 0.4},
 }
-CREST_SHARE = 0.85  # of the condyles' way to the crest: no margin is left there
+CREST_SHARE = 0.8  # of the condyles' way to the crest: no margin is left there
 SHRINK_S = 0.3  # time constant
 REGROW = 0.01  # 1/s, back towards full size
 

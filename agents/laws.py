@@ -55,8 +55,7 @@ class TrajectoryLaw:
     Attributes:
         correction: of a position error, 1/s.
         admittance: rate per error of the fore-aft force, mm/s/N. With a zero target the horizontal motors follow
-            the jaw.
-        drift: its integral, mm/s/N/s: keeps the force while the jaw moves away steadily.
+            the jaw; that it swings back as it opens is fed forward.
         side_lever_mm: side motion of the incisors per angle that the horizontal motors turn, for feeding the target's
             rate forward. Less than the 91 mm between condyles and incisors, as the condyles shift the other way and
             the servo yields.
@@ -65,18 +64,15 @@ class TrajectoryLaw:
 
     correction: tuple[float, float, float] = (3.0, 3.0, 3.0)
     side_lever_mm: float = 60.0
-    admittance: float = 6.0
-    drift: float = 16.0
+    admittance: float = 8.0
     fastest: float = 30.0
 
     def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
-        """Action (N, 4) and the new integral (N, 4), of which the last column is used (mm/s)."""
+        """Action (N, 4); the integral (N, 3) is not used and returned as it is."""
         rate = wanted.rate + self.correction * (wanted.place - felt.place)
         down, side = np.clip(rate[:, :2], -self.fastest, self.fastest).T
-        error = wanted.force_N - felt.force_N
-        integral = integral.copy()
-        integral[:, 3] = np.clip(integral[:, 3] + self.drift * error * dt, -self.fastest, self.fastest)
-        forward = np.clip(self.admittance * error + integral[:, 3], -self.fastest, self.fastest)
+        forward = self.admittance * (wanted.force_N - felt.force_N) - _height_over_lever(felt.pitch) * down
+        forward = np.clip(forward, -self.fastest, self.fastest)
         roll = _VERTICAL_ARM * rate[:, 2]
         yaw = side * _HORIZONTAL_ARM / self.side_lever_mm
         return np.clip(_motors(down, forward, roll, yaw) / _DEVICE.max_rate_mm_s, -1.0, 1.0), integral
@@ -105,13 +101,12 @@ class ForceLaw:
     holds_roll: bool = False
 
     def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
-        """Action (N, 4) and the new integral (N, 4), of which the first three columns are used (N, N m, N m)."""
+        """Action (N, 4) and the new integral (N, 3) in N, N m and N m."""
         stiffness = self.stiffness + np.multiply.outer(np.clip(felt.opened, 0.0, 1.0), self.stiffening)
         error = wanted.place - felt.place
-        integral = integral.copy()
-        held = integral[:, :3] + self._stiffer(felt)[:, None] * stiffness * self.integral * error * dt
-        integral[:, :3] = np.clip(held, np.negative(self.largest), self.largest)
-        down, yaw, roll = (stiffness * wanted.place + integral[:, :3]).T
+        integral = integral + self._stiffer(felt)[:, None] * stiffness * self.integral * error * dt
+        integral = np.clip(integral, np.negative(self.largest), self.largest)
+        down, yaw, roll = (stiffness * wanted.place + integral).T
         roll = roll * self.holds_roll
         down = down + wanted.force_N * _height_over_lever(felt.pitch)
         forward = wanted.force_N / 2.0

@@ -22,7 +22,7 @@ class Memory(NamedTuple):
     Attributes:
         step: (N,) control steps since the episode began.
         size: (N, 4) what the targets of each channel are multiplied by, 0 to 1.
-        integral: (N, 4) of the control law.
+        integral: (N, 3) of the control law.
         rest_roll: (N,) roll at the start of the episode, rad.
     """
 
@@ -94,7 +94,7 @@ class Player:
     def _recall(self, state: State, seen: Observed, episode_start: NDArray | None) -> Memory:
         """The memory to go on from, blank for worlds that begin an episode."""
         worlds = len(seen.roll)
-        blank = Memory(np.zeros(worlds, int), np.ones((worlds, 4)), np.zeros((worlds, 4)), seen.roll)
+        blank = Memory(np.zeros(worlds, int), np.ones((worlds, 4)), np.zeros((worlds, 3)), seen.roll)
         memory = self._memory if state is None else Memory(*state)
         if memory is None or (episode_start is not None and np.all(episode_start)):
             return blank

@@ -106,7 +106,7 @@ def test_targets_are_reached_whatever_the_stiffness(control: str, tolerance: tup
 
 
 def test_in_trajectory_control_the_motors_follow_a_jaw_that_moves_away() -> None:
-    """With no target the admittance takes off the force of a steadily moving jaw, but for one step's worth."""
+    """A jaw that would load the motors with 1 N/s meets a small force, not one that grows."""
     jaw = SpringJaw("trajectory", stiffness=np.ones(2))
     agent = Player(maneuver(), control="trajectory")
     agent.reset(2)
@@ -115,7 +115,7 @@ def test_in_trajectory_control_the_motors_follow_a_jaw_that_moves_away() -> None
         jaw.fore_aft_N += 0.05
         jaw.step(agent.predict(jaw.observe())[0])
         forces.append(jaw.fore_aft_N.copy())
-    assert np.abs(forces[-50:]).max() < 0.06
+    assert np.abs(forces).max() < 0.1
 
 
 @pytest.mark.parametrize("control", ["trajectory", "force"])
