@@ -1,0 +1,92 @@
+"""What docs/environment.md tabulates is what the code does, and links lead somewhere."""
+
+import inspect
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.simulation import Configuration
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+TEXT = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+
+
+def table(heading: str) -> list[list[str]]:
+    """Cells of the rows of the first table that follows a heading."""
+    lines = TEXT.split(f"\n## {heading}\n")[1].splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("|"))
+    rows = []
+    for line in lines[start + 2 :]:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip() for cell in line.strip("|").split("|")])
+    return rows
+
+
+def named(cell: str) -> list[str]:
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def test_arguments() -> None:
+    own = {"render_mode"}
+    assert {named(row[0])[0] for row in table("Making it")} == {field.name for field in fields(Configuration)} | own
+    stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Making it")}
+    for field in fields(Configuration):
+        assert stated[field.name] == (f"{field.default:g}" if type(field.default) is float else str(field.default))
+
+
+def test_observation() -> None:
+    stated = {}
+    for indices, name, _ in table("Observation"):
+        first, _, last = indices.partition("–")
+        stated[named(name)[0]] = slice(int(first), int(last or first) + 1)
+    assert stated == OBSERVATION_LAYOUT
+
+
+def test_info() -> None:
+    env = gym.make("jawenv/Jaw-v0", track_bound=True, episode_s=1.0)
+    _, info = env.reset(seed=0)
+    stated = {name for row in table("Info") for name in named(row[0])}
+    costs = {f"cost_{limit}" for limit in COMFORT_LIMITS}
+    assert stated - {"cost_<limit>"} == set(info) - costs
+    assert costs <= set(info)
+    env.close()
+
+
+def test_comfort_limits() -> None:
+    rows = table("Comfort")
+    assert tuple(named(row[0])[0] for row in rows) == COMFORT_LIMITS
+    assert tuple(float(row[3]) for row in rows) == HARD
+
+
+def test_device() -> None:
+    stated = {named(row[0])[0]: float(row[1]) for row in table("Device and sensors")}
+    assert stated == {field.name: field.default for field in fields(jawenv.Device)}
+
+
+def test_cohorts_and_parameters() -> None:
+    (cohorts,) = (row[1] for row in table("Making it") if row[0] == "`cohort`")
+    assert set(named(cohorts)) == set(jawenv.COHORTS)
+    assert np.array_equal(OBSERVATION_LAYOUT["belief_mean"], slice(0, len(jawenv.PARAMETER_NAMES)))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_readme_example_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    make = gym.make
+    monkeypatch.setattr(gym, "make", lambda *given, **kwargs: make(*given, **kwargs, episode_s=1.0))
+    exec(compile(inspect.cleandoc(example), "README.md", "exec"), {})
+    assert len(capsys.readouterr().out.splitlines()) >= len(jawenv.PARAMETER_NAMES)
