@@ -25,7 +25,7 @@ COMFORT_LIMITS = (
 )
 N_LIMITS = len(COMFORT_LIMITS)
 # Hard limit over soft limit, in the order of COMFORT_LIMITS.
-HARD = (2.0, 1.3, 1.8, 1.8, 1.3, 2.0, 3.0, 2.5)
+HARD = (2.0, 1.3, 1.8, 1.8, 1.4, 2.0, 5.0, 2.5)
 FORCE, OPENING, SIDE, FORE_AFT, CONDYLE_FORE_AFT, CONDYLE_SIDE, SPEED, TENSION = range(N_LIMITS)
 
 SOFT_FORCE = 15.0  # N on the mouthpiece

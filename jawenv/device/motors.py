@@ -3,9 +3,10 @@
 Each 10 ms the motors take their command (slew limit, lag, thrust-speed curve, heat). Between, the wrench follows the
 motion continuously: the position servo of trajectory control, the cap on the force, and the governor.
 
-The governor sits in the linkage and serves every agent alike: adjustable end stops for opening, side and fore-aft
-travel between the soft and the hard limit, a brake above the soft speed, and a lower cap on the force. It knows
-excursions, speed and force, not the tension of muscles or the place of the condyles.
+The governor sits in the linkage and serves every agent alike: adjustable end stops between the soft and the hard limit
+for opening, side and fore-aft travel of the mouthpiece and for travel of the condyles (the linkage turns about their
+axis and slides with it, so a stop of its slide acts there), a brake above the soft speed, and a lower cap on the force.
+While a stop or the brake works, the motors yield to it. The governor does not know the tension of muscles.
 """
 
 from __future__ import annotations
@@ -13,16 +14,29 @@ from __future__ import annotations
 from math import exp
 
 from jawenv.compiled import njit
-from jawenv.device.comfort import FORCE, FORE_AFT, HARD, OPENING, SIDE, SOFT_FORCE, SOFT_SPEED, SPEED
+from jawenv.device.comfort import (
+    CONDYLE_FORE_AFT,
+    CONDYLE_SIDE,
+    CONDYLE_SIDE_SOFT,
+    FORCE,
+    FORE_AFT,
+    HARD,
+    OPENING,
+    SIDE,
+    SOFT_FORCE,
+    SOFT_SPEED,
+    SPEED,
+)
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.mechanics.forces import smooth_ramp
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, vector3
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 
 # Where between the soft (0) and the hard limit (1) the governor begins.
-GOVERNOR_ONSET = 0.3
+GOVERNOR_ONSET = 0.1
 STOP_ONSET_WIDTH = 0.5e-3
+YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
 @njit
@@ -100,16 +114,20 @@ def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):
         push = scale(thrust, axis)
         force = add(force, push)
         moment = add(moment, cross(arm, push))
-    acted = 0.0
+    stops = governor_force(device, jaw, limits, place, velocity)
+    slide = condyle_stop(device, limits, q, u)
+    pressed = norm(stops) + norm(slide)
+    acted = 1.0 if pressed > 0.0 else 0.0
     strength = norm(force)
     governed = min(SOFT_FORCE * onset(FORCE), device.force_cap)
+    share = max(0.0, 1.0 - pressed / YIELD_FORCE)
     if strength > governed:
         acted = 1.0
-        force, moment = scale(governed / strength, force), scale(governed / strength, moment)
-    stops, pressed = governor_force(device, jaw, limits, place, velocity)
-    acted = max(acted, pressed)
-    force = apply_transposed(body_to_head, add(force, stops))
-    moment = apply_transposed(body_to_head, moment)
+        share *= governed / strength
+    # A stop of the slide pushes along the condyles' axis: at the mouthpiece this is the same force and a moment.
+    lever = apply(body_to_head, vector3(jaw.mouthpiece))
+    force = apply_transposed(body_to_head, add(scale(share, force), add(stops, slide)))
+    moment = apply_transposed(body_to_head, subtract(scale(share, moment), cross(lever, slide)))
     return (force[0], force[1], force[2], moment[0], moment[1], moment[2]), acted
 
 
@@ -122,7 +140,7 @@ def end_stop(device, travel, limit, rate):
 
 @njit
 def governor_force(device, jaw, limits, place, velocity):
-    """Force of the governor's stops and brake on the mouthpiece (head axes), and 1.0 when one of them works."""
+    """Force of the mouthpiece's stops and of the brake (head axes); zero while neither works."""
     opening, side, fore_aft = excursions(limits, jaw, place)
     wide = limits.side * onset(SIDE)
     far = limits.fore_aft * onset(FORE_AFT)
@@ -134,5 +152,15 @@ def governor_force(device, jaw, limits, place, velocity):
     excess = speed - SOFT_SPEED * onset(SPEED)
     if excess > 0.0:
         force = add(force, scale(-device.brake * excess / speed, velocity))
-    acted = 1.0 if excess > 0.0 or up > 0.0 or left != 0.0 or forward != 0.0 else 0.0
-    return force, acted
+    return force
+
+
+@njit
+def condyle_stop(device, limits, q, u):
+    """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
+    x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side
+    far = limits.condyle_half * onset(CONDYLE_FORE_AFT)
+    wide = CONDYLE_SIDE_SOFT * onset(CONDYLE_SIDE)
+    forward = end_stop(device, -x, far, -u[0]) - end_stop(device, x, far, u[0])
+    left = end_stop(device, -y, wide, -u[1]) - end_stop(device, y, wide, u[1])
+    return (forward, left, 0.0)

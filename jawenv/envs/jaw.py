@@ -48,7 +48,7 @@ class JawEnv(gym.Env[Observation, Action]):
 
     ## Action Space
     ``Box(-1, 1, (4,), float32)``: motors vertical left, vertical right (positive opens), horizontal left, horizontal
-    right (positive pushes forward). With ``control="force"`` the action times 10 N is the force that the motor is to
+    right (positive pushes forward). With ``control="force"`` the action times 6 N is the force that the motor is to
     exert on the mouthpiece; with ``control="trajectory"`` the action times 40 mm/s is the rate of its target position,
     which a stiff servo follows.
 

@@ -28,7 +28,7 @@ Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score"]
 
 # The filter's parameter noise: sd per square root of a second at the start, and the time constant of its decay.
-PARAMETER_RATE = 0.035
+PARAMETER_RATE = 0.03
 PARAMETER_TIME = 5.0
 REDRAWS = 200
 
