@@ -176,8 +176,8 @@ def test_a_step_with_a_perfect_load_cell_is_filterpys(jaw, rng, scratch):
         mean, covariance = run_predict(jaw, belief, scratch)
         assert_same_mean(mean, reference.x, reference.P)
         assert_same_covariance(covariance, reference.P)
-        noise = rng.multivariate_normal(np.zeros(23), reference.P, method="cholesky", check_valid="ignore")
-        measured = twin.measurement(jaw, reference.x[STATE] + noise[STATE]) + np.sqrt(VARIANCES) * rng.normal(size=12)
+        error = np.sqrt(np.diag(reference.P))[STATE] * rng.normal(size=10)
+        measured = twin.measurement(jaw, reference.x[STATE] + error) + np.sqrt(VARIANCES) * rng.normal(size=12)
         update(jaw, mean, covariance, measured, VARIANCES, ALL, scratch)
         reference.update(
             measured,
