@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from math import isfinite
 from typing import Any, Literal, get_args
 
@@ -136,7 +137,7 @@ class Simulation:
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, OBSERVATION_SIZE), dtype=np.float32)
-        announce_compilation(num_worlds)
+        announce_compilation(num_worlds > 1)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
@@ -240,7 +241,8 @@ def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
     return np.uint64(episode), np.uint64(0), np.uint64(0), np.uint64(0)
 
 
-def announce_compilation(num_worlds: int) -> None:
-    """Say on stderr that kernels are about to be compiled, when they are not in the cache."""
-    if not advance.is_cached(num_worlds):
+@cache
+def announce_compilation(many_worlds: bool) -> None:
+    """Say on stderr, once in a process, that kernels are about to be compiled when they are not in the cache."""
+    if not advance.is_cached(2 if many_worlds else 1):
         print("jawenv: compiling the simulation for this machine, once (about a minute) ...", file=sys.stderr)
