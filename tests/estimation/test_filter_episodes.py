@@ -1,0 +1,59 @@
+"""The filter over whole episodes: its matrices stay sound, and its claims honest."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from agents import load_agent
+from jawenv.estimation.ekf import GAIN
+from jawenv.metrics.calibration import covered, nees
+from jawenv.rollout import play
+
+ID = "jawenv/Jaw-v0"
+
+
+def still(k):
+    return np.zeros(4, dtype=np.float32)
+
+
+def swinging(k):
+    turn = 0.1 * np.sin(2 * np.pi * k / 100)
+    return np.array([*[0.1 * np.cos(2 * np.pi * k / 160)] * 2, turn, -turn], dtype=np.float32)
+
+
+@pytest.mark.parametrize("motion", [still, swinging])
+def test_ten_minutes_leave_the_covariances_symmetric_and_positive_definite(motion):
+    """Symmetric to the bit; of the 22 states that are estimated, the correlation matrix has a Cholesky factor."""
+    env = gym.make(ID, control="trajectory", episode_s=600.0, track_bound=True)
+    env.reset(seed=1)
+    world = env.unwrapped.simulation.worlds[0]
+    for k in range(12_000):
+        _, _, terminated, truncated, _ = env.step(motion(k))
+        assert not terminated
+        if k % 1200 == 1199:
+            for name in ("covariance", "bound"):
+                P = world[name]
+                np.testing.assert_array_equal(P, P.T)
+                sd = np.sqrt(np.diag(P))[:GAIN]
+                np.linalg.cholesky(P[:GAIN, :GAIN] / np.outer(sd, sd))
+    assert truncated
+
+
+# Measured with 48 patients: NEES 10.2 (force, 15 s) and 10.6 (trajectory, 8 s), 2-sigma coverage 0.95 and 0.93. An
+# honest filter's mean NEES would be 12 with a standard error of 0.7; patients are truncated at 2 sd, which lowers it.
+@pytest.mark.parametrize(("control", "episode_s"), [("force", 15.0), ("trajectory", 8.0)])
+def test_what_the_filter_claims_is_so(control, episode_s):
+    agent = load_agent("opening_with_swings_and_fore_aft", control=control)
+    recording = play(agent, patients=48, seed=40_000, env_kwargs={"control": control, "episode_s": episode_s})
+    error = recording.at_end(recording.belief_mean) - recording.truth
+    covariance = recording.at_end(recording.belief_cov)
+    sd = recording.at_end(recording.belief_sd)
+    assert not recording.terminated.any()
+    assert 8.0 < nees(error, covariance).mean() < 16.0
+    assert 0.88 < covered(error, sd, 2.0).mean() < 0.99
+    assert 0.55 < covered(error, sd, 1.0).mean() < 0.80
+    bound, claimed = recording.information_bound[:, -1], recording.information_claimed[:, -1]
+    assert bound.mean() > claimed.mean() - 1.0, "nobody knows more than the bound allows"
+    assert claimed.mean() > 20.0, "and it does learn"
+    gap = claimed.mean() - recording.information_true[:, -1].mean()
+    assert abs(gap) < 3.0
