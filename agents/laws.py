@@ -97,7 +97,7 @@ class ForceLaw:
     stiffness: tuple[float, float, float] = (0.12, 0.009, 2.0)
     stiffening: tuple[float, float, float] = (0.0, 0.012, 2.0)
     integral: tuple[float, float, float] = (5.0, 5.0, 3.0)
-    largest: tuple[float, float, float] = (16.0, 0.4, 0.2)
+    largest: tuple[float, float, float] = (12.0, 0.3, 0.2)
     holds_roll: bool = False
 
     def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:

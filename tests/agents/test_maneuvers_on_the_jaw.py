@@ -1,9 +1,11 @@
 """Every hand-made maneuver on real jaws of the default cohort, in both control modes."""
 
+from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
 import gymnasium as gym
+import numba
 import numpy as np
 import pytest
 
@@ -28,6 +30,15 @@ class Episode(NamedTuple):
     governor: np.ndarray
     violation: np.ndarray
     information: np.ndarray
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Six worlds are too few to share among threads that wait for each other."""
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    yield
+    numba.set_num_threads(threads)
 
 
 @cache

@@ -8,11 +8,13 @@ import pytest
 from agents.maneuver import Maneuver
 from agents.player import Memory, Player
 from agents.protocol import Agent
+from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
 
 DT = 0.05
 OPENING_MM, SIDE_MM = 24.0, 6.0
+THRUST_N, RATE_MM_S = Device().full_scale_N, Device().max_rate_mm_s
 
 
 @dataclass
@@ -37,15 +39,15 @@ class SpringJaw:
         down, forward = action[:, :2].sum(axis=1), action[:, 2:].sum(axis=1)
         yaw = action[:, 3] - action[:, 2]
         if self.control == "trajectory":
-            self.opening += 20.0 * down * DT
-            self.side += 40.0 * yaw * DT
-            self.fore_aft_N += 20.0 * forward * self.stiffness * DT
+            self.opening += RATE_MM_S * down / 2.0 * DT
+            self.side += RATE_MM_S * yaw * DT
+            self.fore_aft_N += RATE_MM_S * forward / 2.0 * self.stiffness * DT
             return
         follow = 1.0 - np.exp(-DT / 0.06)
-        self.fore_aft_N = 10.0 * forward
-        push = 10.0 * down - 0.5 * self.fore_aft_N
+        self.fore_aft_N = THRUST_N * forward
+        push = THRUST_N * down - 0.5 * self.fore_aft_N
         self.opening += follow * (push / (0.12 * self.stiffness) - self.opening)
-        self.side += follow * (0.3 * yaw / (0.012 * self.stiffness) - self.side)
+        self.side += follow * (0.03 * THRUST_N * yaw / (0.012 * self.stiffness) - self.side)
 
     def observe(self) -> np.ndarray:
         seen = np.zeros((len(self.opening), OBSERVATION_SIZE), dtype=np.float32)
