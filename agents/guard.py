@@ -21,18 +21,20 @@ GUARDS: dict[str, dict[str, float]] = {
 }
 CREST_SHARE = 0.8  # of the condyles' way to the crest: no margin is left there
 SHRINK_S = 0.3  # time constant
+FASTEST = {"opening": 0.4, "side": 0.5, "fore_aft": 2.0, "roll": 0.5}  # 1/s: shrinking is a movement too
 REGROW = 0.01  # 1/s, back towards full size
 
 _GUARD = np.array(
     [[GUARDS.get(limit, {}).get(channel, np.nan) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
 )
+_FASTEST = np.array([FASTEST[channel] for channel in CHANNELS])
 
 
 def comfortable_size(size: NDArray, seen: Observed, dt: float) -> NDArray:
     """What the targets of each channel are to be multiplied by next.
 
-    A channel shrinks in proportion to what is missing of its guard, with the time constant `SHRINK_S`; it grows back
-    slowly, so that a maneuver settles at what this patient tolerates.
+    A channel shrinks in proportion to what is missing of its guard, with the time constant `SHRINK_S` and no faster
+    than `FASTEST`; it grows back slowly, so that a maneuver settles at what this patient tolerates.
 
     Args:
         size: (N, 4) as it was, 0 to 1.
@@ -44,5 +46,5 @@ def comfortable_size(size: NDArray, seen: Observed, dt: float) -> NDArray:
     """
     margin = np.column_stack([seen.margin, 1.0 - seen.condyle / CREST_SHARE])
     allowed = np.fmin(1.0, np.clip(margin[:, :, None] / _GUARD, 0.0, 1.0)).min(axis=1)
-    shrunk = size + (allowed - size) * (1.0 - np.exp(-dt / SHRINK_S))
+    shrunk = size - np.minimum((size - allowed) * (1.0 - np.exp(-dt / SHRINK_S)), _FASTEST * dt)
     return np.where(allowed < size, shrunk, np.minimum(size + REGROW * dt, 1.0))

@@ -83,8 +83,7 @@ class Player:
         memory = self._recall(state, seen, episode_start)
         size = comfortable_size(memory.size, seen, self._dt)
         targets = self.maneuver.targets(memory.step * self._dt)
-        shrinking = (size - memory.size) / self._dt
-        targets = Targets(size * targets.value, size * targets.rate + shrinking * targets.value)
+        targets = Targets(size * targets.value, size * targets.rate)
         wanted, felt = _wanted(targets, seen), _felt(seen, memory.rest_roll)
         action, integral = self._law.act(wanted, felt, memory.integral, self._dt)
         self._memory = Memory(memory.step + 1, size, integral, memory.rest_roll)
