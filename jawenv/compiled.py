@@ -47,11 +47,15 @@ def njit(function: Function) -> Function:
     return _compile(function, parallel=False)
 
 
+# From this many worlds on, sharing the work gains more than waiting for the slowest thread of a busy machine costs.
+MANY_WORLDS = 16
+
+
 class WorldKernel:
     """A kernel whose ``prange`` loop runs over worlds, compiled once for one thread and once for all.
 
-    A single world would only wait for threads that have nothing to do, so it takes the serial form; both are made from
-    the same source and give the same numbers. The first argument that has one entry per world is ``arguments[place]``.
+    Few worlds would only wait for threads with little to do, so they take the serial form; both are made from the same
+    source and give the same numbers. The first argument that has one entry per world is ``arguments[place]``.
     """
 
     def __init__(self, function: Callable[..., None], place: int) -> None:
@@ -62,11 +66,11 @@ class WorldKernel:
 
     def __call__(self, *arguments: Any) -> None:
         """Run the form that suits the number of worlds."""
-        self._forms[len(arguments[self._place]) > 1](*arguments)
+        self._forms[len(arguments[self._place]) >= MANY_WORLDS](*arguments)
 
     def is_cached(self, num_worlds: int) -> bool:
         """Whether the form for this number of worlds lies in the cache, so that its first call compiles nothing."""
-        return any(_form_folder(num_worlds > 1).rglob(f"*.{self.name}-*.nbi"))
+        return any(_form_folder(num_worlds >= MANY_WORLDS).rglob(f"*.{self.name}-*.nbi"))
 
 
 def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:

@@ -119,9 +119,7 @@ def test_long_values_are_cut() -> None:
     assert len(str(caught.value)) < 120
 
 
-def test_a_failed_write_leaves_the_old_file_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "part.json"
     write_json(path, Part(gain=1))
     before = path.read_text()

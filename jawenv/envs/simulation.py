@@ -6,7 +6,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from math import isfinite
 from typing import Any, Literal, get_args
 
 import numba
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
+from jawenv.compiled import MANY_WORLDS
 from jawenv.device.device import Device
 from jawenv.envs.advance import SCRATCH, SETTINGS, TICK, advance
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
@@ -32,6 +32,7 @@ Reward = Literal["uncertainty", "bound", "score"]
 PARAMETER_RATE = 0.03
 PARAMETER_TIME = 5.0
 REDRAWS = 200
+LARGEST = 1e6  # of the numeric arguments
 
 
 @dataclass(frozen=True)
@@ -56,14 +57,16 @@ class Configuration:
         """
         for name, allowed in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
             value = getattr(self, name)
-            if value not in get_args(allowed):
+            if not isinstance(value, str) or value not in get_args(allowed):
                 raise InputError(f"{name} is {value!r}; allowed: {', '.join(get_args(allowed))}")
         for name in ("episode_s", "control_hz", "comfort_weight"):
             value = getattr(self, name)
             low = "0 or more" if name == "comfort_weight" else "more than 0"
-            fine = isinstance(value, int | float) and isfinite(value) and value >= 0.0
-            if not fine or (value == 0.0 and name != "comfort_weight"):
-                raise InputError(f"{name} is {value!r}; allowed: a finite number, {low}")
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not number or not 0.0 <= value <= LARGEST or (value == 0.0 and name != "comfort_weight"):
+                raise InputError(f"{name} is {value!r}; allowed: a number, {low}, at most {LARGEST:g}")
+        if not isinstance(self.cohort, str):
+            raise InputError(f"cohort is {self.cohort!r}; allowed: the name of a cohort")
         ticks = 1.0 / (self.control_hz * TICK)
         if abs(ticks - round(ticks)) > 1e-9 or ticks < 1.0:
             raise InputError(f"control_hz is {self.control_hz!r}; allowed: 100 divided by a whole number")
@@ -131,13 +134,16 @@ class Simulation:
         self.models = np.zeros(num_worlds, dtype=JAW)
         self._jaw = build_jaw()
         self._gravity = default_mandible().gravity
-        threads = numba.get_num_threads()
+        # The first call starts Numba's threads, without which get_thread_id has no answer even in the serial form.
+        numba.get_num_threads()
+        config: Any = numba.config
+        threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = np.zeros(threads, dtype=SCRATCH)
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, OBSERVATION_SIZE), dtype=np.float32)
-        announce_compilation(num_worlds > 1)
+        announce_compilation(num_worlds >= MANY_WORLDS)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
@@ -244,5 +250,5 @@ def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
 @cache
 def announce_compilation(many_worlds: bool) -> None:
     """Say on stderr, once in a process, that kernels are about to be compiled when they are not in the cache."""
-    if not advance.is_cached(2 if many_worlds else 1):
+    if not advance.is_cached(MANY_WORLDS if many_worlds else 1):
         print("jawenv: compiling the simulation for this machine, once (about a minute) ...", file=sys.stderr)

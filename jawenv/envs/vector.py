@@ -90,6 +90,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             if name not in ("patients", "reset_mask"):
                 raise InputError(f"option {name!r} is unknown; allowed: patients, reset_mask")
         chosen = self._checked_mask(options.get("reset_mask"))
+        if not self._seeded and not chosen.all():
+            raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
         self._seed_worlds(seed, chosen)
         self._begin(chosen, self._checked_patients(options.get("patients")))
         return self.simulation.observation.copy(), with_masks(
@@ -106,6 +108,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
     def _checked_patients(self, patients: Any) -> list[Patient | None]:
         if patients is None:
             return [None] * self.num_envs
+        if not isinstance(patients, Sequence):
+            raise InputError(f"option patients is {patients!r}; allowed: a sequence of {self.num_envs} entries")
         if len(patients) != self.num_envs:
             raise InputError(f"option patients has {len(patients)} entries; allowed: {self.num_envs}")
         return [None if patient is None else patient_of(patient) for patient in patients]
@@ -118,6 +122,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         elif isinstance(seed, int | np.integer):
             self._np_random, self._np_random_seed = np_random(int(seed))
             seeds = [int(seed) + i for i in range(self.num_envs)]
+        elif not isinstance(seed, Sequence | np.ndarray):
+            raise InputError(f"seed is {seed!r}; allowed: an integer or {self.num_envs} entries")
         else:
             seeds = list(seed)
             if len(seeds) != self.num_envs:

@@ -35,7 +35,9 @@ def acceleration(
     muscles = np.exp(_checked("log_parameters", log_parameters, (N_PARAMETERS,)).reshape(N_MUSCLES, 2))
     wrench = np.zeros(6)
     given = np.asarray(force, dtype=np.float64)
-    wrench[: given.size] = _checked("force", given, (3,) if given.shape == (3,) else (6,))
+    if given.shape not in ((3,), (6,)):
+        raise InputError(f"force has shape {given.shape}; allowed: (3,) or (6,)")
+    wrench[: given.size] = _checked("force", given, given.shape)
     return np.array(acceleration_kernel(jaw, muscles, tuple(coordinates), tuple(speeds), tuple(wrench)))
 
 

@@ -23,9 +23,7 @@ LENGTHS_MM = {
 @pytest.mark.parametrize("portion", LENGTHS_MM)
 def test_length(portion: str, side: str) -> None:
     line = attachment(portion, side)
-    assert 1e3 * np.linalg.norm(line.insertion_m - line.origin_m) == pytest.approx(
-        LENGTHS_MM[portion], abs=0.051
-    )
+    assert 1e3 * np.linalg.norm(line.insertion_m - line.origin_m) == pytest.approx(LENGTHS_MM[portion], abs=0.051)
 
 
 def test_every_portion_is_accepted_exactly_once_and_has_a_strength() -> None:
@@ -73,9 +71,7 @@ def test_medial_pterygoid_strength_is_shared_by_cross_section() -> None:
 
 
 def test_unknown_portion_or_side() -> None:
-    with pytest.raises(
-        InputError, match="^muscle portion 'digastric' is unknown; allowed: superficial_masseter, "
-    ):
+    with pytest.raises(InputError, match="^muscle portion 'digastric' is unknown; allowed: superficial_masseter, "):
         attachment("digastric", "left")
     with pytest.raises(InputError, match="^side 'middle' is unknown; allowed: left, right$"):
         attachment("deep_masseter", "middle")

@@ -117,9 +117,7 @@ def test_cohorts_pickle(name: str) -> None:
 def test_order_of_severity() -> None:
     F_o = {name: cohort(name).prior.mean[0] for name in COHORTS}
     assert F_o["healthy"] < F_o["blockage"] < F_o["trismus"] < F_o["severe"]
-    assert (
-        cohort("blockage").prior.mean[1] > cohort("trismus").prior.mean[1] + 2 * cohort("trismus").prior.sd[1]
-    )
+    assert cohort("blockage").prior.mean[1] > cohort("trismus").prior.mean[1] + 2 * cohort("trismus").prior.sd[1]
 
 
 def test_unknown_cohort() -> None:

@@ -109,9 +109,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("data", "message"), FAULTS)
-def test_every_way_in_gives_the_same_line(
-    tmp_path: Path, data: dict[str, object], message: str | None
-) -> None:
+def test_every_way_in_gives_the_same_line(tmp_path: Path, data: dict[str, object], message: str | None) -> None:
     if message is None:
         shown = "1" + 56 * "0" + "..."
         message = f"F_o_N.masseter_left = {shown} must be a finite number"
