@@ -29,9 +29,7 @@ def rotation(opening: float, yaw: float = 0.0) -> np.ndarray:
     return pitch @ np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
 
 
-def scene(
-    opening: float = 0.1, yaw: float = 0.0, sd: float = 0.2, time_s: float = 3.0, **changes: object
-) -> Scene:
+def scene(opening: float = 0.1, yaw: float = 0.0, sd: float = 0.2, time_s: float = 3.0, **changes: object) -> Scene:
     muscles, mandible, fossa = muscle_set(), default_mandible(), default_fossa()
     turn = rotation(opening, yaw)
     x = 0.02 * opening
@@ -271,9 +269,7 @@ def in_new_process(code: str, **environment: str) -> str:
     here = os.path.dirname(os.path.abspath(__file__))
     root = os.path.dirname(os.path.dirname(here))
     setup = f"import sys; sys.path[:0] = [{root!r}]; sys.dont_write_bytecode = True\n"
-    setup += (
-        "import importlib.util as u; spec = u.spec_from_file_location('scenes', " + repr(__file__) + ")\n"
-    )
+    setup += "import importlib.util as u; spec = u.spec_from_file_location('scenes', " + repr(__file__) + ")\n"
     setup += "scenes = u.module_from_spec(spec); spec.loader.exec_module(scenes)\n"
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", setup + code],
@@ -299,10 +295,7 @@ def test_off_screen_needs_no_display_opens_no_window_and_prints_nothing(driver):
 
 
 def test_importing_jawenv_does_not_import_pygame():
-    assert (
-        in_new_process("import jawenv; assert not any(m.split('.')[0] == 'pygame' for m in sys.modules)")
-        == ""
-    )
+    assert in_new_process("import jawenv; assert not any(m.split('.')[0] == 'pygame' for m in sys.modules)") == ""
 
 
 def test_window_shows_the_picture_survives_being_closed_and_can_be_opened_again():
@@ -323,10 +316,7 @@ def test_window_shows_the_picture_survives_being_closed_and_can_be_opened_again(
 
 
 def test_window_without_display_is_refused_with_the_remedy():
-    code = (
-        "try: scenes.Renderer('human', 20).show(scenes.scene())\n"
-        "except scenes.InputError as error: print(error)\n"
-    )
+    code = "try: scenes.Renderer('human', 20).show(scenes.scene())\nexcept scenes.InputError as error: print(error)\n"
     said = in_new_process(code, SDL_VIDEODRIVER="no-such-driver")
     assert said.startswith("render_mode: 'human' needs a display (") and said.count("\n") == 1
     assert "use 'rgb_array'" in said
