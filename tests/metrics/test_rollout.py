@@ -73,9 +73,10 @@ def test_an_agent_is_told_how_many_worlds_and_when_they_start():
 
 
 def test_a_world_that_ended_early_keeps_its_last_values():
-    played = play(Push(1, 1, 1, 1), patients=4, seed=0, env_kwargs={"episode_s": 4.0})
+    ungoverned = {"stop_stiffness_N_m": 1.0, "stop_damping_N_s_m": 1e-3, "brake_N_s_m": 1e-3}
+    played = play(Push(1, 1, 1, 1), patients=4, seed=0, env_kwargs={"episode_s": 4.0, "device": ungoverned})
     ended = np.flatnonzero(played.terminated)
-    assert len(ended), "full thrust is expected to cross a hard limit"
+    assert len(ended), "full thrust without end stops is expected to cross a hard limit"
     world, last = ended[0], played.last[ended[0]]
     assert played.violation[world, last]
     np.testing.assert_array_equal(played.belief_cov[world, last:], played.belief_cov[world, last : last + 1])
