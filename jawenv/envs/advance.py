@@ -16,6 +16,7 @@ from jawenv.estimation.ekf import (
     N_MEASUREMENTS,
     follow_trend,
     mean_force,
+    mean_reading,
     measure,
     parameter_variance,
     predict,
@@ -125,7 +126,7 @@ def read_load_cell(device, world, scratch):
             value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
     for k in range(6):
-        world.reading[k] = (scratch.samples[0, k] + 4.0 * scratch.samples[1, k] + scratch.samples[2, k]) / 6.0
+        world.reading[k] = mean_reading(scratch.samples, k)
 
 
 @njit

@@ -7,6 +7,7 @@ State (23): q and u (10), natural logs of F_o and b per muscle (12), relative ga
 * g is considered, not estimated (Schmidt 1966): its prior uncertainty spreads to everything that it touches, and is
   never thought to have become smaller. A servo makes the reading answer to errors of the estimated motion, and a filter
   that learns g from such readings learns a wrong one.
+* What g makes of the readings' departure from their trend is too fast to correlate: it adds to the process noise.
 * Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, plus what first-order
   filtering neglects: the curvature of the muscles' exponentials (see ``shift_by_curvature``).
 * The parameters receive a noise that decays with time (see ``parameter_variance``).
@@ -46,6 +47,7 @@ FILTER_SCRATCH = np.dtype(
         ("tension_covariance", "f8", (N_MUSCLES, N_MUSCLES)),
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),
         ("expected", "f8", N_MEASUREMENTS),
+        ("wrench_variance", "f8", N_WRENCH),
         ("shift", "f8", N_FILTER),
         ("gain", "f8", N_FILTER),
     ],
@@ -132,13 +134,15 @@ def add_curvature(spread, curvature, total, product, i):
 
 
 @njit
+def mean_reading(samples, k):
+    """Mean of component k over a step from its three samples, by Simpson's rule."""
+    return (samples[0, k] + 4.0 * samples[1, k] + samples[2, k]) / 6.0
+
+
+@njit
 def mean_force(samples):
-    """Mean force over a step from its three samples, by Simpson's rule."""
-    return (
-        (samples[0, 0] + 4.0 * samples[1, 0] + samples[2, 0]) / 6.0,
-        (samples[0, 1] + 4.0 * samples[1, 1] + samples[2, 1]) / 6.0,
-        (samples[0, 2] + 4.0 * samples[1, 2] + samples[2, 2]) / 6.0,
-    )
+    """Mean force over a step from its three samples."""
+    return mean_reading(samples, 0), mean_reading(samples, 1), mean_reading(samples, 2)
 
 
 @njit
@@ -173,8 +177,15 @@ def follow_trend(trend, samples, dt):
     """Let the load cell's trend (6) follow its samples with ``TREND_TIME``; called after they have been used."""
     follow = 1.0 - exp(-dt / TREND_TIME)
     for k in range(N_WRENCH):
-        reading = (samples[0, k] + 4.0 * samples[1, k] + samples[2, k]) / 6.0
-        trend[k] += follow * (reading - trend[k])
+        trend[k] += follow * (mean_reading(samples, k) - trend[k])
+
+
+@njit
+def set_wrench_variance(known, gain_variance, samples, trend, scratch):
+    """Variance of the wrench not known: ``known`` (6) and the gain's share of what the trend does not follow."""
+    for k in range(N_WRENCH):
+        fast = mean_reading(samples, k) - trend[k]
+        scratch.wrench_variance[k] = known[k] + gain_variance * fast * fast
 
 
 @njit
@@ -188,7 +199,8 @@ def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, paramete
     propagate(jaw, scratch.muscles, mean, samples, trend, mean[GAIN], dt, scratch)
     set_tension_covariance(covariance, scratch)
     shift_by_curvature(mean, scratch)
-    predict_covariance(covariance, wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
+    set_wrench_variance(wrench_variance, covariance[GAIN, GAIN], samples, trend, scratch)
+    predict_covariance(covariance, scratch.wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
 
 
 @njit
