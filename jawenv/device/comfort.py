@@ -7,7 +7,7 @@ the cost is 1 and the episode ends. The numbers are proposals (grade G): no stud
 from __future__ import annotations
 
 from jawenv.compiled import njit
-from jawenv.device.linkage import excursions, path_at
+from jawenv.device.linkage import excursions
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import N_MUSCLES
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
@@ -80,4 +80,4 @@ def cost_of(fraction, hard):
     return max(0.0, fraction - 1.0) / (hard - 1.0)
 
 
-__all__ = ["COMFORT_LIMITS", "HARD", "LIMITS_FIELDS", "cost_of", "path_at", "used_fractions"]
+__all__ = ["COMFORT_LIMITS", "HARD", "LIMITS_FIELDS", "cost_of", "used_fractions"]
