@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from jawenv.anatomy import default_fossa
 from jawenv.device.comfort import SOFT_FORCE
 from jawenv.envs.observation import (
-    OBSERVATION_LAYOUT,
-    OBSERVATION_SIZE,
     POSE_SCALE,
     RANGE_SCALE,
+    observation_layout,
+    parameters_of,
 )
 from jawenv.errors import InputError
 
@@ -41,18 +41,17 @@ class Observed(NamedTuple):
 
 
 def read(observation: NDArray) -> Observed:
-    """Take N observations (N, 63) apart.
+    """Take N observations (N, size) apart, of any of jawenv's models.
 
     Raises:
         InputError: an observation of another size, or one that is not finite.
     """
-    if observation.ndim != 2 or observation.shape[1] != OBSERVATION_SIZE:
-        raise InputError(
-            f"observation has shape {observation.shape}, allowed are (N, {OBSERVATION_SIZE}) and ({OBSERVATION_SIZE},)"
-        )
+    if observation.ndim != 2:
+        raise InputError(f"observation has shape {observation.shape}, allowed are (N, size) and (size,)")
+    layout = observation_layout(parameters_of(observation.shape[1]))
     if not np.isfinite(observation).all():
         raise InputError("observation holds a value that is not finite")
-    part = {name: observation[:, place].astype(float) for name, place in OBSERVATION_LAYOUT.items()}
+    part = {name: observation[:, place].astype(float) for name, place in layout.items()}
     pose = part["pose"] * POSE_SCALE
     pitch = pose[:, 2]
     # The cell sits in the mouthpiece and turns with it; the motors push along the head's axes.

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from platformdirs import user_cache_dir
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -62,15 +64,29 @@ class WorldKernel:
         """Declare both forms; each is compiled at its first call, or read from the cache."""
         self.name = function.__name__
         self._place = place
+        self._begun: set[tuple[bool, np.dtype[Any]]] = set()
         self._forms = {parallel: _compile(function, parallel=parallel) for parallel in (False, True)}
 
     def __call__(self, *arguments: Any) -> None:
-        """Run the form that suits the number of worlds."""
-        self._forms[len(arguments[self._place]) >= MANY_WORLDS](*arguments)
+        """Run the form that suits the number of worlds; says on stderr when it has to be compiled first."""
+        worlds = arguments[self._place]
+        many = len(worlds) >= MANY_WORLDS
+        if (many, worlds.dtype) in self._begun:
+            self._forms[many](*arguments)
+            return
+        mark = _form_folder(many) / f"{self.name}-{hashlib.sha256(repr(worlds.dtype).encode()).hexdigest()[:16]}"
+        if not mark.exists():
+            say_compiling(many, str(worlds.dtype))
+        self._forms[many](*arguments)
+        self._begun.add((many, worlds.dtype))
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
 
-    def is_cached(self, num_worlds: int) -> bool:
-        """Whether the form for this number of worlds lies in the cache, so that its first call compiles nothing."""
-        return any(_form_folder(num_worlds >= MANY_WORLDS).rglob(f"*.{self.name}-*.nbi"))
+
+@cache
+def say_compiling(many: bool, dtype: str) -> None:
+    """Say on stderr, once for each form and model in a process, that kernels are being compiled."""
+    print("jawenv: compiling this model for this machine, once (about a minute) ...", file=sys.stderr, flush=True)
 
 
 def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:

@@ -10,8 +10,11 @@ from jawenv.anatomy.muscles import (
     PORTIONS,
     WHOLE_MUSCLES,
     MuscleSet,
+    known_muscle_sets,
+    midplane_muscles,
     muscle_set,
     parameter_names,
+    two_sides,
 )
 from jawenv.anatomy.patient import Patient
 from jawenv.anatomy.prior import Prior
@@ -38,7 +41,10 @@ __all__ = [
     "cohort",
     "default_fossa",
     "default_mandible",
+    "known_muscle_sets",
     "load_quantities",
+    "midplane_muscles",
     "muscle_set",
     "parameter_names",
+    "two_sides",
 ]

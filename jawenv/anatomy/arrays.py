@@ -15,6 +15,8 @@ __all__ = ["FrozenArrays"]
 class FrozenArrays:
     """Base of frozen dataclasses of numbers: arrays become float64 copies, read-only, also after unpickling.
 
+    Tuples of names or of whole numbers stay as they are.
+
     Raises:
         InputError: a field is not made of finite numbers.
     """
@@ -23,7 +25,7 @@ class FrozenArrays:
         """Replace every array by a read-only float64 copy."""
         for field in fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
-            if _is_names(value):
+            if _is_names_or_indices(value):
                 continue
             try:
                 number = np.array(value, dtype=np.float64)
@@ -44,5 +46,5 @@ class FrozenArrays:
             raise InputError(f"{name} has shape {np.shape(value)}, must be {shape}")
 
 
-def _is_names(value: object) -> bool:
-    return isinstance(value, tuple) and len(value) > 0 and all(isinstance(name, str) for name in value)
+def _is_names_or_indices(value: object) -> bool:
+    return isinstance(value, tuple) and len(value) > 0 and all(isinstance(entry, str | int) for entry in value)

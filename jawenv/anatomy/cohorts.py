@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from jawenv.anatomy.muscles import WHOLE_MUSCLES
+from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.errors import InputError
@@ -70,6 +70,19 @@ class Stiffness:
         """Their standard deviations, before truncation."""
         return self.F_o_sd, self.b_sd
 
+    def together(self, other: Stiffness) -> Stiffness:
+        """A muscle of the sagittal plane, per whole muscle: mean force, mean logarithms of the rest."""
+        return Stiffness(
+            0.5 * (self.F_o_N + other.F_o_N),
+            0.5 * (self.F_o_sd + other.F_o_sd),
+            math.sqrt(self.b * other.b),
+            0.5 * (self.b_sd + other.b_sd),
+        )
+
+    def times(self, factor: float) -> Stiffness:
+        """The same with a force larger by a factor."""
+        return Stiffness(factor * self.F_o_N, self.F_o_sd, self.b, self.b_sd)
+
     def widened(self, factor: float) -> Stiffness:
         """The same medians with sds larger by a factor."""
         return Stiffness(self.F_o_N, factor * self.F_o_sd, self.b, factor * self.b_sd)
@@ -83,9 +96,11 @@ class Cohort:
         name: as the environment's argument `cohort` takes it.
         description: who they are, for tables.
         basis: where the numbers come from, with their grade.
-        groups: equally likely groups, each (left, right) stiffness of every muscle on that side.
-        mean: (groups, 12) mean of the natural-log parameters of each group.
-        sd: (groups, 12) their sd before truncation.
+        groups: equally likely groups, each (left, right) stiffness of every whole muscle on that side.
+        muscles: the muscles that its patients have; a line that stands for several whole muscles, or for a part of
+            one, has that multiple of F_o.
+        mean: (groups, p) mean of the natural-log parameters of each group, 12 by default.
+        sd: (groups, p) their sd before truncation.
         prior: the filter's prior.
     """
 
@@ -93,16 +108,16 @@ class Cohort:
     description: str
     basis: str
     groups: tuple[tuple[Stiffness, Stiffness], ...]
+    muscles: MuscleSet = field(default_factory=muscle_set, repr=False)
     mean: NDArray[np.float64] = field(init=False, repr=False)
     sd: NDArray[np.float64] = field(init=False, repr=False)
     prior: Prior = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Arrays and prior follow from the groups."""
-        # The muscles of a side are alike.
-        n = len(WHOLE_MUSCLES)
-        mean = np.array([[value for side in group for value in side.log_mean() * n] for group in self.groups])
-        sd = np.array([[value for side in group for value in side.log_sd() * n] for group in self.groups])
+        alike = [[self._of_muscle(name, group) for name in self.muscles.names] for group in self.groups]
+        mean = np.array([[value for one in group for value in one.log_mean()] for group in alike])
+        sd = np.array([[value for one in group for value in one.log_sd()] for group in alike])
         mean.setflags(write=False)
         sd.setflags(write=False)
         variance = np.mean(sd**2, axis=0) + np.var(mean, axis=0)
@@ -112,10 +127,17 @@ class Cohort:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Rebuild through the constructor: plain unpickling would leave the arrays writable."""
-        return Cohort, (self.name, self.description, self.basis, self.groups)
+        return Cohort, (self.name, self.description, self.basis, self.groups, self.muscles)
+
+    def _of_muscle(self, name: str, group: tuple[Stiffness, Stiffness]) -> Stiffness:
+        """Stiffness of a muscle: the muscles of a side are alike, one of the sagittal plane is both sides' together."""
+        left, right = group
+        side = name.rsplit("_", 1)[-1]
+        one = {"left": left, "right": right}.get(side) or left.together(right)
+        return one.times(self.muscles.whole_muscles_per_line)
 
     def draw_log_parameters(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Natural-log parameters of one patient, (12,) in the order of `PARAMETER_NAMES`."""
+        """Natural-log parameters of one patient, (p,) in the order of `muscles.parameter_names`."""
         group = int(rng.integers(len(self.groups))) if len(self.groups) > 1 else 0
         # Inverse of the truncated normal's distribution function: exact, and no redraws.
         standard = ndtri(_TAIL + (1.0 - 2.0 * _TAIL) * rng.random(self.mean.shape[1]))
@@ -124,7 +146,7 @@ class Cohort:
 
     def draw(self, rng: np.random.Generator) -> Patient:
         """One patient, head upright."""
-        return Patient.from_log_parameters(self.draw_log_parameters(rng), name=self.name)
+        return Patient.from_log_parameters(self.draw_log_parameters(rng), name=self.name, muscles=self.muscles.names)
 
 
 _TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)
@@ -181,12 +203,12 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
 """Every cohort by its name."""
 
 
-def cohort(name: str) -> Cohort:
-    """The cohort of that name.
+def cohort(name: str, muscles: MuscleSet | None = None) -> Cohort:
+    """The cohort of that name, its patients with the given muscles (the six whole muscles by default).
 
     Raises:
         InputError: unknown name; the message lists the known ones.
     """
     if name not in COHORTS:
         raise InputError(f"cohort '{name}' is unknown; allowed: {', '.join(COHORTS)}")
-    return COHORTS[name]
+    return COHORTS[name] if muscles is None else replace(COHORTS[name], muscles=muscles)

@@ -1,4 +1,8 @@
-"""Sets of muscle lines: whole muscles or their portions, left and right."""
+"""Sets of muscles with their lines of action, from one closing muscle in all to twelve portions.
+
+A *muscle* has a stiffness of its own, F_o and b. A *line* is a straight line of action; a muscle may have several,
+which then share its F_o and b.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +25,11 @@ __all__ = [
     "SIDES",
     "WHOLE_MUSCLES",
     "MuscleSet",
+    "known_muscle_sets",
+    "midplane_muscles",
     "muscle_set",
     "parameter_names",
+    "two_sides",
 ]
 
 SIDES = ("left", "right")
@@ -57,58 +64,84 @@ PARAMETER_NAMES = parameter_names(MUSCLE_NAMES)
 
 @dataclass(frozen=True, eq=False)
 class MuscleSet(FrozenArrays):
-    """Lines of action of n muscles, jaw closed.
+    """Lines of action of n lines that belong to m muscles, jaw closed.
 
     The frame's origin lies midway between the condyle centres, x forward, y left, z up.
 
     Attributes:
-        names: n names, left side first.
+        names: m muscles, left side first.
+        muscle: n indices: which muscle a line belongs to.
         origin_m: (n, 3) ends on the skull.
         insertion_m: (n, 3) ends on the mandible, jaw closed.
         l_o_m: (n,) closed-jaw lengths, to which `F_o` belongs.
     """
 
     names: tuple[str, ...]
+    muscle: tuple[int, ...]
     origin_m: NDArray[np.float64]
     insertion_m: NDArray[np.float64]
     l_o_m: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        """Check the shapes and that no muscle has lost its length."""
+        """Check the shapes, that every muscle has a line and that no line has lost its length."""
         super().__post_init__()
-        n = len(self.names)
+        n = len(self.muscle)
         self._require_shape("origin_m", (n, 3))
         self._require_shape("insertion_m", (n, 3))
         self._require_shape("l_o_m", (n,))
-        for name, l_o in zip(self.names, self.l_o_m, strict=True):
+        if sorted(set(self.muscle)) != list(range(len(self.names))):
+            raise InputError(f"muscle = {self.muscle} must give each of {len(self.names)} muscles a line")
+        for muscle, l_o in zip(self.muscle, self.l_o_m, strict=True):
             if l_o <= 0:
-                raise InputError(f"l_o_m of {name} = {l_o} must be greater than 0")
+                raise InputError(f"l_o_m of {self.names[muscle]} = {l_o} must be greater than 0")
 
     def __len__(self) -> int:
-        """Number of muscles n."""
+        """Number of muscles m."""
         return len(self.names)
 
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the 2 m parameters: log F_o and log b of each muscle."""
+        return parameter_names(self.names)
 
-@cache
-def _lines(groups: tuple[tuple[str, tuple[str, ...]], ...]) -> MuscleSet:
-    origin, insertion = [], []
-    for side in SIDES:
-        for _, portions in groups:
-            lines = [attachment(portion, side) for portion in portions]
-            weights = [line.strength_N for line in lines]
-            origin.append(np.average([line.origin_m for line in lines], axis=0, weights=weights))
-            insertion.append(np.average([line.insertion_m for line in lines], axis=0, weights=weights))
-    origin_m, insertion_m = np.array(origin), np.array(insertion)
+    @property
+    def whole_muscles_per_line(self) -> float:
+        """How many of the six whole muscles one line stands for: what its F_o is multiplied by."""
+        return len(MUSCLE_NAMES) / len(self.muscle)
+
+
+def _mean_line(portions: Sequence[str], side: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Force-weighted mean origin and insertion of some portions of one side."""
+    lines = [attachment(portion, side) for portion in portions]
+    weights = [line.strength_N for line in lines]
+    return (
+        np.average([line.origin_m for line in lines], axis=0, weights=weights),
+        np.average([line.insertion_m for line in lines], axis=0, weights=weights),
+    )
+
+
+def _assemble(
+    names: Sequence[str], muscle: Sequence[int], lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]
+) -> MuscleSet:
+    origin_m, insertion_m = np.array([line[0] for line in lines]), np.array([line[1] for line in lines])
     return MuscleSet(
-        names=_sided(dict(groups)),
+        names=tuple(names),
+        muscle=tuple(muscle),
         origin_m=origin_m,
         insertion_m=insertion_m,
         l_o_m=np.linalg.norm(insertion_m - origin_m, axis=1),
     )
 
 
+@cache
+def _sided_lines(groups: tuple[tuple[str, tuple[str, ...]], ...]) -> MuscleSet:
+    names = _sided(dict(groups))
+    lines = [_mean_line(portions, side) for side in SIDES for _, portions in groups]
+    return _assemble(names, range(len(names)), lines)
+
+
 def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
-    """The muscles of both sides, left first.
+    """The muscles of both sides, left first, one line each.
 
     Args:
         groups: muscle name -> its portions. `WHOLE_MUSCLES` gives the 6 lines of the 12-parameter model (the
@@ -121,4 +154,34 @@ def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet
     for group, portions in groups.items():
         if not portions:
             raise InputError(f"muscle '{group}' has no portions; it needs at least one")
-    return _lines(tuple((group, tuple(portions)) for group, portions in groups.items()))
+    return _sided_lines(tuple((group, tuple(portions)) for group, portions in groups.items()))
+
+
+def two_sides() -> MuscleSet:
+    """The six whole muscles' lines with one stiffness on each side: 4 parameters."""
+    whole = muscle_set()
+    sides = [SIDES.index(name.rsplit("_", 1)[1]) for name in whole.names]
+    return _assemble(SIDES, sides, list(zip(whole.origin_m, whole.insertion_m, strict=True)))
+
+
+def midplane_muscles(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
+    """Each pair of muscles as one line in the sagittal plane, left and right together."""
+    lines = []
+    for portions in groups.values():
+        origin, insertion = _mean_line(portions, "left")
+        lines.append((origin * [1.0, 0.0, 1.0], insertion * [1.0, 0.0, 1.0]))
+    return _assemble(tuple(groups), range(len(groups)), lines)
+
+
+@cache
+def known_muscle_sets() -> Mapping[str, MuscleSet]:
+    """The muscle sets of the models by name, the default one first."""
+    return MappingProxyType(
+        {
+            "whole": muscle_set(),
+            "closers": midplane_muscles({"closers": tuple(PORTIONS)}),
+            "pairs": midplane_muscles(),
+            "sides": two_sides(),
+            "portions": muscle_set(PORTIONS),
+        }
+    )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
-from jawenv.anatomy.muscles import MUSCLE_NAMES, PARAMETER_NAMES
+from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_names
 from jawenv.errors import InputError
 from jawenv.files import InputModel, Number, read_model, validate, write_json
 
@@ -18,18 +18,22 @@ __all__ = ["Patient"]
 
 
 def _of_all_muscles(values: dict[str, float]) -> dict[str, float]:
-    """The same values in the order of MUSCLE_NAMES, exactly one per muscle."""
+    """The same values in the order of the muscle set that they mean, exactly one per muscle."""
+    sets = [muscles.names for muscles in known_muscle_sets().values()]
+    names = max(sets, key=lambda names: len(set(values) & set(names)))
     for name in values:
-        if name not in MUSCLE_NAMES:
-            raise ValueError(f"unknown muscle '{name}'; allowed: {', '.join(MUSCLE_NAMES)}")
-    for name in MUSCLE_NAMES:
+        if name not in names:
+            raise ValueError(f"unknown muscle '{name}'; allowed: {', '.join(names)}")
+    for name in names:
         if name not in values:
-            raise ValueError(f"muscle '{name}' is missing; needed: {', '.join(MUSCLE_NAMES)}")
-    return {name: values[name] for name in MUSCLE_NAMES}
+            raise ValueError(f"muscle '{name}' is missing; needed: {', '.join(names)}")
+    return {name: values[name] for name in names}
 
 
 class Patient(InputModel):
-    """The muscle law `F = F_o exp(b (l - l_o)/l_o)` of the six closing muscles, and the tilt of the head.
+    """The muscle law `F = F_o exp(b (l - l_o)/l_o)` of the closing muscles, and the tilt of the head.
+
+    The muscles are the six whole ones, or those of another model (`known_muscle_sets`).
 
     Attributes:
         name: for tables and files.
@@ -56,8 +60,15 @@ class Patient(InputModel):
         return validate(cls, data, cls.__name__)
 
     @classmethod
-    def from_log_parameters(cls, theta: ArrayLike, *, name: str = "patient", head_tilt_deg: float = 0.0) -> Self:
-        """A patient from natural-log parameters, (12,) in the order of `PARAMETER_NAMES`.
+    def from_log_parameters(
+        cls,
+        theta: ArrayLike,
+        *,
+        name: str = "patient",
+        head_tilt_deg: float = 0.0,
+        muscles: Sequence[str] = MUSCLE_NAMES,
+    ) -> Self:
+        """A patient from natural-log parameters of ``muscles``: log F_o and log b of each, in order.
 
         Raises:
             InputError: wrong shape, not finite, or a muscle out of range.
@@ -66,24 +77,36 @@ class Patient(InputModel):
             values = np.asarray(theta, dtype=np.float64)
         except (TypeError, ValueError):
             raise InputError("log parameters must be numbers") from None
-        if values.shape != (len(PARAMETER_NAMES),):
-            raise InputError(f"log parameters have shape {values.shape}, must be ({len(PARAMETER_NAMES)},)")
-        for parameter, value in zip(PARAMETER_NAMES, values, strict=True):
+        names = parameter_names(muscles)
+        if values.shape != (len(names),):
+            raise InputError(f"log parameters have shape {values.shape}, must be ({len(names)},)")
+        for parameter, value in zip(names, values, strict=True):
             if not np.isfinite(value):
                 raise InputError(f"{parameter} = {value} must be finite")
         with np.errstate(over="ignore"):
             F_o, b = np.exp(values[0::2]), np.exp(values[1::2])
         data = {
             "name": name,
-            "F_o_N": dict(zip(MUSCLE_NAMES, F_o.tolist(), strict=True)),
-            "b": dict(zip(MUSCLE_NAMES, b.tolist(), strict=True)),
+            "F_o_N": dict(zip(muscles, F_o.tolist(), strict=True)),
+            "b": dict(zip(muscles, b.tolist(), strict=True)),
             "head_tilt_deg": head_tilt_deg,
         }
         return cls.from_dict(data)
 
     def log_parameters(self) -> NDArray[np.float64]:
-        """Natural logs of F_o (N) and b, (12,) in the order of `PARAMETER_NAMES`."""
-        return np.log([value for name in MUSCLE_NAMES for value in (self.F_o_N[name], self.b[name])])
+        """Natural logs of F_o (N) and b, two of each muscle: (12,) in the order of `PARAMETER_NAMES` by default."""
+        return np.log([value for name in self.muscles for value in (self.F_o_N[name], self.b[name])])
+
+    @property
+    def muscles(self) -> tuple[str, ...]:
+        """Names of the muscles."""
+        return tuple(self.F_o_N)
+
+    @model_validator(mode="after")
+    def _same_muscles(self) -> Self:
+        if tuple(self.b) != tuple(self.F_o_N):
+            raise ValueError(f"b is of {', '.join(self.b)}, but F_o_N of {', '.join(self.F_o_N)}")
+        return self
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the patient as JSON; the file appears whole or not at all.

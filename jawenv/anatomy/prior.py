@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.arrays import FrozenArrays
-from jawenv.anatomy.muscles import PARAMETER_NAMES
 from jawenv.errors import InputError
 
 __all__ = ["Prior"]
@@ -19,8 +18,8 @@ class Prior(FrozenArrays):
     """Independent normal beliefs about the natural-log parameters.
 
     Attributes:
-        mean: (12,) in the order of `PARAMETER_NAMES`.
-        sd: (12,) standard deviations, so 0.05 is 5 %.
+        mean: (p,) in the order of the parameters' names.
+        sd: (p,) standard deviations, so 0.05 is 5 %.
 
     Raises:
         InputError: wrong shape, not finite, or an sd that is not positive.
@@ -32,8 +31,9 @@ class Prior(FrozenArrays):
     def __post_init__(self) -> None:
         """Check shapes and signs."""
         super().__post_init__()
-        for name in ("mean", "sd"):
-            self._require_shape(name, (len(PARAMETER_NAMES),))
-        for parameter, sd in zip(PARAMETER_NAMES, self.sd, strict=True):
+        if np.ndim(self.mean) != 1:
+            raise InputError(f"prior mean has shape {np.shape(self.mean)}, must have one axis")
+        self._require_shape("sd", np.shape(self.mean))
+        for i, sd in enumerate(self.sd):
             if sd <= 0:
-                raise InputError(f"prior sd of {parameter} = {sd} must be greater than 0")
+                raise InputError(f"prior sd of parameter {i} = {sd} must be greater than 0")

@@ -6,10 +6,11 @@ the cost is 1 and the episode ends. The numbers are proposals (grade G): no stud
 
 from __future__ import annotations
 
+import numpy as np
+
 from jawenv.compiled import njit
 from jawenv.device.linkage import excursions
 from jawenv.mechanics.forces import muscle_pull
-from jawenv.mechanics.jaw import N_MUSCLES
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 from jawenv.mechanics.vec3 import add, apply, cross, norm, vector3
 
@@ -35,19 +36,25 @@ FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
 HEALTHY_SIDE = 0.010  # m, about the mean lateral excursion of 500 patients (9.4-11.8 mm)
 HEALTHY_FORE_AFT = 0.0088  # m, their mean protrusion
 
-# One row per world; SI units. The natural path is that of the mouthpiece under a purely vertical pull.
-LIMITS_FIELDS = [
-    ("rest_opening", "f8"),
-    ("opening", "f8"),  # painless range above rest
-    ("path", "f8", 3),  # forward place of the mouthpiece on the natural path: a + b s + c s^2
-    ("rest_side", "f8"),
-    ("side", "f8"),
-    ("fore_aft", "f8"),
-    ("condyle_middle", "f8"),
-    ("condyle_half", "f8"),
-    ("rest_condyle_side", "f8"),
-    ("tension", "f8", N_MUSCLES),
-]
+
+def limits_dtype(n_lines: int) -> np.dtype[np.void]:
+    """Dtype of one patient's soft limits, SI units.
+
+    The natural path is that of the mouthpiece under a purely vertical pull.
+    """
+    fields = [
+        ("rest_opening", "f8"),
+        ("opening", "f8"),  # painless range above rest
+        ("path", "f8", (3,)),  # forward place of the mouthpiece on the natural path: a + b s + c s^2
+        ("rest_side", "f8"),
+        ("side", "f8"),
+        ("fore_aft", "f8"),
+        ("condyle_middle", "f8"),
+        ("condyle_half", "f8"),
+        ("rest_condyle_side", "f8"),
+        ("tension", "f8", (n_lines,)),
+    ]
+    return np.dtype(fields, align=True)
 
 
 @njit
@@ -68,7 +75,7 @@ def used_fractions(jaw, muscles, limits, q, u, force, fractions):
     fractions[CONDYLE_SIDE] = abs(q[1] - limits.rest_condyle_side) / CONDYLE_SIDE_SOFT
     fractions[SPEED] = norm(velocity) / SOFT_SPEED
     worst = 0.0
-    for i in range(N_MUSCLES):
+    for i in range(muscles.shape[0]):
         _, _, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
         worst = max(worst, tension / limits.tension[i])
     fractions[TENSION] = worst
@@ -80,4 +87,4 @@ def cost_of(fraction, hard):
     return max(0.0, fraction - 1.0) / (hard - 1.0)
 
 
-__all__ = ["COMFORT_LIMITS", "HARD", "LIMITS_FIELDS", "cost_of", "used_fractions"]
+__all__ = ["COMFORT_LIMITS", "HARD", "cost_of", "limits_dtype", "used_fractions"]

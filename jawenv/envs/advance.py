@@ -12,8 +12,8 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import command_motors, device_wrench
 from jawenv.envs.belief import refresh_information
 from jawenv.estimation.ekf import (
-    FILTER_SCRATCH,
     N_MEASUREMENTS,
+    filter_scratch_dtype,
     follow_trend,
     mean_force,
     mean_reading,
@@ -21,11 +21,10 @@ from jawenv.estimation.ekf import (
     parameter_variance,
     predict,
     predict_covariance,
-    propagate,
     update,
     update_covariance,
 )
-from jawenv.estimation.sensitivity import N_SAMPLES, plus
+from jawenv.estimation.sensitivity import N_SAMPLES, plus, propagate
 from jawenv.mechanics.dynamics import N_STATES, state_rate
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
@@ -36,8 +35,10 @@ SUBSTEPS = 2  # Runge-Kutta steps of the true motion per tick
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 
-SETTINGS = np.dtype(
-    [
+
+def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
+    """Dtype of what all worlds of an environment share."""
+    fields = [
         ("trajectory", "u1"),
         ("bound", "u1"),
         ("used", "u1", N_MEASUREMENTS),
@@ -45,28 +46,28 @@ SETTINGS = np.dtype(
         ("wrench_variance", "f8", 6),
         ("parameter_rate", "f8"),
         ("parameter_time", "f8"),
-        ("prior_mean", "f8", 12),
-        ("prior_sd", "f8", 12),
+        ("prior_mean", "f8", (2 * n_muscles,)),
+        ("prior_sd", "f8", (2 * n_muscles,)),
         ("steps", "i8"),
         ("ticks_per_step", "i8"),
-    ],
-    align=True,
-)
+    ]
+    return np.dtype(fields, align=True)
 
-SCRATCH = np.dtype(
-    [
-        ("filter", FILTER_SCRATCH),
+
+def scratch_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
+    """Dtype of one thread's working memory."""
+    fields = [
+        ("filter", filter_scratch_dtype(n_muscles, n_lines)),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("fractions", "f8", N_LIMITS),
-        ("matrix", "f8", (12, 12)),
-        ("right", "f8", 12),
-    ],
-    align=True,
-)
+        ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
+        ("right", "f8", (2 * n_muscles,)),
+    ]
+    return np.dtype(fields, align=True)
 
 
 @njit
@@ -228,12 +229,12 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches):
 
     Args:
         devices: One record of dtype ``DEVICE``, in an array (a parallel loop takes no bare record).
-        models: Jaws as the filter believes them, one for each world, dtype ``JAW``.
-        worlds: Worlds, dtype ``WORLD``; changed in place.
+        models: Jaws as the filter believes them, one for each world, dtype ``jaw_dtype``.
+        worlds: Worlds, dtype ``world_dtype``; changed in place.
         actions: (N, 4) in [-1, 1].
         active: (N,) bool; a world that is not active stays as it is.
-        all_settings: One record of dtype ``SETTINGS``, in an array.
-        scratches: Working memory, dtype ``SCRATCH``, one for each thread.
+        all_settings: One record of dtype ``settings_dtype``, in an array.
+        scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
     """
     for i in prange(worlds.shape[0]):
         if active[i]:

@@ -12,11 +12,10 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
-from jawenv.estimation.ekf import GAIN, N_FILTER, set_muscles, update, update_covariance
+from jawenv.estimation.ekf import set_muscles, update, update_covariance
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
-from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 from jawenv.noise import fill_normals
 
@@ -102,7 +101,7 @@ def set_limits(world, last, scratch):
     limits.condyle_middle = 0.5 * (CONDYLE_BACK + high)
     limits.condyle_half = 0.5 * (high - CONDYLE_BACK)
     q = (poses[last, 0], poses[last, 1], poses[last, 2], poses[last, 3], poses[last, 4])
-    for i in range(N_MUSCLES):
+    for i in range(world.muscles.shape[0]):
         _, _, _, tension = muscle_pull(jaw, world.muscles, i, contact_point(jaw, q), rotation(q))
         limits.tension[i] = TENSION_MARGIN * tension
     return True
@@ -123,24 +122,38 @@ def reset_motors(device, world):
 
 
 @njit
+def can_move(jaw, i):
+    """Whether motion i of (q, u) is free: a coordinate that is held is known, and stays so."""
+    if i == 0 or i == 5:
+        return jaw.free_x != 0
+    if i == 1 or i == 6:
+        return jaw.free_y != 0
+    # Pitch (theta, and the second of the angular velocities) is always free, yaw and roll both or none.
+    return i == 2 or i == 8 or jaw.inertia_contact_inverse[2, 2] > 0.0
+
+
+@njit
 def reset_belief(device, model, world, settings, scratch):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
-    for i in range(N_FILTER):
-        for j in range(N_FILTER):
+    size = world.mean.shape[0]
+    gain = size - 1
+    for i in range(size):
+        for j in range(size):
             world.covariance[i, j] = 0.0
     for i in range(N_STATES):
-        world.mean[i] = world.state[i] + MOTION_SD[i] * normals[i]
-        world.covariance[i, i] = MOTION_SD[i] * MOTION_SD[i]
-    for i in range(N_PARAMETERS):
+        sd = MOTION_SD[i] if can_move(model, i) else 0.0
+        world.mean[i] = world.state[i] + sd * normals[i]
+        world.covariance[i, i] = sd * sd
+    for i in range(gain - N_STATES):
         world.mean[N_STATES + i] = settings.prior_mean[i]
         world.covariance[N_STATES + i, N_STATES + i] = settings.prior_sd[i] * settings.prior_sd[i]
-    world.mean[GAIN] = 0.0
+    world.mean[gain] = 0.0
     world.cell_gain = device.cell_gain * normals[N_STATES]
-    world.covariance[GAIN, GAIN] = device.cell_gain * device.cell_gain
-    for i in range(N_FILTER):
-        for j in range(N_FILTER):
+    world.covariance[gain, gain] = device.cell_gain * device.cell_gain
+    for i in range(size):
+        for j in range(size):
             world.bound[i, j] = world.covariance[i, j] if settings.bound else np.nan
     world.log_det_prior = cholesky_parameters(world.covariance, scratch.matrix)
     world.log_det_bound = np.nan
@@ -158,10 +171,11 @@ def reset_belief(device, model, world, settings, scratch):
 @njit
 def begin_world(device, model, world, settings, scratch, beginning):
     """Put one world at rest; False when the device cannot treat its patient."""
-    set_muscles(world.log_parameters, 0, world.muscles)
+    set_muscles(world.jaw, world.log_parameters, 0, world.muscles)
     for k in range(N_STATES):
         world.state[k] = 0.0
-    world.state[0], world.state[2] = 3e-3, 0.05
+    world.state[0] = 3e-3 if world.jaw.free_x else 0.0
+    world.state[2] = 0.05
     last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
     if last < 0 or not set_limits(world, last, beginning):
         return False

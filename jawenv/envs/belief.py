@@ -1,8 +1,8 @@
 """What the belief is worth: information in nats, score at the truth, NEES, from one world's covariances.
 
-All are over the 12 log-parameters. Claimed and bound information are half the fall of the log-determinant; the score is
-log N(truth; belief) minus log N(truth; prior), a proper score: its mean over patients is the information that the
-belief really holds.
+All are over the log-parameters, 12 by default. Claimed and bound information are half the fall of the log-determinant;
+the score is log N(truth; belief) minus log N(truth; prior), a proper score: its mean over patients is the information
+that the belief really holds.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import numpy as np
 
 from jawenv.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.jaw import N_PARAMETERS
 
 
 @njit
 def cholesky_parameters(covariance, lower):
-    """Cholesky factor of the parameters' block into ``lower`` (12, 12); returns its log-determinant, NaN if not PD."""
+    """Cholesky factor of the parameters' block into ``lower``; returns its log-determinant, NaN if not PD."""
     log_det = 0.0
-    for j in range(N_PARAMETERS):
+    size = lower.shape[0]
+    for j in range(size):
         pivot = covariance[N_STATES + j, N_STATES + j]
         for k in range(j):
             pivot -= lower[j, k] * lower[j, k]
@@ -29,7 +29,7 @@ def cholesky_parameters(covariance, lower):
         root = sqrt(pivot)
         lower[j, j] = root
         log_det += 2.0 * log(root)
-        for i in range(j + 1, N_PARAMETERS):
+        for i in range(j + 1, size):
             value = covariance[N_STATES + i, N_STATES + j]
             for k in range(j):
                 value -= lower[i, k] * lower[j, k]
@@ -44,7 +44,7 @@ def refresh_information(world, settings, lower, whitened):
         world.log_det_bound = cholesky_parameters(world.bound, lower)
     world.log_det = cholesky_parameters(world.covariance, lower)
     nees = 0.0
-    for i in range(N_PARAMETERS):
+    for i in range(whitened.shape[0]):
         value = world.log_parameters[i] - world.mean[N_STATES + i]
         for k in range(i):
             value -= lower[i, k] * whitened[k]

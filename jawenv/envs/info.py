@@ -7,16 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.advance import TICK
 
-_PARAMETERS = slice(10, 22)
+_PARAMETERS = slice(10, -1)
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
 
 
-def describe(worlds: Any, with_bound: bool) -> dict[str, Any]:
-    """Fresh info of one record of dtype ``WORLD``, or of an array of N of them with N leading in every array.
+def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) -> dict[str, Any]:
+    """Fresh info of one record of dtype ``world_dtype``, or of an array of N of them with N leading in every array.
 
     Keys: ``parameter_names``; ``belief_mean`` (12), ``belief_cov`` (12, 12), ``belief_sd`` (12) and ``truth`` (12),
     natural logs; ``information_claimed`` and ``information_true`` (log score, of which the mean over patients counts),
@@ -29,7 +28,7 @@ def describe(worlds: Any, with_bound: bool) -> dict[str, Any]:
     fractions, costs = worlds["fractions"].copy(), worlds["costs"].copy()
     prior, score = worlds["log_det_prior"], worlds["log_score"]
     info = {
-        "parameter_names": PARAMETER_NAMES,
+        "parameter_names": parameter_names,
         "belief_mean": worlds["mean"][..., _PARAMETERS].copy(),
         "belief_cov": covariance,
         "belief_sd": np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_actions
-from jawenv.envs.observation import OBSERVATION_BOUND, OBSERVATION_SIZE
+from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.rewards import potential
 from jawenv.envs.scene import build_scene
 from jawenv.envs.simulation import Simulation, configure
@@ -23,9 +23,9 @@ Action = NDArray[np.float32]
 _ON = np.ones(1, dtype=np.bool_)
 
 
-def observation_space() -> Any:
-    """The flat observation of one world; ``OBSERVATION_LAYOUT`` says what lies where."""
-    return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (OBSERVATION_SIZE,), np.float32)
+def observation_space(size: int) -> Any:
+    """The flat observation of one world; ``observation_layout`` says what lies where."""
+    return spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (size,), np.float32)
 
 
 def action_space() -> Any:
@@ -92,9 +92,9 @@ class JawEnv(gym.Env[Observation, Action]):
             raise InputError(f"render_mode is {render_mode!r}; allowed: {', '.join(self.metadata['render_modes'])}")
         self.configuration = configure(arguments)
         self.render_mode = render_mode
-        self.observation_space: spaces.Space[Observation] = observation_space()
-        self.action_space: spaces.Space[Action] = action_space()
         self.simulation = Simulation(1, self.configuration)
+        self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
+        self.action_space: spaces.Space[Action] = action_space()
         self.metadata = {**self.metadata, "render_fps": self.configuration.control_hz}
         self._seeded = False
         self._potential = 0.0

@@ -16,15 +16,14 @@ from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.device.motors import motor_point, mouthpiece_motion
-from jawenv.estimation.ekf import GAIN, set_muscles
+from jawenv.errors import InputError
+from jawenv.estimation.ekf import set_muscles
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.jaw import N_PARAMETERS
 from jawenv.mechanics.kinematics import rotation, split
 
 OBSERVATION_BOUND = 10.0
-_SIZES = {
-    "belief_mean": N_PARAMETERS,  # (mean - prior mean) / prior sd
-    "belief_sd": N_PARAMETERS,  # log10(sd / prior sd)
+_BELIEF = ("belief_mean", "belief_sd")  # (mean - prior mean) / prior sd; log10(sd / prior sd); each per parameter
+_REST_SIZES = {
     "pose": 5,  # filtered x, y / 5 mm; theta / 0.25 rad; psi, alpha / 0.1 rad
     "rates": 5,  # filtered x', y' / 20 mm/s; omega / 0.5 rad/s
     "jaw": 3,  # opening, side, fore-aft: signed used fractions of the soft limits, 0 at rest
@@ -42,29 +41,47 @@ MOMENT_SCALE = SOFT_FORCE * 0.02
 TARGET_SCALE = 0.01
 
 
-def _layout() -> dict[str, slice]:
+def observation_layout(n_parameters: int = 12) -> dict[str, slice]:
+    """Where each part of the flat observation lies, in a model with so many parameters: name -> slice."""
     layout, start = {}, 0
-    for name, size in _SIZES.items():
+    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES).items():
         layout[name] = slice(start, start + size)
         start += size
     return layout
 
 
-OBSERVATION_LAYOUT = _layout()
-"""Where each part of the flat observation lies: name -> slice."""
-OBSERVATION_SIZE = sum(_SIZES.values())
+def observation_size(n_parameters: int = 12) -> int:
+    """Length of the flat observation."""
+    return 2 * n_parameters + sum(_REST_SIZES.values())
 
-_MEAN = OBSERVATION_LAYOUT["belief_mean"].start
-_SD = OBSERVATION_LAYOUT["belief_sd"].start
-_POSE = OBSERVATION_LAYOUT["pose"].start
-_RATES = OBSERVATION_LAYOUT["rates"].start
-_JAW = OBSERVATION_LAYOUT["jaw"].start
-_RANGE = OBSERVATION_LAYOUT["jaw_range"].start
-_FORCE = OBSERVATION_LAYOUT["force"].start
-_THRUST = OBSERVATION_LAYOUT["motor_thrust"].start
-_TARGET = OBSERVATION_LAYOUT["motor_target"].start
-_MARGIN = OBSERVATION_LAYOUT["comfort_margin"].start
-_TIME = OBSERVATION_LAYOUT["time_left"].start
+
+def parameters_of(size: int) -> int:
+    """How many parameters an observation of this length belongs to.
+
+    Raises:
+        InputError: no observation of jawenv has this length.
+    """
+    n_parameters, left_over = divmod(size - sum(_REST_SIZES.values()), 2)
+    if n_parameters < 1 or left_over:
+        raise InputError(f"an observation has {size} values; allowed: {sum(_REST_SIZES.values())} + 2 x parameters")
+    return n_parameters
+
+
+OBSERVATION_LAYOUT = observation_layout()
+"""The layout of ``jawenv/Jaw-v0``, with its 12 parameters."""
+OBSERVATION_SIZE = observation_size()
+
+# What follows the belief, counted from where the belief ends.
+_REST = observation_layout(0)
+_POSE = _REST["pose"].start
+_RATES = _REST["rates"].start
+_JAW = _REST["jaw"].start
+_RANGE = _REST["jaw_range"].start
+_FORCE = _REST["force"].start
+_THRUST = _REST["motor_thrust"].start
+_TARGET = _REST["motor_target"].start
+_MARGIN = _REST["comfort_margin"].start
+_TIME = _REST["time_left"].start
 
 
 @njit
@@ -76,12 +93,14 @@ def bounded(value):
 
 
 @njit
-def observe_world(device, model, world, settings, scratch, seen):
+def observe_world(device, model, world, settings, scratch, row):
     """Fill one row of the observation."""
-    for i in range(N_PARAMETERS):
+    parameters = settings.prior_mean.shape[0]
+    for i in range(parameters):
         sd = sqrt(max(world.covariance[N_STATES + i, N_STATES + i], 1e-300))
-        seen[_MEAN + i] = bounded((world.mean[N_STATES + i] - settings.prior_mean[i]) / settings.prior_sd[i])
-        seen[_SD + i] = bounded(log10(sd / settings.prior_sd[i]))
+        row[i] = bounded((world.mean[N_STATES + i] - settings.prior_mean[i]) / settings.prior_sd[i])
+        row[parameters + i] = bounded(log10(sd / settings.prior_sd[i]))
+    seen = row[2 * parameters :]
     q, u = split(world.mean)
     for i in range(5):
         seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
@@ -103,8 +122,9 @@ def observe_world(device, model, world, settings, scratch, seen):
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(world.mean, N_STATES, scratch.filter.muscles)
-    force = (1.0 + world.mean[GAIN]) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
+    set_muscles(model, world.mean, N_STATES, scratch.filter.muscles)
+    gain = world.mean[world.mean.shape[0] - 1]
+    force = (1.0 + gain) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.filter.muscles, limits, q, u, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
@@ -113,6 +133,6 @@ def observe_world(device, model, world, settings, scratch, seen):
 
 @world_kernel(place=2)
 def observe(devices, models, worlds, all_settings, scratches, observation):
-    """Fill ``observation`` (N, 63), float32."""
+    """Fill ``observation`` (N, size), float32."""
     for i in prange(worlds.shape[0]):
         observe_world(devices[0], models[i], worlds[i], all_settings[0], scratches[get_thread_id()], observation[i])

@@ -4,11 +4,23 @@ from __future__ import annotations
 
 import gymnasium as gym
 
+# Environment -> the model of ``jawenv.ladder`` that it runs; written out, because that module is heavier than this.
+ENVIRONMENTS = {
+    "jawenv/JawHinge-v0": "hinge",
+    "jawenv/JawSagittal-v0": "sagittal",
+    "jawenv/JawSides-v0": "sides",
+    "jawenv/Jaw-v0": "jaw",
+    "jawenv/JawPortions-v0": "portions",
+    "jawenv/JawBilateral-v0": "bilateral",
+}
+
 
 def register_environments() -> None:
     """Register jawenv's environments; called by ``import jawenv``."""
-    gym.register(
-        id="jawenv/Jaw-v0",
-        entry_point="jawenv.envs.jaw:JawEnv",
-        vector_entry_point="jawenv.envs.vector:JawVectorEnv",
-    )
+    for env_id, model in ENVIRONMENTS.items():
+        gym.register(
+            id=env_id,
+            entry_point="jawenv.envs.jaw:JawEnv",
+            vector_entry_point="jawenv.envs.vector:JawVectorEnv",
+            kwargs={"model": model},
+        )

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import MUSCLE_NAMES, PARAMETER_NAMES
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
 from jawenv.envs.advance import TICK
 from jawenv.envs.simulation import Simulation
@@ -23,9 +22,11 @@ def build_scene(simulation: Simulation) -> Any:
     q, _ = split(world["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
     mouthpiece = contact + body_to_head @ jaw["mouthpiece"]
-    tensions = [muscle_pull(jaw, world["muscles"], i, tuple(contact), rotation(q))[3] for i in range(len(MUSCLE_NAMES))]
+    muscles = world["muscles"]
+    tensions = [muscle_pull(jaw, muscles, i, tuple(contact), rotation(q))[3] for i in range(len(muscles))]
+    names = simulation.cohort.muscles.names
     return Scene(
-        muscle_names=MUSCLE_NAMES,
+        muscle_names=tuple(names[i] for i in jaw["muscle"]),
         muscle_origin_m=jaw["origin"].copy(),
         muscle_insertion_m=contact + jaw["insertion"] @ body_to_head.T,
         muscle_tension_N=np.array(tensions),
@@ -35,7 +36,7 @@ def build_scene(simulation: Simulation) -> Any:
         fossa_frequency=float(jaw["fossa_frequency"]),
         mouthpiece_m=mouthpiece,
         mouthpiece_force_N=body_to_head @ world["reading"][:3],
-        parameter_names=PARAMETER_NAMES,
+        parameter_names=info["parameter_names"],
         belief_mean=info["belief_mean"],
         belief_sd=info["belief_sd"],
         prior_mean=np.asarray(simulation.cohort.prior.mean),
@@ -48,5 +49,5 @@ def build_scene(simulation: Simulation) -> Any:
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
         information_nats=float(info["information_claimed"]),
-        title=f"Jaw-v0, {configuration.cohort} patient, {configuration.control} control",
+        title=f"{simulation.model.title}, {configuration.cohort} patient, {configuration.control} control",
     )

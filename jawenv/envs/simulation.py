@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cache
 from typing import Any, Literal, get_args
 
 import numba
@@ -13,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
-from jawenv.compiled import MANY_WORLDS
 from jawenv.device.device import Device
-from jawenv.envs.advance import SCRATCH, SETTINGS, TICK, advance
+from jawenv.envs.advance import TICK, advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.info import describe
-from jawenv.envs.observation import OBSERVATION_SIZE, observe
-from jawenv.envs.world import make_worlds
+from jawenv.envs.observation import observation_size, observe
+from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
-from jawenv.mechanics.jaw import JAW, build_jaw, gravity_in_head
+from jawenv.ladder import model_named
+from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
 
 Control = Literal["force", "trajectory"]
@@ -48,6 +46,7 @@ class Configuration:
     comfort_weight: float = 0.0
     track_bound: bool = False
     device: dict[str, float] | None = None
+    model: str = "jaw"
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -65,6 +64,7 @@ class Configuration:
             number = isinstance(value, int | float) and not isinstance(value, bool)
             if not number or not 0.0 <= value <= LARGEST or (value == 0.0 and name != "comfort_weight"):
                 raise InputError(f"{name} is {value!r}; allowed: a number, {low}, at most {LARGEST:g}")
+        model_named(self.model)
         if not isinstance(self.cohort, str):
             raise InputError(f"cohort is {self.cohort!r}; allowed: the name of a cohort")
         ticks = 1.0 / (self.control_hz * TICK)
@@ -127,27 +127,28 @@ class Simulation:
     def __init__(self, num_worlds: int, configuration: Configuration) -> None:
         """Allocate the worlds; nothing is simulated before ``reset``."""
         self.configuration = configuration
-        self.cohort: Cohort = cohort(configuration.cohort)
+        self.model = model_named(configuration.model)
+        muscles = self.model.muscles
+        self.cohort: Cohort = cohort(configuration.cohort, muscles)
         self.device = configuration.build_device().records()
         self.settings = self._build_settings()
-        self.worlds = make_worlds(num_worlds)
-        self.models = np.zeros(num_worlds, dtype=JAW)
-        self._jaw = build_jaw()
+        self._jaw = build_jaw(muscles, free=self.model.free)
+        self.worlds = np.zeros(num_worlds, dtype=world_dtype(len(muscles), len(muscles.muscle)))
+        self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
         self._gravity = default_mandible().gravity
         # The first call starts Numba's threads, without which get_thread_id has no answer even in the serial form.
         numba.get_num_threads()
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
-        self._scratches = np.zeros(threads, dtype=SCRATCH)
+        self._scratches = np.zeros(threads, dtype=scratch_dtype(len(muscles), len(muscles.muscle)))
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
-        self.observation = np.zeros((num_worlds, OBSERVATION_SIZE), dtype=np.float32)
-        announce_compilation(num_worlds >= MANY_WORLDS)
+        self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
-        records = np.zeros(1, dtype=SETTINGS)
+        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles)))
         settings = records[0]
         settings["trajectory"] = configuration.control == "trajectory"
         settings["bound"] = configuration.needs_bound
@@ -223,6 +224,12 @@ class Simulation:
         if patient is None:
             log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
         else:
+            names = self.cohort.muscles.names
+            if patient.muscles != names:
+                raise InputError(
+                    f"patient {patient.name!r} has the muscles {', '.join(patient.muscles)}; "
+                    f"allowed in {self.model.title}: {', '.join(names)}"
+                )
             log_parameters, tilt = patient.log_parameters(), patient.head_tilt_deg
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
@@ -235,20 +242,13 @@ class Simulation:
         self.look()
 
     def look(self) -> None:
-        """Refresh ``observation`` (N, 63)."""
+        """Refresh ``observation`` (N, size)."""
         observe(self.device, self.models, self.worlds, self.settings, self._scratches, self.observation)
 
     def info(self, worlds: Any) -> dict[str, Any]:
         """Fresh info of one of this simulation's worlds, or of an array of them."""
-        return describe(worlds, self.configuration.needs_bound)
+        return describe(worlds, self.cohort.muscles.parameter_names, self.configuration.needs_bound)
 
 
 def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
     return np.uint64(episode), np.uint64(0), np.uint64(0), np.uint64(0)
-
-
-@cache
-def announce_compilation(many_worlds: bool) -> None:
-    """Say on stderr, once in a process, that kernels are about to be compiled when they are not in the cache."""
-    if not advance.is_cached(MANY_WORLDS if many_worlds else 1):
-        print("jawenv: compiling the simulation for this machine, once (about a minute) ...", file=sys.stderr)

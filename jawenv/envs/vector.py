@@ -65,10 +65,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self.configuration = configure(arguments)
         self.render_mode = None
         self.num_envs = int(num_envs)
-        self.single_observation_space, self.single_action_space = observation_space(), action_space()
+        self.simulation = Simulation(self.num_envs, self.configuration)
+        self.single_observation_space = observation_space(self.simulation.observation.shape[1])
+        self.single_action_space = action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.simulation = Simulation(self.num_envs, self.configuration)
         self._seeded = False
         self._potential = np.zeros(self.num_envs)
         self._done = np.zeros(self.num_envs, dtype=np.bool_)

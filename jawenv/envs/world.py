@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
-from jawenv.device.comfort import LIMITS_FIELDS, N_LIMITS
+from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.estimation.ekf import N_FILTER
+from jawenv.estimation.ekf import filter_size
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.jaw import JAW, N_MUSCLES, N_PARAMETERS
-
-LIMITS = np.dtype(LIMITS_FIELDS, align=True)
+from jawenv.mechanics.jaw import jaw_dtype
 
 MOTORS = np.dtype(
     [
@@ -24,25 +24,31 @@ MOTORS = np.dtype(
     align=True,
 )
 
-# The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
-WORLD = np.dtype(
-    [
-        ("jaw", JAW),
-        ("log_parameters", "f8", N_PARAMETERS),
-        ("muscles", "f8", (N_MUSCLES, 2)),
+
+@cache
+def world_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
+    """Dtype of one world.
+
+    The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
+    """
+    n_filter = filter_size(n_muscles)
+    fields = [
+        ("jaw", jaw_dtype(n_lines)),
+        ("log_parameters", "f8", (2 * n_muscles,)),
+        ("muscles", "f8", (n_lines, 2)),
         ("cell_gain", "f8"),
         ("state", "f8", N_STATES),
         ("key", "u8", 2),
         ("tick", "i8"),
-        ("limits", LIMITS),
+        ("limits", limits_dtype(n_lines)),
         ("motors", MOTORS),
-        ("bound", "f8", (N_FILTER, N_FILTER)),
+        ("bound", "f8", (n_filter, n_filter)),
         ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("mean", "f8", N_FILTER),
-        ("covariance", "f8", (N_FILTER, N_FILTER)),
+        ("mean", "f8", (n_filter,)),
+        ("covariance", "f8", (n_filter, n_filter)),
         ("reading", "f8", 6),  # load cell, body axes
         ("trend", "f8", 6),  # the load cell's recent mean
         ("log_det_prior", "f8"),
@@ -51,11 +57,5 @@ WORLD = np.dtype(
         ("log_score_prior", "f8"),
         ("log_score", "f8"),
         ("nees", "f8"),
-    ],
-    align=True,
-)
-
-
-def make_worlds(num_worlds: int) -> np.ndarray:
-    """Blank worlds of dtype ``WORLD``; each must be reset before it is advanced."""
-    return np.zeros(num_worlds, dtype=WORLD)
+    ]
+    return np.dtype(fields, align=True)

@@ -1,6 +1,7 @@
 """The extended Kalman filter over motion, log-parameters and load-cell gain.
 
-State (23): q and u (10), natural logs of F_o and b per muscle (12), relative gain error g of the load cell (1).
+State: q and u (10), natural logs of F_o and b per muscle (12 by default), relative gain error g of the load cell (1);
+23 in all by default. The sizes come with the arrays.
 
 * The force on the jaw is the reading plus g times the recent trend of readings. A reading that multiplied g would
   let the filter take the load cell's noise for a force without effect.
@@ -24,43 +25,51 @@ from math import exp
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.estimation.sensitivity import GAIN, N_COLUMNS, SENSITIVITY_SCRATCH, WRENCH, propagate
+from jawenv.estimation.sensitivity import propagate, sensitivity_fields
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
 from jawenv.mechanics.vec3 import add, apply, cross, vector3
 
-N_FILTER = N_STATES + N_PARAMETERS + 1
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
 # How often the neglected curvature counts: it is the same error from step to step, where process noise would be new.
 CURVATURE_REPEATS = 5.0
 
-FILTER_SCRATCH = np.dtype(
-    [
-        *SENSITIVITY_SCRATCH,
-        ("muscles", "f8", (N_MUSCLES, 2)),
-        ("state", "f8", N_STATES),
-        ("product", "f8", (N_STATES, N_COLUMNS)),
-        ("turned", "f8", (N_COLUMNS, N_STATES)),
-        ("row", "f8", N_STATES),
-        ("tension_covariance", "f8", (N_MUSCLES, N_MUSCLES)),
+
+def filter_size(n_muscles: int) -> int:
+    """Number of the filter's states."""
+    return N_STATES + 2 * n_muscles + 1
+
+
+def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6) -> np.dtype[np.void]:
+    """Dtype of the filter's working memory."""
+    n_filter = filter_size(n_muscles)
+    n_columns = n_filter + N_WRENCH
+    fields = [
+        *sensitivity_fields(n_muscles, n_lines),
+        ("muscles", "f8", (n_lines, 2)),
+        ("strain", "f8", (n_muscles,)),
+        ("state", "f8", (N_STATES,)),
+        ("product", "f8", (N_STATES, n_columns)),
+        ("turned", "f8", (n_columns, N_STATES)),
+        ("row", "f8", (N_STATES,)),
+        ("tension_covariance", "f8", (n_muscles, n_muscles)),
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),
-        ("expected", "f8", N_MEASUREMENTS),
-        ("wrench_variance", "f8", N_WRENCH),
-        ("shift", "f8", N_FILTER),
-        ("gain", "f8", N_FILTER),
-    ],
-    align=True,
-)
+        ("expected", "f8", (N_MEASUREMENTS,)),
+        ("wrench_variance", "f8", (N_WRENCH,)),
+        ("shift", "f8", (n_filter,)),
+        ("gain", "f8", (n_filter,)),
+    ]
+    return np.dtype(fields, align=True)
 
 
 @njit
-def set_muscles(log_parameters, offset, muscles):
-    """(F_o, b) per muscle from an array that holds the log-parameters from ``offset`` on."""
-    for i in range(N_MUSCLES):
-        muscles[i, 0] = exp(log_parameters[offset + 2 * i])
-        muscles[i, 1] = exp(log_parameters[offset + 2 * i + 1])
+def set_muscles(jaw, log_parameters, offset, muscles):
+    """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
+    for line in range(muscles.shape[0]):
+        place = offset + 2 * jaw.muscle[line]
+        muscles[line, 0] = exp(log_parameters[place])
+        muscles[line, 1] = exp(log_parameters[place + 1])
 
 
 @njit
@@ -77,15 +86,16 @@ def parameter_variance(rate, time_constant, time, dt):
 @njit
 def multiply_row(left, i, right, product):
     """Row i of ``product`` = row i of ``left`` times ``right``, four rows of ``right`` at a time."""
-    last = N_FILTER - N_FILTER % 4
-    for j in range(N_FILTER):
+    size = right.shape[0]
+    last = size - size % 4
+    for j in range(size):
         value = 0.0
-        for k in range(last, N_FILTER):
+        for k in range(last, size):
             value += left[i, k] * right[k, j]
         product[i, j] = value
     for k in range(0, last, 4):
         a, b, c, d = left[i, k], left[i, k + 1], left[i, k + 2], left[i, k + 3]
-        for j in range(N_FILTER):
+        for j in range(size):
             product[i, j] += a * right[k, j] + b * right[k + 1, j] + c * right[k + 2, j] + d * right[k + 3, j]
 
 
@@ -97,38 +107,39 @@ def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, 
     All three products share one pass: [F P, G W, C S] times [F, G, C]^T.
     """
     total, product, turned = scratch.total, scratch.product, scratch.turned
+    size, columns = covariance.shape[0], total.shape[1]
     for i in range(N_STATES):
         multiply_row(total, i, covariance, product)
-        for k in range(N_COLUMNS):
+        for k in range(columns):
             turned[k, i] = total[i, k]
     for i in range(N_STATES):
-        for j in range(N_STATES, N_FILTER):
+        for j in range(N_STATES, size):
             covariance[i, j] = product[i, j]
             covariance[j, i] = product[i, j]
         for k in range(N_WRENCH):
-            product[i, WRENCH + k] = total[i, WRENCH + k] * wrench_variance[k]
+            product[i, size + k] = total[i, size + k] * wrench_variance[k]
         if curvature > 0.0:
             add_curvature(scratch.tension_covariance, curvature, total, product, i)
     for i in range(N_STATES):
         for j in range(N_STATES):
             scratch.row[j] = 0.0
-        for k in range(N_COLUMNS):
+        for k in range(columns):
             factor = product[i, k]
             for j in range(N_STATES):
                 scratch.row[j] += factor * turned[k, j]
         for j in range(i + 1):
             covariance[i, j] = scratch.row[j]
             covariance[j, i] = scratch.row[j]
-    for i in range(N_STATES, GAIN):
+    for i in range(N_STATES, size - 1):
         covariance[i, i] += parameter_noise
 
 
 @njit
 def add_curvature(spread, curvature, total, product, i):
     """Add row i of C S to the columns of log F_o in ``product``."""
-    for a in range(N_MUSCLES):
+    for a in range(spread.shape[0]):
         value = 0.0
-        for b in range(N_MUSCLES):
+        for b in range(spread.shape[0]):
             value += spread[a, b] * spread[a, b] * total[i, N_STATES + 2 * b]
         product[i, N_STATES + 2 * a] += curvature * value
 
@@ -146,12 +157,25 @@ def mean_force(samples):
 
 
 @njit
+def set_strains(jaw, scratch):
+    """Mean exponent b (l - l_o)/l_o over the lines of each muscle, into ``scratch.strain``."""
+    strain = scratch.strain
+    for i in range(strain.shape[0]):
+        total, lines = 0.0, 0
+        for line in range(scratch.muscles.shape[0]):
+            if jaw.muscle[line] == i:
+                total += scratch.muscles[line, 1] * scratch.pulls[line, 6]
+                lines += 1
+        strain[i] = total / lines
+
+
+@njit
 def set_tension_covariance(covariance, scratch):
-    """Covariance (6, 6) of the log-tensions log F_o + b (l - l_o)/l_o that the parameters' covariance implies."""
-    for i in range(N_MUSCLES):
-        a, e = N_STATES + 2 * i, scratch.muscles[i, 1] * scratch.pulls[i, 6]
-        for j in range(N_MUSCLES):
-            b, f = N_STATES + 2 * j, scratch.muscles[j, 1] * scratch.pulls[j, 6]
+    """Covariance of the muscles' log-tensions log F_o + b (l - l_o)/l_o that the parameters' covariance implies."""
+    for i in range(scratch.strain.shape[0]):
+        a, e = N_STATES + 2 * i, scratch.strain[i]
+        for j in range(scratch.strain.shape[0]):
+            b, f = N_STATES + 2 * j, scratch.strain[j]
             scratch.tension_covariance[i, j] = (
                 covariance[a, b]
                 + e * covariance[a + 1, b]
@@ -168,7 +192,7 @@ def shift_by_curvature(mean, scratch):
     s^2 / 2 that the linearisation does not see (see ``predict_covariance``). Both vanish as parameters become known.
     """
     for i in range(N_STATES):
-        for k in range(N_MUSCLES):
+        for k in range(scratch.strain.shape[0]):
             mean[i] += 0.5 * scratch.tension_covariance[k, k] * scratch.total[i, N_STATES + 2 * k]
 
 
@@ -190,16 +214,18 @@ def set_wrench_variance(known, gain_variance, samples, trend, scratch):
 
 @njit
 def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, parameter_noise, scratch):
-    """Time update of ``mean`` (23) and ``covariance`` (23, 23) over one step.
+    """Time update of ``mean`` and ``covariance``, (23) and (23, 23) by default, over one step.
 
     ``samples`` (3, 6) and ``trend`` (6) are the load cell's, ``wrench_variance`` (6) that of the wrench not known:
     unmodelled and load-cell noise together.
     """
-    set_muscles(mean, N_STATES, scratch.muscles)
-    propagate(jaw, scratch.muscles, mean, samples, trend, mean[GAIN], dt, scratch)
+    gain = mean.shape[0] - 1
+    set_muscles(jaw, mean, N_STATES, scratch.muscles)
+    propagate(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
+    set_strains(jaw, scratch)
     set_tension_covariance(covariance, scratch)
     shift_by_curvature(mean, scratch)
-    set_wrench_variance(wrench_variance, covariance[GAIN, GAIN], samples, trend, scratch)
+    set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
     predict_covariance(covariance, scratch.wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
 
 
@@ -239,32 +265,34 @@ def measure(jaw, state, rows, expected):
 
 @njit
 def assimilate(covariance, row, variance, gain):
-    """Covariance after one scalar measurement; returns the innovation's variance and leaves P h in ``gain`` (23)."""
-    for j in range(N_FILTER):
+    """Covariance after one scalar measurement; returns the innovation's variance and leaves P h in ``gain``."""
+    size = gain.shape[0]
+    for j in range(size):
         gain[j] = 0.0
     for k in range(N_STATES):
         factor = row[k]
         if factor != 0.0:
-            for j in range(N_FILTER):
+            for j in range(size):
                 gain[j] += factor * covariance[k, j]
     innovation_variance = variance
     for k in range(N_STATES):
         innovation_variance += row[k] * gain[k]
     inverse = 1.0 / innovation_variance
-    considered = covariance[GAIN, GAIN]
-    for i in range(N_FILTER):
-        for j in range(N_FILTER):
+    considered = covariance[size - 1, size - 1]
+    for i in range(size):
+        for j in range(size):
             # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
             covariance[i, j] -= (gain[i] * gain[j]) * inverse
-    covariance[GAIN, GAIN] = considered
+    covariance[size - 1, size - 1] = considered
     return innovation_variance
 
 
 @njit
 def update(jaw, mean, covariance, measured, variances, used, scratch):
     """Measurement update with ``measured`` (12), noise ``variances`` (12) and ``used`` (12, bool)."""
+    size = mean.shape[0]
     measure(jaw, mean, scratch.rows, scratch.expected)
-    for j in range(N_FILTER):
+    for j in range(size):
         scratch.shift[j] = 0.0
     for i in range(N_MEASUREMENTS):
         if not used[i]:
@@ -275,9 +303,9 @@ def update(jaw, mean, covariance, measured, variances, used, scratch):
         for k in range(N_STATES):
             innovation -= row[k] * scratch.shift[k]
         weight = innovation / variance
-        for j in range(N_FILTER):
+        for j in range(size):
             scratch.shift[j] += weight * scratch.gain[j]
-    for j in range(GAIN):
+    for j in range(size - 1):
         mean[j] += scratch.shift[j]
 
 
@@ -288,6 +316,3 @@ def update_covariance(jaw, state, covariance, variances, used, scratch):
     for i in range(N_MEASUREMENTS):
         if used[i]:
             assimilate(covariance, scratch.rows[i], variances[i], scratch.gain)
-
-
-__all__ = ["FILTER_SCRATCH", "GAIN", "N_COLUMNS", "N_FILTER", "N_MEASUREMENTS", "predict", "propagate", "update"]

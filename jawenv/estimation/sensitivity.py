@@ -9,30 +9,34 @@ derivative of the numbers that the filter computes, to rounding.
 from __future__ import annotations
 
 from math import cos, sin
+from typing import Any
 
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.mechanics.dynamics import N_INPUT_COLUMNS, N_STATES, N_WRENCH, linearise_acceleration
-from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 
-# Columns: the ten states, log F_o and log b of each muscle, the load cell's gain, the unmodelled wrench.
-GAIN = N_STATES + N_PARAMETERS
-WRENCH = GAIN + 1
-N_COLUMNS = WRENCH + N_WRENCH
 N_SAMPLES = 3  # of the load cell per step
 
-SENSITIVITY_SCRATCH = [
-    ("by_state", "f8", (5, N_STATES)),
-    ("by_input", "f8", (5, N_INPUT_COLUMNS)),
-    ("stiffness", "f8", (3, 3, 3)),
-    ("pulls", "f8", (N_MUSCLES, 7)),
-    ("by_angle", "f8", (3, 5)),
-    ("stage", "f8", (N_STATES, N_COLUMNS)),
-    ("slope", "f8", (N_STATES, N_COLUMNS)),
-    ("total", "f8", (N_STATES, N_COLUMNS)),
-]
+
+def sensitivity_fields(n_muscles: int, n_lines: int) -> list[Any]:
+    """Working memory of ``propagate``, as fields of a dtype.
+
+    Columns of the derivative: the ten states, log F_o and log b of each muscle, the load cell's gain, the unmodelled
+    wrench.
+    """
+    n_columns = N_STATES + 2 * n_muscles + 1 + N_WRENCH
+    return [
+        ("by_state", "f8", (5, N_STATES)),
+        ("by_input", "f8", (5, 2 * n_muscles + N_WRENCH)),
+        ("stiffness", "f8", (3, 3, 3)),
+        ("pulls", "f8", (n_lines, 7)),
+        ("by_angle", "f8", (3, 5)),
+        ("stage", "f8", (N_STATES, n_columns)),
+        ("slope", "f8", (N_STATES, n_columns)),
+        ("total", "f8", (N_STATES, n_columns)),
+    ]
 
 
 @njit
@@ -72,27 +76,30 @@ def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
     fill_angle_rate_derivatives(q, omega, scratch.by_angle)
     stage, slope = scratch.stage, scratch.slope
     by_state, by_input, by_angle = scratch.by_state, scratch.by_input, scratch.by_angle
-    for j in range(N_COLUMNS):
+    columns = slope.shape[1]
+    wrenches = columns - N_WRENCH
+    parameters = wrenches - 1 - N_STATES
+    for j in range(columns):
         slope[0, j] = stage[5, j]
         slope[1, j] = stage[6, j]
     for i in range(3):
         a, b = by_angle[i, 0], by_angle[i, 1]
         c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
-        for j in range(N_COLUMNS):
+        for j in range(columns):
             slope[2 + i, j] = a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
     for i in range(5):
         # One pass over the columns with all factors in registers: this product is the filter's largest cost.
         a0, a1, a2, a3, a4 = by_state[i, 0], by_state[i, 1], by_state[i, 2], by_state[i, 3], by_state[i, 4]
         a5, a6, a7, a8, a9 = by_state[i, 5], by_state[i, 6], by_state[i, 7], by_state[i, 8], by_state[i, 9]
-        for j in range(N_COLUMNS):
+        for j in range(columns):
             slope[5 + i, j] = (
                 a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
             ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
-        for j in range(N_PARAMETERS):
+        for j in range(parameters):
             slope[5 + i, N_STATES + j] += by_input[i, j]
         for j in range(N_WRENCH):
-            slope[5 + i, WRENCH + j] += by_input[i, N_PARAMETERS + j]
-            slope[5 + i, GAIN] += trend[j] * by_input[i, N_PARAMETERS + j]
+            slope[5 + i, wrenches + j] += by_input[i, parameters + j]
+            slope[5 + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
     return angle_rates(q, omega), acceleration
 
 
@@ -107,7 +114,7 @@ def set_identity(matrix):
 
 @njit
 def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` (10, 29) with its derivative.
+    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 29) by default.
 
     ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
     ``rate_and_sensitivity``.
@@ -141,13 +148,13 @@ def plus(a, s, b):
 
 @njit
 def accumulate(target, factor, source):
-    """Target += factor * source for two (10, 29) arrays."""
-    for i in range(N_STATES):
-        for j in range(N_COLUMNS):
+    """Target += factor * source for two arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
             target[i, j] += factor * source[i, j]
 
 
-def sensitivity_scratch() -> np.void:
+def sensitivity_scratch(n_muscles: int = 6, n_lines: int = 6) -> np.void:
     """Working memory for ``propagate``, for tests and single calls."""
-    record: np.void = np.zeros(1, dtype=np.dtype(SENSITIVITY_SCRATCH, align=True))[0]
+    record: np.void = np.zeros(1, dtype=np.dtype(sensitivity_fields(n_muscles, n_lines), align=True))[0]
     return record

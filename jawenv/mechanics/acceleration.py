@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from jawenv.errors import InputError
 from jawenv.mechanics.dynamics import acceleration_kernel
-from jawenv.mechanics.jaw import N_MUSCLES, N_PARAMETERS
 
 
 def acceleration(
@@ -21,7 +20,8 @@ def acceleration(
         jaw: Record from ``jawenv.mechanics.build_jaw``; its stops and damping act if it has them.
         q: (5,) x, y (m), theta, psi, alpha (rad).
         u: (5,) x', y' (m/s), angular velocity in body axes (rad/s).
-        log_parameters: (12,) natural logs of F_o (N) and b in the order of ``PARAMETER_NAMES``.
+        log_parameters: (2 m,) natural logs of F_o (N) and b of the jaw's m muscles, in the order of
+            ``PARAMETER_NAMES`` by default.
         force: (3,) force on the mouthpiece in body axes (N), or (6,) with its moment about the mouthpiece (N m).
 
     Returns:
@@ -32,7 +32,8 @@ def acceleration(
     """
     coordinates = _checked("q", q, (5,))
     speeds = _checked("u", u, (5,))
-    muscles = np.exp(_checked("log_parameters", log_parameters, (N_PARAMETERS,)).reshape(N_MUSCLES, 2))
+    names = 1 + int(jaw["muscle"].max())
+    muscles = np.exp(_checked("log_parameters", log_parameters, (2 * names,)).reshape(names, 2))[jaw["muscle"]]
     wrench = np.zeros(6)
     given = np.asarray(force, dtype=np.float64)
     if given.shape not in ((3,), (6,)):

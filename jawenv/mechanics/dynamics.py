@@ -15,14 +15,11 @@ from __future__ import annotations
 
 from jawenv.compiled import njit
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
-from jawenv.mechanics.jaw import N_MUSCLES
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
 
 N_STATES = 10
 N_WRENCH = 6
-# Columns of the sensitivity of u': logs of (F_o, b) per muscle, then the wrench.
-N_INPUT_COLUMNS = 2 * N_MUSCLES + N_WRENCH
 
 
 @njit
@@ -47,8 +44,20 @@ def inertial_coupling(jaw, slope, body_to_head):
     a = m * (1.0 + slope * slope) - (w_first[0] * first[0] + w_first[1] * first[1] + w_first[2] * first[2])
     b = -(w_first[0] * second[0] + w_first[1] * second[1] + w_first[2] * second[2])
     d = m - (w_second[0] * second[0] + w_second[1] * second[1] + w_second[2] * second[2])
-    determinant = a * d - b * b
-    return inverse, w_first, w_second, (d / determinant, -b / determinant, a / determinant)
+    return inverse, w_first, w_second, free_inverse(jaw, a, b, d)
+
+
+@njit
+def free_inverse(jaw, a, b, d):
+    """Inverse (xx, xy, yy) of the 2 x 2 block of sliding, of its free coordinates only."""
+    if jaw.free_x and jaw.free_y:
+        determinant = a * d - b * b
+        return d / determinant, -b / determinant, a / determinant
+    if jaw.free_x:
+        return 1.0 / a, 0.0, 0.0
+    if jaw.free_y:
+        return 0.0, 0.0, 1.0 / d
+    return 0.0, 0.0, 0.0
 
 
 @njit
@@ -112,9 +121,9 @@ def state_rate(jaw, muscles, q, u, wrench):
 def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):
     """U' and its exact derivatives.
 
-    Fills ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input`` (5, 18) with d u'/d(log F_o, log b per muscle;
-    wrench). ``stiffness`` (3, 3, 3) and ``pulls`` (6, 7) are scratch. The residual of the equations of motion is
-    differentiated at fixed u' and solved with the mass matrix, so no derivative of the mass matrix is formed.
+    Fills ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input`` (5, 2 m + 6) with d u'/d(log F_o, log b of each of m
+    muscles; wrench). ``stiffness`` (3, 3, 3) and ``pulls`` (lines, 7) are scratch. The residual of the equations of
+    motion is differentiated at fixed u' and solved with the mass matrix, so no derivative of that is formed.
     """
     body_to_head = rotation(q)
     force, moment = resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls)
@@ -198,22 +207,27 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
 
 @njit
 def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
-    """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 18)."""
-    for muscle in range(N_MUSCLES):
-        pull = (pulls[muscle, 0], pulls[muscle, 1], pulls[muscle, 2])
-        turn = apply_transposed(body_to_head, (pulls[muscle, 3], pulls[muscle, 4], pulls[muscle, 5]))
+    """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6)."""
+    of_wrench = by_input.shape[1] - N_WRENCH
+    for i in range(5):
+        for j in range(of_wrench):
+            by_input[i, j] = 0.0
+    for line in range(muscles.shape[0]):
+        pull = (pulls[line, 0], pulls[line, 1], pulls[line, 2])
+        turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
         column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)
-        exponent = muscles[muscle, 1] * pulls[muscle, 6]
+        exponent = muscles[line, 1] * pulls[line, 6]
+        muscle = jaw.muscle[line]
         for i in range(5):
-            by_input[i, 2 * muscle] = column[i]
-            by_input[i, 2 * muscle + 1] = column[i] * exponent
+            by_input[i, 2 * muscle] += column[i]
+            by_input[i, 2 * muscle + 1] += column[i] * exponent
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     mouthpiece = vector3(jaw.mouthpiece)
     for j in range(3):
         pull = apply(body_to_head, units[j])
         column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], cross(mouthpiece, units[j]))
         for i in range(5):
-            by_input[i, 2 * N_MUSCLES + j] = column[i]
+            by_input[i, of_wrench + j] = column[i]
         column = solve_mass(coupling, 0.0, 0.0, units[j])
         for i in range(5):
-            by_input[i, 2 * N_MUSCLES + 3 + j] = column[i]
+            by_input[i, of_wrench + 3 + j] = column[i]

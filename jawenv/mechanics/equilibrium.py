@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.mechanics.dynamics import linearise_acceleration
+from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, vector3
 
@@ -106,6 +106,7 @@ def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):
     arm = vector3(jaw.mouthpiece)
     slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])
     axes = turning_axes(q)
+    of_wrench = scratch.by_input.shape[1] - N_WRENCH
     for j in range(5):
         turn = (0.0, 0.0, 0.0)
         if j == 0:
@@ -118,5 +119,5 @@ def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):
         for i in range(5):
             value = scratch.by_state[i, j]
             for k in range(3):
-                value += scratch.by_input[i, 12 + k] * (-hold * drop * down[k] - force * turn[k])
+                value += scratch.by_input[i, of_wrench + k] * (-hold * drop * down[k] - force * turn[k])
             matrix[i, j] = value

@@ -15,7 +15,7 @@ from __future__ import annotations
 from math import exp
 
 from jawenv.compiled import njit
-from jawenv.mechanics.jaw import N_MUSCLES, N_TEETH
+from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, fossa
 from jawenv.mechanics.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
 
@@ -32,9 +32,10 @@ def smooth_ramp(depth, width):
 
 @njit
 def muscle_pull(jaw, muscles, i, contact, body_to_head):
-    """Muscle i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
+    """Line i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
 
-    ``muscles`` is (6, 2): F_o in N, b. The law is van Ruijven & Weijs (1990) as used by Young (2016), eq. 2.2.
+    ``muscles`` is (lines, 2): F_o in N and b of each line. The law is van Ruijven & Weijs (1990) as used by Young
+    (2016), eq. 2.2.
     """
     arm = apply(body_to_head, row3(jaw.insertion, i))
     line = subtract(row3(jaw.origin, i), add(contact, arm))
@@ -50,7 +51,7 @@ def resultant(jaw, muscles, q, u, body_to_head):
     weight = scale(jaw.mass, vector3(jaw.gravity))
     force = weight
     moment = cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
-    for i in range(N_MUSCLES):
+    for i in range(muscles.shape[0]):
         arm, direction, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
         pull = scale(tension, direction)
         force = add(force, pull)
@@ -129,7 +130,7 @@ def add_isotropic(stiffness, arm, k):
 def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):
     """As ``resultant``, and fill ``stiffness`` (3, 3, 3) and ``pulls``.
 
-    ``pulls`` (6, 7) receives per muscle its force, its moment about the contact point and its strain (l - l_o)/l_o.
+    ``pulls`` (lines, 7) receives per line its force, its moment about the contact point and its strain (l - l_o)/l_o.
     """
     contact = contact_point(jaw, q)
     weight = scale(jaw.mass, vector3(jaw.gravity))
@@ -138,7 +139,7 @@ def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls)
     moment = cross(arm, weight)
     clear_stiffness(stiffness)
     add_point(stiffness, arm, weight)
-    for i in range(N_MUSCLES):
+    for i in range(muscles.shape[0]):
         arm, direction, length, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
         pull = scale(tension, direction)
         turn = cross(arm, pull)

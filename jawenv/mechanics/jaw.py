@@ -1,7 +1,13 @@
-"""What the kernels need to know about one jaw, as one record of numbers in SI units."""
+"""What the kernels need to know about one jaw, as one record of numbers in SI units.
+
+The record's dtype carries the number of lines, and Numba compiles the kernels once for each dtype: the sizes are known
+to the compiler, and one source serves every model.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cache
 from math import cos, pi, radians, sin
 from typing import Any
 
@@ -9,18 +15,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, default_fossa, default_mandible, muscle_set
+from jawenv.errors import InputError
 
-N_MUSCLES = 6
-N_PARAMETERS = 2 * N_MUSCLES
 N_TEETH = 3
+ALL_FREE = (True, True, True, True, True)
 
-JAW = np.dtype(
-    [
+
+@cache
+def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
+    """Dtype of a jaw with so many muscle lines."""
+    fields = [
         ("mass", "f8"),
         ("centre_of_mass", "f8", 3),
         ("inertia", "f8", (3, 3)),  # about the centre of mass
         ("inertia_contact", "f8", (3, 3)),  # about the contact point: I - m [rho_c]x [rho_c]x
+        # Inverse of the block of the rotations that are free; zeros for the others.
         ("inertia_contact_inverse", "f8", (3, 3)),
+        ("free_x", "u1"),
+        ("free_y", "u1"),
         ("gravity", "f8", 3),  # acceleration in head axes
         ("fossa_drop", "f8"),
         ("fossa_frequency", "f8"),
@@ -32,12 +44,13 @@ JAW = np.dtype(
         ("crest", "f8"),  # x of the eminence's crest, where the anterior stop begins
         ("teeth", "f8", (N_TEETH, 3)),
         ("mouthpiece", "f8", 3),
-        ("origin", "f8", (N_MUSCLES, 3)),
-        ("insertion", "f8", (N_MUSCLES, 3)),
-        ("l_o", "f8", N_MUSCLES),
-    ],
-    align=True,
-)
+        ("origin", "f8", (n_lines, 3)),
+        ("insertion", "f8", (n_lines, 3)),
+        ("l_o", "f8", (n_lines,)),
+        ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
+    ]
+    return np.dtype(fields, align=True)
+
 
 # Grade G: the capsule that keeps the condyle on its path, soft enough for the integration step.
 CONDYLE_STIFFNESS = 4000.0
@@ -50,23 +63,30 @@ def build_jaw(
     fossa: Fossa | None = None,
     *,
     head_tilt_deg: float = 0.0,
+    free: Sequence[bool] = ALL_FREE,
 ) -> Any:
     """Gather anatomy into the record that the kernels read.
 
     Args:
-        muscles: Lines of action in the order of ``MUSCLE_NAMES``; the 12-parameter set by default.
+        muscles: Muscles and their lines of action; the 12-parameter set by default.
         mandible: Mass properties, contact points and damping; the default mandible by default.
         fossa: Condylar path; the default fossa by default.
         head_tilt_deg: Pitch of the head, positive looking down; turns gravity in head axes (degrees).
+        free: Which of x, y, theta, psi, alpha can move; the others stay where they are. Rotations about axes other
+            than theta's must be free both or none, for angles to stay put when their angular velocity does.
 
     Returns:
-        A ``numpy`` record of dtype ``JAW``.
+        A ``numpy`` record of dtype ``jaw_dtype(number of lines)``.
+
+    Raises:
+        InputError: psi or alpha is free alone.
     """
     muscles = muscles or muscle_set()
     mandible = mandible or default_mandible()
     fossa = fossa or default_fossa()
-    jaws = np.zeros(1, dtype=JAW)
-    jaw = jaws[0]
+    if free[3] != free[4]:
+        raise InputError(f"free is {tuple(free)}; allowed: psi and alpha free both or none")
+    jaw = np.zeros(1, dtype=jaw_dtype(len(muscles.muscle)))[0]
     rho = np.asarray(mandible.centre_of_mass_m, dtype=float)
     inertia = np.asarray(mandible.inertia_kg_m2, dtype=float)
     about_contact = inertia + mandible.mass_kg * (rho @ rho * np.eye(3) - np.outer(rho, rho))
@@ -74,7 +94,10 @@ def build_jaw(
     jaw["centre_of_mass"] = rho
     jaw["inertia"] = inertia
     jaw["inertia_contact"] = about_contact
-    jaw["inertia_contact_inverse"] = np.linalg.inv(about_contact)
+    # Body axes 1, 2, 3 turn roll, pitch and yaw.
+    turns = np.flatnonzero([free[4], free[2], free[3]])
+    jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
+    jaw["free_x"], jaw["free_y"] = free[0], free[1]
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
     jaw["fossa_drop"] = fossa.drop_m
     jaw["fossa_frequency"] = fossa.spatial_frequency
@@ -89,6 +112,7 @@ def build_jaw(
     jaw["origin"] = muscles.origin_m
     jaw["insertion"] = muscles.insertion_m
     jaw["l_o"] = muscles.l_o_m
+    jaw["muscle"] = muscles.muscle
     return jaw
 
 

@@ -136,9 +136,9 @@ def test_faulty_stiffness_is_refused(F_o_sd: float, shown: str) -> None:
 
 
 def test_faulty_priors_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^mean has shape \(11,\), must be \(12,\)$"):
+    with pytest.raises(InputError, match=r"^sd has shape \(12,\), must be \(11,\)$"):
         Prior(np.zeros(11), np.ones(12))
-    with pytest.raises(InputError, match="^prior sd of log_b/masseter_left = 0.0 must be greater than 0$"):
+    with pytest.raises(InputError, match="^prior sd of parameter 1 = 0.0 must be greater than 0$"):
         Prior(np.zeros(12), np.r_[1.0, 0.0, np.ones(10)])
     with pytest.raises(InputError, match="^sd = .*inf.* must be finite$"):
         Prior(np.zeros(len(PARAMETER_NAMES)), np.full(12, np.inf))

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.device.comfort import COMFORT_LIMITS, HARD, cost_of, used_fractions
-from jawenv.envs.world import LIMITS
+from jawenv.device.comfort import COMFORT_LIMITS, HARD, cost_of, limits_dtype, used_fractions
 
 REST_OPENING, RANGE = 0.004, 0.020
 PATH = (0.090, -0.003, -0.002)
@@ -14,7 +13,7 @@ PATH = (0.090, -0.003, -0.002)
 
 @pytest.fixture
 def limits():
-    record = np.zeros(1, dtype=LIMITS)[0]
+    record = np.zeros(1, dtype=limits_dtype(6))[0]
     record["rest_opening"], record["opening"], record["path"] = REST_OPENING, RANGE, PATH
     record["rest_side"], record["side"], record["fore_aft"] = 0.5e-3, 5e-3, 4e-3
     record["condyle_middle"], record["condyle_half"], record["rest_condyle_side"] = 4e-3, 5e-3, 0.2e-3

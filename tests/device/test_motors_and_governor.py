@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED
+from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED, limits_dtype
 from jawenv.device.device import DEVICE
 from jawenv.device.motors import GOVERNOR_ONSET, command_motors, device_wrench
-from jawenv.envs.world import LIMITS, MOTORS
+from jawenv.envs.world import MOTORS
 
 TICK = 0.01
 FORCE_CONTROL, TRAJECTORY = np.uint8(0), np.uint8(1)
@@ -31,8 +31,8 @@ def motors():
 @pytest.fixture
 def limits():
     """Limits that nothing reaches."""
-    record = np.zeros(1, dtype=LIMITS)[0]
-    for name in LIMITS.names:
+    record = np.zeros(1, dtype=limits_dtype(6))[0]
+    for name in record.dtype.names:
         record[name] = 10.0
     record["path"] = record["rest_opening"] = record["rest_side"] = record["rest_condyle_side"] = 0.0
     record["condyle_middle"] = 0.0

@@ -8,16 +8,16 @@ from filterpy.kalman import ExtendedKalmanFilter
 import jawenv
 from jawenv.estimation.ekf import (
     CURVATURE_REPEATS,
-    FILTER_SCRATCH,
     TREND_TIME,
     assimilate,
+    filter_scratch_dtype,
     follow_trend,
     measure,
     parameter_variance,
     predict,
-    propagate,
     update,
 )
+from jawenv.estimation.sensitivity import propagate
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
@@ -31,7 +31,7 @@ SD = np.concatenate([[1e-4, 1e-4], [2e-3] * 3, [1e-3] * 2, [1e-2] * 3, [0.3] * 1
 
 @pytest.fixture
 def scratch():
-    return np.zeros(1, dtype=FILTER_SCRATCH)[0]
+    return np.zeros(1, dtype=filter_scratch_dtype())[0]
 
 
 class Belief:

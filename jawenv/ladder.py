@@ -1,0 +1,129 @@
+"""The ladder of models, from a hinge with one muscle to two condyles, as the thesis of Young (2016) climbs it.
+
+All models share device, sensors, filter, rewards and rendering. They differ in which muscles have a stiffness of their
+own, which coordinates can move, and in the *plant*: the mechanics of the true jaw, which the filter may know only
+approximately.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
+from jawenv.errors import InputError
+from jawenv.mechanics.jaw import ALL_FREE
+
+Plant = Literal["midline", "contact", "bilateral"]
+
+
+@dataclass(frozen=True)
+class Model:
+    """One rung of the ladder.
+
+    Attributes:
+        name: as the environment's argument ``model`` takes it.
+        title: the environment's name without namespace and version.
+        muscle_set: key of ``known_muscle_sets``.
+        free: which of x, y, theta, psi, alpha can move in the filter's model, and in the midline plant.
+        plant: mechanics of the truth: ``midline`` (one point on the fossa, compiled, the filter's own),
+            ``contact`` (planar rigid body with contact and friction, pymunk), ``bilateral`` (two compliant condyles).
+        shows: what the model can show.
+        hides: what it cannot.
+    """
+
+    name: str
+    title: str
+    muscle_set: str
+    free: tuple[bool, bool, bool, bool, bool]
+    plant: Plant
+    shows: str
+    hides: str
+
+    @property
+    def env_id(self) -> str:
+        """Gymnasium's id."""
+        return f"jawenv/{self.title}-v0"
+
+    @property
+    def muscles(self) -> MuscleSet:
+        """The muscles with their lines of action."""
+        return known_muscle_sets()[self.muscle_set]
+
+
+MODELS: Mapping[str, Model] = MappingProxyType(
+    {
+        model.name: model
+        for model in (
+            Model(
+                "hinge",
+                "JawHinge",
+                "closers",
+                (False, False, True, False, False),
+                "midline",
+                "the muscle law itself: F_o and b separate only when the jaw is opened far",
+                "the condyle's slide, sides, the muscles' different lines of action",
+            ),
+            Model(
+                "sagittal",
+                "JawSagittal",
+                "pairs",
+                (True, False, True, False, False),
+                "contact",
+                "the slide over the eminence, the fore-aft force, and a plant with contact and friction that the "
+                "filter does not know",
+                "sides",
+            ),
+            Model(
+                "sides",
+                "JawSides",
+                "sides",
+                ALL_FREE,
+                "midline",
+                "left against right: which side is stiff",
+                "which muscle is stiff",
+            ),
+            Model(
+                "jaw",
+                "Jaw",
+                "whole",
+                ALL_FREE,
+                "midline",
+                "each closing muscle of each side: the reference",
+                "portions of a muscle; the midline point resists no roll",
+            ),
+            Model(
+                "portions",
+                "JawPortions",
+                "portions",
+                ALL_FREE,
+                "midline",
+                "how far the portions of one muscle can be told apart",
+                "the midline point resists no roll",
+            ),
+            Model(
+                "bilateral",
+                "JawBilateral",
+                "whole",
+                ALL_FREE,
+                "bilateral",
+                "two condyles on discs that press, slide and lift off: what the midline model neglects",
+                "the shape of the discs, cant of the fossae, ligaments",
+            ),
+        )
+    }
+)
+"""Every model by its name, simplest first."""
+
+
+def model_named(name: str) -> Model:
+    """The model of that name.
+
+    Raises:
+        InputError: unknown name; the message lists the known ones.
+    """
+    if not isinstance(name, str) or name not in MODELS:
+        raise InputError(f"model is {name!r}; allowed: {', '.join(MODELS)}")
+    return MODELS[name]
