@@ -19,7 +19,7 @@ __all__ = ["Grade", "Quantity", "Unit", "load_quantities", "read_data", "to_si"]
 Grade = Annotated[str, Field(pattern=r"^[MADRG](/[MADRG])*$")]
 """M measured, A assumption of a published model, D derived by computation, R recalled, G guess."""
 
-Unit = Literal["kg", "mm", "N", "N/m", "kg m2", "N m s/rad", "N s/m", "rad/m", "m/s2"]
+Unit = Literal["kg", "mm", "N", "N/m", "kg m2", "N m s/rad", "N s/m", "rad/m", "m/s2", "1"]
 
 _SI_FACTOR: dict[str, float] = {"mm": 1e-3}
 
