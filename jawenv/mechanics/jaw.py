@@ -19,6 +19,7 @@ JAW = np.dtype(
         ("mass", "f8"),
         ("centre_of_mass", "f8", 3),
         ("inertia", "f8", (3, 3)),  # about the centre of mass
+        ("inertia_inverse", "f8", (3, 3)),
         ("inertia_contact", "f8", (3, 3)),  # about the contact point: I - m [rho_c]x [rho_c]x
         ("inertia_contact_inverse", "f8", (3, 3)),
         ("gravity", "f8", 3),  # acceleration in head axes
@@ -28,6 +29,10 @@ JAW = np.dtype(
         ("damping_sliding", "f8"),
         ("tooth_stiffness", "f8"),
         ("condyle_stiffness", "f8"),
+        ("condyle_half_width", "f8"),  # the condyles' centres lie at (0, +-it, 0) in body axes
+        ("disc_stiffness", "f8"),  # of each condyle's disc
+        ("disc_damping", "f8"),
+        ("disc_onset", "f8"),
         ("stop_width", "f8"),
         ("crest", "f8"),  # x of the eminence's crest, where the anterior stop begins
         ("teeth", "f8", (N_TEETH, 3)),
@@ -73,6 +78,7 @@ def build_jaw(
     jaw["mass"] = mandible.mass_kg
     jaw["centre_of_mass"] = rho
     jaw["inertia"] = inertia
+    jaw["inertia_inverse"] = np.linalg.inv(inertia)
     jaw["inertia_contact"] = about_contact
     jaw["inertia_contact_inverse"] = np.linalg.inv(about_contact)
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
@@ -82,6 +88,10 @@ def build_jaw(
     jaw["damping_sliding"] = mandible.damping_sliding
     jaw["tooth_stiffness"] = mandible.tooth_stiffness
     jaw["condyle_stiffness"] = CONDYLE_STIFFNESS
+    jaw["condyle_half_width"] = mandible.condyle_half_width_m
+    jaw["disc_stiffness"] = mandible.disc_stiffness
+    jaw["disc_damping"] = mandible.disc_damping
+    jaw["disc_onset"] = mandible.disc_onset
     jaw["stop_width"] = STOP_WIDTH
     jaw["crest"] = pi / fossa.spatial_frequency
     jaw["teeth"] = mandible.teeth_m
