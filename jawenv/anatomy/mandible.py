@@ -28,11 +28,15 @@ class Mandible(FrozenArrays):
         damping_rotation: N m s/rad, on the angular velocity.
         damping_sliding: N s/m, on the condyle's sliding velocity.
         tooth_stiffness: N/m per contact point.
+        condyle_half_width_m: from the midline to the centre of a condyle.
+        disc_stiffness: N/m, of the disc and cartilage over one condyle, across the surface of the fossa.
+        disc_damping: N s/m, of the same.
+        disc_onset: N; below half of it the disc's force grows with the square of its compression.
         gravity: m/s2.
 
     Raises:
-        InputError: a wrong shape, a mass or stiffness that is not positive, negative damping or gravity, an
-            inertia tensor that no rigid body has (symmetric, positive definite, triangle inequalities).
+        InputError: a wrong shape, a mass, stiffness, width or onset that is not positive, negative damping or gravity,
+            an inertia tensor that no rigid body has (symmetric, positive definite, triangle inequalities).
     """
 
     mass_kg: float
@@ -43,6 +47,10 @@ class Mandible(FrozenArrays):
     damping_rotation: float
     damping_sliding: float
     tooth_stiffness: float
+    condyle_half_width_m: float
+    disc_stiffness: float
+    disc_damping: float
+    disc_onset: float
     gravity: float
 
     def __post_init__(self) -> None:
@@ -50,10 +58,10 @@ class Mandible(FrozenArrays):
         super().__post_init__()
         for name, shape in _SHAPES.items():
             self._require_shape(name, shape)
-        for name in ("mass_kg", "tooth_stiffness"):
+        for name in ("mass_kg", "tooth_stiffness", "condyle_half_width_m", "disc_stiffness", "disc_onset"):
             if getattr(self, name) <= 0:
                 raise InputError(f"{name} = {getattr(self, name)} must be greater than 0")
-        for name in ("damping_rotation", "damping_sliding", "gravity"):
+        for name in ("damping_rotation", "damping_sliding", "disc_damping", "gravity"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} must be at least 0")
         if not np.allclose(self.inertia_kg_m2, self.inertia_kg_m2.T, rtol=1e-9, atol=0):
@@ -77,6 +85,10 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "damping_rotation": (),
     "damping_sliding": (),
     "tooth_stiffness": (),
+    "condyle_half_width_m": (),
+    "disc_stiffness": (),
+    "disc_damping": (),
+    "disc_onset": (),
     "gravity": (),
 }
 
@@ -95,5 +107,9 @@ def default_mandible() -> Mandible:
         damping_rotation=float(quantities["damping_rotation"].si()),
         damping_sliding=float(quantities["damping_sliding"].si()),
         tooth_stiffness=float(quantities["tooth_stiffness"].si()),
+        condyle_half_width_m=float(quantities["condyle_half_width"].si()),
+        disc_stiffness=float(quantities["disc_stiffness"].si()),
+        disc_damping=float(quantities["disc_damping"].si()),
+        disc_onset=float(quantities["disc_onset"].si()),
         gravity=float(quantities["gravity"].si()),
     )

@@ -21,24 +21,25 @@ HOLD_STIFFNESS = 20e3  # N/m
 
 
 @njit
-def solve_five(matrix, right):
-    """Solve a 5 x 5 system in place by elimination with row pivoting; the solution replaces ``right``."""
-    for k in range(5):
+def solve_in_place(matrix, right):
+    """Solve a square system in place by elimination with row pivoting; the solution replaces ``right``."""
+    n = right.shape[0]
+    for k in range(n):
         pivot = k
-        for i in range(k + 1, 5):
+        for i in range(k + 1, n):
             if abs(matrix[i, k]) > abs(matrix[pivot, k]):
                 pivot = i
         if pivot != k:
-            for j in range(5):
+            for j in range(n):
                 matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
             right[k], right[pivot] = right[pivot], right[k]
-        for i in range(k + 1, 5):
+        for i in range(k + 1, n):
             factor = matrix[i, k] / matrix[k, k]
-            for j in range(k, 5):
+            for j in range(k, n):
                 matrix[i, j] -= factor * matrix[k, j]
             right[i] -= factor * right[k]
-    for k in range(4, -1, -1):
-        for j in range(k + 1, 5):
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
             right[k] -= matrix[k, j] * right[j]
         right[k] /= matrix[k, k]
 
@@ -91,7 +92,7 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
         for i in range(3):
             for j in range(3):
                 matrix[2 + i, 2 + j] += axes[j][i] / step
-        solve_five(matrix, right)
+        solve_in_place(matrix, right)
         largest = max(abs(right[0]), abs(right[1])) / 2e-3
         largest = max(largest, max(abs(right[2]), max(abs(right[3]), abs(right[4]))) / 0.1)
         shorten = 1.0 / max(1.0, largest)

@@ -45,9 +45,11 @@ def muscle_pull(jaw, muscles, i, contact, body_to_head):
 
 
 @njit
-def resultant(jaw, muscles, q, u, body_to_head):
-    """Resultant force and moment about the contact point, head axes, of everything but the device."""
-    contact = contact_point(jaw, q)
+def carried_forces(jaw, muscles, contact, body_to_head):
+    """Resultant force and moment about ``contact``, head axes, of muscles, gravity and teeth.
+
+    ``contact`` is where the body's reference point, midway between the condyles' centres, is in head axes (m).
+    """
     weight = scale(jaw.mass, vector3(jaw.gravity))
     force = weight
     moment = cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
@@ -63,6 +65,13 @@ def resultant(jaw, muscles, q, u, body_to_head):
             push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
             force = add(force, push)
             moment = add(moment, cross(arm, push))
+    return force, moment
+
+
+@njit
+def resultant(jaw, muscles, q, u, body_to_head):
+    """Resultant force and moment about the contact point, head axes, of everything but the device."""
+    force, moment = carried_forces(jaw, muscles, contact_point(jaw, q), body_to_head)
     capsule, _ = capsule_force(jaw, q[0])
     _, slope, _, _ = fossa(jaw, q[0])
     c = jaw.damping_sliding

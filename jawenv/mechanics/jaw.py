@@ -28,6 +28,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("mass", "f8"),
         ("centre_of_mass", "f8", 3),
         ("inertia", "f8", (3, 3)),  # about the centre of mass
+        ("inertia_inverse", "f8", (3, 3)),
         ("inertia_contact", "f8", (3, 3)),  # about the contact point: I - m [rho_c]x [rho_c]x
         # Inverse of the block of the rotations that are free; zeros for the others.
         ("inertia_contact_inverse", "f8", (3, 3)),
@@ -40,6 +41,10 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("damping_sliding", "f8"),
         ("tooth_stiffness", "f8"),
         ("condyle_stiffness", "f8"),
+        ("condyle_half_width", "f8"),  # the condyles' centres lie at (0, +-it, 0) in body axes
+        ("disc_stiffness", "f8"),  # of each condyle's disc
+        ("disc_damping", "f8"),
+        ("disc_onset", "f8"),
         ("stop_width", "f8"),
         ("crest", "f8"),  # x of the eminence's crest, where the anterior stop begins
         ("teeth", "f8", (N_TEETH, 3)),
@@ -93,6 +98,7 @@ def build_jaw(
     jaw["mass"] = mandible.mass_kg
     jaw["centre_of_mass"] = rho
     jaw["inertia"] = inertia
+    jaw["inertia_inverse"] = np.linalg.inv(inertia)
     jaw["inertia_contact"] = about_contact
     # Body axes 1, 2, 3 turn roll, pitch and yaw.
     turns = np.flatnonzero([free[4], free[2], free[3]])
@@ -105,6 +111,10 @@ def build_jaw(
     jaw["damping_sliding"] = mandible.damping_sliding
     jaw["tooth_stiffness"] = mandible.tooth_stiffness
     jaw["condyle_stiffness"] = CONDYLE_STIFFNESS
+    jaw["condyle_half_width"] = mandible.condyle_half_width_m
+    jaw["disc_stiffness"] = mandible.disc_stiffness
+    jaw["disc_damping"] = mandible.disc_damping
+    jaw["disc_onset"] = mandible.disc_onset
     jaw["stop_width"] = STOP_WIDTH
     jaw["crest"] = pi / fossa.spatial_frequency
     jaw["teeth"] = mandible.teeth_m

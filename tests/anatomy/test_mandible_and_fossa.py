@@ -21,6 +21,15 @@ def test_mandible_numbers() -> None:
     np.testing.assert_allclose(mandible.inertia_kg_m2, 0.30 * per_kg, atol=6e-7)
     assert (mandible.damping_rotation, mandible.damping_sliding) == (0.05, 2.0)
     assert (mandible.tooth_stiffness, mandible.gravity) == (4000.0, 9.81)
+    assert mandible.condyle_half_width_m == pytest.approx(0.050)
+
+
+def test_disc_is_the_modulus_times_area_over_thickness_and_loses_what_discs_lose() -> None:
+    """0.5 MPa over 200 mm2 and 2.5 mm; loss tangent 0.25 at 1000 rad/s."""
+    mandible = default_mandible()
+    assert mandible.disc_stiffness == pytest.approx(0.5e6 * 200e-6 / 2.5e-3)
+    assert 1000.0 * mandible.disc_damping / mandible.disc_stiffness == pytest.approx(0.25)
+    assert mandible.disc_onset == 1.0
 
 
 def test_inertia_is_that_of_a_rigid_body_in_the_measured_order() -> None:
@@ -78,6 +87,8 @@ def test_pickling_keeps_the_arrays_read_only() -> None:
         ({"mass_kg": [0.3]}, "mass_kg has shape (1,), must be ()"),
         ({"mass_kg": "heavy"}, "mass_kg must be made of numbers, not 'heavy'"),
         ({"damping_sliding": -1.0}, "damping_sliding = -1.0 must be at least 0"),
+        ({"condyle_half_width_m": 0.0}, "condyle_half_width_m = 0.0 must be greater than 0"),
+        ({"disc_damping": -1.0}, "disc_damping = -1.0 must be at least 0"),
         ({"teeth_m": np.zeros((2, 3))}, "teeth_m has shape (2, 3), must be (3, 3)"),
         ({"inertia_kg_m2": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}, "inertia_kg_m2 must be symmetric"),
         (
