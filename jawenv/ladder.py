@@ -17,6 +17,7 @@ from jawenv.errors import InputError
 from jawenv.mechanics.jaw import ALL_FREE
 
 Plant = Literal["midline", "contact", "bilateral"]
+Estimator = Literal["midline", "bilateral"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,11 @@ class Model:
     def env_id(self) -> str:
         """Gymnasium's id."""
         return f"jawenv/{self.title}-v0"
+
+    @property
+    def estimator(self) -> Estimator:
+        """The mechanics that the filter believes in; contact and friction are too rough to have a derivative."""
+        return "bilateral" if self.plant == "bilateral" else "midline"
 
     @property
     def muscles(self) -> MuscleSet:

@@ -46,7 +46,12 @@ def disc(jaw, place, velocity):
     return elastic, max(0.0, elastic + jaw["disc_damping"] * steepness * rate)
 
 
-def point_forces(jaw, log_parameters, q, u):
+def disc_force(jaw, place, velocity):
+    """Force of the disc on the condyle, head axes."""
+    return -disc(jaw, place, velocity)[1] * gradient(jaw, place)
+
+
+def point_forces(jaw, log_parameters, q, u, disc_force=disc_force):
     """Places and forces, head axes, of everything but the device and the damping of rotation."""
     R, r = twin.rotation(five(q)), q[:3]
     places, forces = [r + R @ jaw["centre_of_mass"]], [jaw["mass"] * jaw["gravity"]]
@@ -66,7 +71,7 @@ def point_forces(jaw, log_parameters, q, u):
         stop = twin.ramp(-place[0], width) - twin.ramp(place[0] - crest, width)
         force = 0.5 * jaw["condyle_stiffness"] * stop * np.eye(3)[0] - 0.5 * jaw["damping_sliding"] * velocity
         places.append(place)
-        forces.append(force - disc(jaw, place, velocity)[1] * gradient(jaw, place))
+        forces.append(force + disc_force(jaw, place, velocity))
     return places, forces
 
 
@@ -133,3 +138,33 @@ class FreeBody:
         mujoco.mj_applyFT(self.model, data, R @ wrench[:3], moment, mouthpiece(jaw, q), 1, data.qfrc_applied)
         mujoco.mj_forward(self.model, data)
         return data.qacc.copy()
+
+
+def smooth_disc_force(jaw, place, velocity):
+    """The disc's force with ``gradient`` written out, so that it can be differentiated by the complex step itself."""
+    height, slope, curvature = twin.fossa(jaw, place[0])[:3]
+    above, steep = place[2] - height, 1 / np.sqrt(1 + slope**2)
+    along = np.array([-steep * slope * (1 + above * curvature * steep**2), 0.0, steep])
+    width, inside = jaw["disc_onset"] / jaw["disc_stiffness"], above * steep
+    share = inside / width if 0 < inside.real < width else float(inside.real >= width)
+    whole = jaw["disc_stiffness"] * twin.ramp(inside, width) + jaw["disc_damping"] * share * (along @ velocity)
+    return -whole * along if inside.real > 0 and whole.real > 0 else 0.0 * along
+
+
+def acceleration(jaw, log_parameters, q, u, wrench):
+    """U' from the 6 x 6 system about the midpoint, for complex arguments; neither the kernels' way nor MuJoCo's."""
+    R, omega, rho, m = twin.rotation(five(q)), u[3:], jaw["centre_of_mass"], jaw["mass"]
+    places, forces = point_forces(jaw, log_parameters, q, u, smooth_disc_force)
+    force = sum(forces) + R @ wrench[:3]
+    moment = sum(np.cross(place - q[:3], f) for place, f in zip(places, forces, strict=True))
+    moment = R.T @ moment + np.cross(jaw["mouthpiece"], wrench[:3]) + wrench[3:]
+    inertia = jaw["inertia"] + m * (rho @ rho * np.eye(3) - np.outer(rho, rho))
+    across = np.array([np.cross(rho, axis) for axis in np.eye(3)]).T  # rho x
+    matrix = np.block([[m * np.eye(3), -m * R @ across], [m * across @ R.T, inertia]])
+    right = np.concatenate(
+        [
+            force - m * R @ np.cross(omega, np.cross(omega, rho)),
+            moment - np.cross(omega, inertia @ omega) - jaw["damping_rotation"] * omega,
+        ]
+    )
+    return np.linalg.solve(matrix, right)

@@ -10,23 +10,22 @@ from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
-from jawenv.envs.plants import TICK, lift_of, true_motion
+from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
 from jawenv.estimation.ekf import (
     N_MEASUREMENTS,
-    add_couple,
     filter_scratch_dtype,
     follow_trend,
     mean_force,
     mean_reading,
     measure,
+    move,
     parameter_variance,
     predict,
     predict_covariance,
     update,
     update_covariance,
 )
-from jawenv.estimation.sensitivity import N_SAMPLES, propagate
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
@@ -39,12 +38,10 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
         ("trajectory", "u1"),
-        ("plant", "u1"),
         ("bound", "u1"),
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", 6),
-        ("couple_variance", "f8"),
         ("parameter_rate", "f8"),
         ("parameter_time", "f8"),
         ("prior_mean", "f8", (2 * n_muscles,)),
@@ -55,10 +52,10 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
     return np.dtype(fields, align=True)
 
 
-def scratch_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
+def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
-        ("filter", filter_scratch_dtype(n_muscles, n_lines)),
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
@@ -98,7 +95,7 @@ def sense(device, world, scratch):
 
 
 @njit
-def begin_tick(device, world, action, settings, scratch):
+def begin_tick(device, model, world, action, settings, scratch):
     """Draw the tick's noise and let the motors take their command."""
     fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
     normals = scratch.normals
@@ -107,18 +104,19 @@ def begin_tick(device, world, action, settings, scratch):
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
-    for i in range(N_STATES):
-        scratch.filter.state[i] = world.state[i]
+    for i in range(scratch.filter.state.shape[0]):
+        scratch.filter.state[i] = true_state(model, world, i)
 
 
 @njit
 def advance_bound(model, world, settings, scratch):
     """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
-    known = settings.wrench_variance
-    propagate(model, world.muscles, scratch.filter.state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-    predict_covariance(world.bound, known, 0.0, 0.0, scratch.filter)
-    add_couple(model, world.state, world.bound, settings.couple_variance, scratch.filter)
-    update_covariance(model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
+    state = scratch.filter.state
+    move(model, world.muscles, state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
+    predict_covariance(world.bound, settings.wrench_variance, 0.0, 0.0, scratch.filter)
+    for i in range(state.shape[0]):
+        state[i] = true_state(model, world, i)
+    update_covariance(model, state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
 
 
 @njit
@@ -139,7 +137,6 @@ def end_tick(device, model, world, settings, scratch):
         noise,
         scratch.filter,
     )
-    add_couple(model, world.mean, world.covariance, settings.couple_variance, scratch.filter)
     follow_trend(world.trend, scratch.samples, TICK)
     sense(device, world, scratch)
     update(
@@ -183,8 +180,8 @@ def advance_world(device, model, world, action, settings, scratch):
     clear_step(world)
     share = 1.0 / settings.ticks_per_step
     for _ in range(settings.ticks_per_step):
-        begin_tick(device, world, action, settings, scratch)
-        acted = true_motion(device, world, scratch, settings)
+        begin_tick(device, model, world, action, settings, scratch)
+        acted = true_motion(device, world, scratch, settings.trajectory)
         end_tick(device, model, world, settings, scratch)
         world.governor += share * acted
         take_comfort(world, scratch, share)

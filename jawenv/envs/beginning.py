@@ -12,7 +12,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
-from jawenv.envs.plants import BILATERAL, lift_of, take_body
+from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.estimation.ekf import set_muscles, update, update_covariance
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
@@ -37,7 +37,7 @@ CONDYLE_FREE = 2.0e-3
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
 # What the filter knows of the motion before the first measurement: 1 mm, 1 degree, 1 mm/s, 0.01 rad/s.
-MOTION_SD = (1e-3, 1e-3, 0.0175, 0.0175, 0.0175, 1e-3, 1e-3, 0.01, 0.01, 0.01)
+PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 1e-3, 0.0175, 1e-3, 0.01
 
 BEGINNING_SCRATCH = np.dtype(
     [
@@ -149,6 +149,8 @@ def reset_motors(device, world):
 @njit
 def can_move(jaw, i):
     """Whether motion i of (q, u) is free: a coordinate that is held is known, and stays so."""
+    if jaw.condyles == 2:
+        return True
     if i == 0 or i == 5:
         return jaw.free_x != 0
     if i == 1 or i == 6:
@@ -158,24 +160,37 @@ def can_move(jaw, i):
 
 
 @njit
+def motion_sd(jaw, i):
+    """Prior sd of motion i of (q, u): places come first, then three angles, and so for the speeds."""
+    if not can_move(jaw, i):
+        return 0.0
+    places = 3 if jaw.condyles == 2 else 2
+    k = i % (places + 3)
+    if i < places + 3:
+        return PLACE_SD if k < places else ANGLE_SD
+    return VELOCITY_SD if k < places else RATE_SD
+
+
+@njit
 def reset_belief(device, model, world, settings, scratch):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
     size = world.mean.shape[0]
     gain = size - 1
+    first = scratch.filter.total.shape[0]
     for i in range(size):
         for j in range(size):
             world.covariance[i, j] = 0.0
-    for i in range(N_STATES):
-        sd = MOTION_SD[i] if can_move(model, i) else 0.0
-        world.mean[i] = world.state[i] + sd * normals[i]
+    for i in range(first):
+        sd = motion_sd(model, i)
+        world.mean[i] = true_state(model, world, i) + sd * normals[i]
         world.covariance[i, i] = sd * sd
-    for i in range(gain - N_STATES):
-        world.mean[N_STATES + i] = settings.prior_mean[i]
-        world.covariance[N_STATES + i, N_STATES + i] = settings.prior_sd[i] * settings.prior_sd[i]
+    for i in range(gain - first):
+        world.mean[first + i] = settings.prior_mean[i]
+        world.covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
     world.mean[gain] = 0.0
-    world.cell_gain = device.cell_gain * normals[N_STATES]
+    world.cell_gain = device.cell_gain * normals[first]
     world.covariance[gain, gain] = device.cell_gain * device.cell_gain
     for i in range(size):
         for j in range(size):
@@ -189,7 +204,9 @@ def reset_belief(device, model, world, settings, scratch):
     variances, used = settings.measurement_variance, settings.used
     update(model, world.mean, world.covariance, scratch.measured, variances, used, scratch.filter)
     if settings.bound:
-        update_covariance(model, world.state, world.bound, variances, used, scratch.filter)
+        for i in range(first):
+            scratch.filter.state[i] = true_state(model, world, i)
+        update_covariance(model, scratch.filter.state, world.bound, variances, used, scratch.filter)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
@@ -205,7 +222,7 @@ def begin_world(device, model, world, settings, scratch, beginning):
     world.lift[0], world.lift[1] = 0.0, 0.0
     if last < 0 or not set_limits(world, last, beginning):
         return False
-    if settings.plant == BILATERAL and not rest_on_two_condyles(world, beginning):
+    if world.jaw.condyles == 2 and not rest_on_two_condyles(world, beginning):
         return False
     world.tick = 0
     world.violated = 0

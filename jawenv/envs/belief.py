@@ -12,7 +12,6 @@ from math import log, sqrt
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.mechanics.dynamics import N_STATES
 
 
 @njit
@@ -20,8 +19,9 @@ def cholesky_parameters(covariance, lower):
     """Cholesky factor of the parameters' block into ``lower``; returns its log-determinant, NaN if not PD."""
     log_det = 0.0
     size = lower.shape[0]
+    first = covariance.shape[0] - 1 - size
     for j in range(size):
-        pivot = covariance[N_STATES + j, N_STATES + j]
+        pivot = covariance[first + j, first + j]
         for k in range(j):
             pivot -= lower[j, k] * lower[j, k]
         if not pivot > 0.0:
@@ -30,7 +30,7 @@ def cholesky_parameters(covariance, lower):
         lower[j, j] = root
         log_det += 2.0 * log(root)
         for i in range(j + 1, size):
-            value = covariance[N_STATES + i, N_STATES + j]
+            value = covariance[first + i, first + j]
             for k in range(j):
                 value -= lower[i, k] * lower[j, k]
             lower[i, j] = value / root
@@ -44,8 +44,9 @@ def refresh_information(world, settings, lower, whitened):
         world.log_det_bound = cholesky_parameters(world.bound, lower)
     world.log_det = cholesky_parameters(world.covariance, lower)
     nees = 0.0
+    first = world.mean.shape[0] - 1 - whitened.shape[0]
     for i in range(whitened.shape[0]):
-        value = world.log_parameters[i] - world.mean[N_STATES + i]
+        value = world.log_parameters[i] - world.mean[first + i]
         for k in range(i):
             value -= lower[i, k] * whitened[k]
         whitened[i] = value / lower[i, i]

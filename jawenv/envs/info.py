@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.plants import TICK
 
-_PARAMETERS = slice(10, -1)
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
 
 
@@ -24,12 +23,13 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
     during the step}; ``violation``; ``governor`` (share of the step in which it acted); ``jaw_state`` (10: true q, u);
     ``time`` (s).
     """
-    covariance = worlds["covariance"][..., _PARAMETERS, _PARAMETERS].copy()
+    parameters = slice(-1 - len(parameter_names), -1)
+    covariance = worlds["covariance"][..., parameters, parameters].copy()
     fractions, costs = worlds["fractions"].copy(), worlds["costs"].copy()
     prior, score = worlds["log_det_prior"], worlds["log_score"]
     info = {
         "parameter_names": parameter_names,
-        "belief_mean": worlds["mean"][..., _PARAMETERS].copy(),
+        "belief_mean": worlds["mean"][..., parameters].copy(),
         "belief_cov": covariance,
         "belief_sd": np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)),
         "truth": worlds["log_parameters"].copy(),
@@ -46,7 +46,7 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
     for i, key in enumerate(_COST_KEYS):
         info[key] = costs[..., i]
     if with_bound:
-        info["bound_sd"] = np.sqrt(np.diagonal(worlds["bound"], axis1=-2, axis2=-1)[..., _PARAMETERS])
+        info["bound_sd"] = np.sqrt(np.diagonal(worlds["bound"], axis1=-2, axis2=-1)[..., parameters])
         info["information_bound"] = 0.5 * (prior - worlds["log_det_bound"])
     return info
 

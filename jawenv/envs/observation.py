@@ -18,7 +18,7 @@ from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import set_muscles
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.kinematics import rotation, split
 
 OBSERVATION_BOUND = 10.0
@@ -93,20 +93,32 @@ def bounded(value):
 
 
 @njit
+def filtered_motion(model, mean):
+    """The estimated motion in the midline model's coordinates, and the lift of the condyles' midpoint."""
+    if model.condyles == 2:
+        body_q, body_u = split_body(mean)
+        q, u, lift, lift_rate = midline_motion(model, body_q, body_u)
+        return q, u, (lift, lift_rate)
+    q, u = split(mean)
+    return q, u, ON_PATH
+
+
+@njit
 def observe_world(device, model, world, settings, scratch, row):
     """Fill one row of the observation."""
     parameters = settings.prior_mean.shape[0]
+    first = world.mean.shape[0] - 1 - parameters
     for i in range(parameters):
-        sd = sqrt(max(world.covariance[N_STATES + i, N_STATES + i], 1e-300))
-        row[i] = bounded((world.mean[N_STATES + i] - settings.prior_mean[i]) / settings.prior_sd[i])
+        sd = sqrt(max(world.covariance[first + i, first + i], 1e-300))
+        row[i] = bounded((world.mean[first + i] - settings.prior_mean[i]) / settings.prior_sd[i])
         row[parameters + i] = bounded(log10(sd / settings.prior_sd[i]))
     seen = row[2 * parameters :]
-    q, u = split(world.mean)
+    q, u, lift = filtered_motion(model, world.mean)
     for i in range(5):
         seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         seen[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(model, q, u, ON_PATH, body_to_head)
+    place, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
     limits = world.limits
     excursion = excursions(limits, model, place)
     ranges = (limits.opening, limits.side, limits.fore_aft)
@@ -122,10 +134,10 @@ def observe_world(device, model, world, settings, scratch, row):
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(model, world.mean, N_STATES, scratch.filter.muscles)
+    set_muscles(model, world.mean, first, scratch.filter.muscles)
     gain = world.mean[world.mean.shape[0] - 1]
     force = (1.0 + gain) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
-    used_fractions(model, scratch.filter.muscles, limits, q, u, ON_PATH, force, scratch.fractions)
+    used_fractions(model, scratch.filter.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     seen[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)

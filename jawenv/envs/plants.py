@@ -18,8 +18,6 @@ from jawenv.mechanics.kinematics import split
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick
 BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
-PLANTS = ("midline", "bilateral", "contact")
-MIDLINE, BILATERAL, CONTACT = range(len(PLANTS))
 
 
 @njit
@@ -33,6 +31,12 @@ def keep_sample(samples, i, wrench):
 def lift_of(world):
     """The lift as a tuple."""
     return world.lift[0], world.lift[1]
+
+
+@njit
+def true_state(model, world, i):
+    """Number i of the true motion, in the coordinates of the filter's model."""
+    return world.body[i] if model.condyles == 2 else world.state[i]
 
 
 @njit
@@ -140,10 +144,10 @@ def end_motion(device, world, scratch, trajectory):
 
 
 @njit
-def true_motion(device, world, scratch, settings):
+def true_motion(device, world, scratch, trajectory):
     """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
-    if settings.plant == BILATERAL:
-        acted = bilateral_tick(device, world, scratch, settings.trajectory)
+    if world.jaw.condyles == 2:
+        acted = bilateral_tick(device, world, scratch, trajectory)
     else:
-        acted = midline_tick(device, world, scratch, settings.trajectory)
-    return max(acted, end_motion(device, world, scratch, settings.trajectory))
+        acted = midline_tick(device, world, scratch, trajectory)
+    return max(acted, end_motion(device, world, scratch, trajectory))

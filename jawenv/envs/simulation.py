@@ -16,10 +16,12 @@ from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
-from jawenv.envs.plants import PLANTS, TICK
+from jawenv.envs.plants import TICK
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
-from jawenv.ladder import model_named
+from jawenv.ladder import Estimator, model_named
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
 
@@ -31,9 +33,6 @@ Reward = Literal["uncertainty", "bound", "score"]
 PARAMETER_RATE = 0.03
 PARAMETER_TIME = 5.0
 REDRAWS = 200
-# N m, sd of the couple that two condyles exert on the jaw (20 N more on one side than on the other), as the filter
-# knows of it.
-CONDYLAR_COUPLE = 1.0
 LARGEST = 1e6  # of the numeric arguments
 
 
@@ -51,6 +50,7 @@ class Configuration:
     track_bound: bool = False
     device: dict[str, float] | None = None
     model: str = "jaw"
+    estimator: Estimator | None = None
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -58,17 +58,20 @@ class Configuration:
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        for name, allowed in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
+        for name, kind in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
             value = getattr(self, name)
-            if not isinstance(value, str) or value not in get_args(allowed):
-                raise InputError(f"{name} is {value!r}; allowed: {', '.join(get_args(allowed))}")
+            if not isinstance(value, str) or value not in get_args(kind):
+                raise InputError(f"{name} is {value!r}; allowed: {', '.join(get_args(kind))}")
         for name in ("episode_s", "control_hz", "comfort_weight"):
             value = getattr(self, name)
             low = "0 or more" if name == "comfort_weight" else "more than 0"
             number = isinstance(value, int | float) and not isinstance(value, bool)
             if not number or not 0.0 <= value <= LARGEST or (value == 0.0 and name != "comfort_weight"):
                 raise InputError(f"{name} is {value!r}; allowed: a number, {low}, at most {LARGEST:g}")
-        model_named(self.model)
+        model = model_named(self.model)
+        if self.estimator not in (None, "midline", model.estimator):
+            allowed = " or ".join(sorted({"midline", model.estimator}))
+            raise InputError(f"estimator is {self.estimator!r}; allowed in {model.title}: {allowed}")
         if not isinstance(self.cohort, str):
             raise InputError(f"cohort is {self.cohort!r}; allowed: the name of a cohort")
         ticks = 1.0 / (self.control_hz * TICK)
@@ -78,6 +81,11 @@ class Configuration:
             raise InputError(f"episode_s is {self.episode_s!r}; allowed: at least one control period")
         if not isinstance(self.track_bound, bool):
             raise InputError(f"track_bound is {self.track_bound!r}; allowed: true or false")
+
+    @property
+    def filter_model(self) -> Estimator:
+        """The mechanics that the filter believes in."""
+        return self.estimator or model_named(self.model).estimator
 
     @property
     def needs_bound(self) -> bool:
@@ -136,15 +144,18 @@ class Simulation:
         self.cohort: Cohort = cohort(configuration.cohort, muscles)
         self.device = configuration.build_device().records()
         self.settings = self._build_settings()
-        self._jaw = build_jaw(muscles, free=self.model.free)
-        self.worlds = np.zeros(num_worlds, dtype=world_dtype(len(muscles), len(muscles.muscle)))
+        bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
+        self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
+        self._known_condyles = 2 if known else 1
+        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
+        self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
         self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
         self._gravity = default_mandible().gravity
         # The first call starts Numba's threads, without which get_thread_id has no answer even in the serial form.
         numba.get_num_threads()
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
-        self._scratches = np.zeros(threads, dtype=scratch_dtype(len(muscles), len(muscles.muscle)))
+        self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
@@ -155,8 +166,6 @@ class Simulation:
         records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles)))
         settings = records[0]
         settings["trajectory"] = configuration.control == "trajectory"
-        settings["plant"] = PLANTS.index(self.model.plant)
-        settings["couple_variance"] = CONDYLAR_COUPLE**2 if self.model.plant == "bilateral" else 0.0
         settings["bound"] = configuration.needs_bound
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
@@ -239,6 +248,7 @@ class Simulation:
             log_parameters, tilt = patient.log_parameters(), patient.head_tilt_deg
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
+        self.models["condyles"][index] = self._known_condyles
         self.worlds["jaw"][index] = self._jaw
         self.worlds["log_parameters"][index] = log_parameters
 

@@ -27,12 +27,12 @@ MOTORS = np.dtype(
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
+def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one world.
 
     The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
     """
-    n_filter = filter_size(n_muscles)
+    n_filter = filter_size(n_muscles, n_states)
     fields = [
         ("jaw", jaw_dtype(n_lines)),
         ("log_parameters", "f8", (2 * n_muscles,)),

@@ -1,7 +1,7 @@
 """The extended Kalman filter over motion, log-parameters and load-cell gain.
 
-State: q and u (10), natural logs of F_o and b per muscle (12 by default), relative gain error g of the load cell (1);
-23 in all by default. The sizes come with the arrays.
+State: q and u (10, or 12 for a jaw with two condyles), natural logs of F_o and b per muscle (12 by default), relative
+gain error g of the load cell (1); 23 in all by default. The sizes come with the arrays.
 
 * The force on the jaw is the reading plus g times the recent trend of readings. A reading that multiplied g would
   let the filter take the load cell's noise for a force without effect.
@@ -20,15 +20,17 @@ equals the joint update to rounding: all are linearised at the predicted mean.
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import exp
 
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.estimation.body_sensitivity import propagate_body
 from jawenv.estimation.sensitivity import propagate, sensitivity_fields
+from jawenv.mechanics.bilateral import N_BODY, midline_pose, point_motion, split_body
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, vector3
+from jawenv.mechanics.vec3 import add, apply, cross, vector3
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
@@ -36,25 +38,25 @@ TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
 CURVATURE_REPEATS = 5.0
 
 
-def filter_size(n_muscles: int) -> int:
+def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
     """Number of the filter's states."""
-    return N_STATES + 2 * n_muscles + 1
+    return n_states + 2 * n_muscles + 1
 
 
-def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6) -> np.dtype[np.void]:
+def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
     """Dtype of the filter's working memory."""
-    n_filter = filter_size(n_muscles)
+    n_filter = filter_size(n_muscles, n_states)
     n_columns = n_filter + N_WRENCH
     fields = [
-        *sensitivity_fields(n_muscles, n_lines),
+        *sensitivity_fields(n_muscles, n_lines, n_states),
         ("muscles", "f8", (n_lines, 2)),
         ("strain", "f8", (n_muscles,)),
-        ("state", "f8", (N_STATES,)),
-        ("product", "f8", (N_STATES, n_columns)),
-        ("turned", "f8", (n_columns, N_STATES)),
-        ("row", "f8", (N_STATES,)),
+        ("state", "f8", (n_states,)),
+        ("product", "f8", (n_states, n_columns)),
+        ("turned", "f8", (n_columns, n_states)),
+        ("row", "f8", (n_states,)),
         ("tension_covariance", "f8", (n_muscles, n_muscles)),
-        ("rows", "f8", (N_MEASUREMENTS, N_STATES)),
+        ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("wrench_variance", "f8", (N_WRENCH,)),
         ("shift", "f8", (n_filter,)),
@@ -107,41 +109,42 @@ def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, 
     All three products share one pass: [F P, G W, C S] times [F, G, C]^T.
     """
     total, product, turned = scratch.total, scratch.product, scratch.turned
-    size, columns = covariance.shape[0], total.shape[1]
-    for i in range(N_STATES):
+    size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
+    for i in range(n_states):
         multiply_row(total, i, covariance, product)
         for k in range(columns):
             turned[k, i] = total[i, k]
-    for i in range(N_STATES):
-        for j in range(N_STATES, size):
+    for i in range(n_states):
+        for j in range(n_states, size):
             covariance[i, j] = product[i, j]
             covariance[j, i] = product[i, j]
         for k in range(N_WRENCH):
             product[i, size + k] = total[i, size + k] * wrench_variance[k]
         if curvature > 0.0:
             add_curvature(scratch.tension_covariance, curvature, total, product, i)
-    for i in range(N_STATES):
-        for j in range(N_STATES):
+    for i in range(n_states):
+        for j in range(n_states):
             scratch.row[j] = 0.0
         for k in range(columns):
             factor = product[i, k]
-            for j in range(N_STATES):
+            for j in range(n_states):
                 scratch.row[j] += factor * turned[k, j]
         for j in range(i + 1):
             covariance[i, j] = scratch.row[j]
             covariance[j, i] = scratch.row[j]
-    for i in range(N_STATES, size - 1):
+    for i in range(n_states, size - 1):
         covariance[i, i] += parameter_noise
 
 
 @njit
 def add_curvature(spread, curvature, total, product, i):
     """Add row i of C S to the columns of log F_o in ``product``."""
+    first = total.shape[0]
     for a in range(spread.shape[0]):
         value = 0.0
         for b in range(spread.shape[0]):
-            value += spread[a, b] * spread[a, b] * total[i, N_STATES + 2 * b]
-        product[i, N_STATES + 2 * a] += curvature * value
+            value += spread[a, b] * spread[a, b] * total[i, first + 2 * b]
+        product[i, first + 2 * a] += curvature * value
 
 
 @njit
@@ -172,10 +175,11 @@ def set_strains(jaw, scratch):
 @njit
 def set_tension_covariance(covariance, scratch):
     """Covariance of the muscles' log-tensions log F_o + b (l - l_o)/l_o that the parameters' covariance implies."""
+    first = scratch.total.shape[0]
     for i in range(scratch.strain.shape[0]):
-        a, e = N_STATES + 2 * i, scratch.strain[i]
+        a, e = first + 2 * i, scratch.strain[i]
         for j in range(scratch.strain.shape[0]):
-            b, f = N_STATES + 2 * j, scratch.strain[j]
+            b, f = first + 2 * j, scratch.strain[j]
             scratch.tension_covariance[i, j] = (
                 covariance[a, b]
                 + e * covariance[a + 1, b]
@@ -191,9 +195,10 @@ def shift_by_curvature(mean, scratch):
     A tension of log-variance s has a mean larger by s/2 than the value at its mean log, and an error of variance
     s^2 / 2 that the linearisation does not see (see ``predict_covariance``). Both vanish as parameters become known.
     """
-    for i in range(N_STATES):
+    first = scratch.total.shape[0]
+    for i in range(first):
         for k in range(scratch.strain.shape[0]):
-            mean[i] += 0.5 * scratch.tension_covariance[k, k] * scratch.total[i, N_STATES + 2 * k]
+            mean[i] += 0.5 * scratch.tension_covariance[k, k] * scratch.total[i, first + 2 * k]
 
 
 @njit
@@ -213,6 +218,15 @@ def set_wrench_variance(known, gain_variance, samples, trend, scratch):
 
 
 @njit
+def move(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """Propagate the motion with its derivative, by the model that ``jaw`` is of."""
+    if jaw.condyles == 2:
+        propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch)
+    else:
+        propagate(jaw, muscles, state, samples, trend, gain, dt, scratch)
+
+
+@njit
 def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, parameter_noise, scratch):
     """Time update of ``mean`` and ``covariance``, (23) and (23, 23) by default, over one step.
 
@@ -220,38 +234,13 @@ def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, paramete
     unmodelled and load-cell noise together.
     """
     gain = mean.shape[0] - 1
-    set_muscles(jaw, mean, N_STATES, scratch.muscles)
-    propagate(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
+    set_muscles(jaw, mean, scratch.total.shape[0], scratch.muscles)
+    move(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
     set_strains(jaw, scratch)
     set_tension_covariance(covariance, scratch)
     shift_by_curvature(mean, scratch)
     set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
     predict_covariance(covariance, scratch.wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
-
-
-@njit
-def add_couple(jaw, state, covariance, variance, scratch):
-    """Add to P what a moment about the fossa's tangent does that nobody measures: the couple of two condyles.
-
-    Two condyles press unequally, which turns the jaw about the direction in which they slide. The midline model has no
-    such couple. A filter that knows of it takes it for a white moment of this variance ((N m)^2), so large that it
-    learns nothing from turning that way.
-    """
-    if variance == 0.0:
-        return
-    q, _ = split(state)
-    _, slope, _, _ = fossa(jaw, q[0])
-    long = sqrt(1.0 + slope * slope)
-    axis = apply_transposed(rotation(q), (1.0 / long, 0.0, slope / long))
-    moments = scratch.total.shape[1] - 3
-    for i in range(N_STATES):
-        turn = 0.0
-        for k in range(3):
-            turn += scratch.total[i, moments + k] * axis[k]
-        scratch.row[i] = turn
-    for i in range(N_STATES):
-        for j in range(N_STATES):
-            covariance[i, j] += variance * (scratch.row[i] * scratch.row[j])
 
 
 @njit
@@ -289,18 +278,52 @@ def measure(jaw, state, rows, expected):
 
 
 @njit
+def measure_body(jaw, state, rows, expected):
+    """As ``measure``, for the twelve states of a jaw with two condyles: ``rows`` (12, 12)."""
+    q, u = split_body(state)
+    pose = midline_pose(q)
+    body_to_head = rotation(pose)
+    arm = vector3(jaw.mouthpiece)
+    spin = cross((u[3], u[4], u[5]), arm)
+    place, velocity = point_motion(q, u, body_to_head, arm)
+    axes = turning_axes(pose)
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for i in range(N_MEASUREMENTS):
+        for j in range(N_BODY):
+            rows[i, j] = 1.0 if i == j else 0.0
+    for j in range(3):
+        by_angle = apply(body_to_head, cross(axes[j], arm))
+        velocity_by_angle = apply(body_to_head, cross(axes[j], spin))
+        by_omega = apply(body_to_head, cross(units[j], arm))
+        for i in range(3):
+            rows[i, 3 + j] = by_angle[i]
+            rows[6 + i, 3 + j] = velocity_by_angle[i]
+            rows[6 + i, 9 + j] = by_omega[i]
+        expected[j], expected[3 + j], expected[6 + j], expected[9 + j] = place[j], q[3 + j], velocity[j], u[3 + j]
+
+
+@njit
+def expect(jaw, state, rows, expected):
+    """Expected measurements and their derivatives, by the model that ``jaw`` is of."""
+    if jaw.condyles == 2:
+        measure_body(jaw, state, rows, expected)
+    else:
+        measure(jaw, state, rows, expected)
+
+
+@njit
 def assimilate(covariance, row, variance, gain):
     """Covariance after one scalar measurement; returns the innovation's variance and leaves P h in ``gain``."""
     size = gain.shape[0]
     for j in range(size):
         gain[j] = 0.0
-    for k in range(N_STATES):
+    for k in range(row.shape[0]):
         factor = row[k]
         if factor != 0.0:
             for j in range(size):
                 gain[j] += factor * covariance[k, j]
     innovation_variance = variance
-    for k in range(N_STATES):
+    for k in range(row.shape[0]):
         innovation_variance += row[k] * gain[k]
     inverse = 1.0 / innovation_variance
     considered = covariance[size - 1, size - 1]
@@ -316,7 +339,7 @@ def assimilate(covariance, row, variance, gain):
 def update(jaw, mean, covariance, measured, variances, used, scratch):
     """Measurement update with ``measured`` (12), noise ``variances`` (12) and ``used`` (12, bool)."""
     size = mean.shape[0]
-    measure(jaw, mean, scratch.rows, scratch.expected)
+    expect(jaw, mean, scratch.rows, scratch.expected)
     for j in range(size):
         scratch.shift[j] = 0.0
     for i in range(N_MEASUREMENTS):
@@ -325,7 +348,7 @@ def update(jaw, mean, covariance, measured, variances, used, scratch):
         row = scratch.rows[i]
         variance = assimilate(covariance, row, variances[i], scratch.gain)
         innovation = measured[i] - scratch.expected[i]
-        for k in range(N_STATES):
+        for k in range(row.shape[0]):
             innovation -= row[k] * scratch.shift[k]
         weight = innovation / variance
         for j in range(size):
@@ -337,7 +360,7 @@ def update(jaw, mean, covariance, measured, variances, used, scratch):
 @njit
 def update_covariance(jaw, state, covariance, variances, used, scratch):
     """Measurement update of the covariance alone, linearised at ``state``: the bound's half of ``update``."""
-    measure(jaw, state, scratch.rows, scratch.expected)
+    expect(jaw, state, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         if used[i]:
             assimilate(covariance, scratch.rows[i], variances[i], scratch.gain)

@@ -11,8 +11,6 @@ from __future__ import annotations
 from math import cos, sin
 from typing import Any
 
-import numpy as np
-
 from jawenv.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
@@ -20,22 +18,23 @@ from jawenv.mechanics.kinematics import angle_rates, split
 N_SAMPLES = 3  # of the load cell per step
 
 
-def sensitivity_fields(n_muscles: int, n_lines: int) -> list[Any]:
-    """Working memory of ``propagate``, as fields of a dtype.
+def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -> list[Any]:
+    """Working memory of ``propagate``, or of ``propagate_body`` with its 12 states, as fields of a dtype.
 
-    Columns of the derivative: the ten states, log F_o and log b of each muscle, the load cell's gain, the unmodelled
-    wrench.
+    Columns of the derivative: the states of motion, log F_o and log b of each muscle, the load cell's gain, the
+    unmodelled wrench.
     """
-    n_columns = N_STATES + 2 * n_muscles + 1 + N_WRENCH
+    n_columns = n_states + 2 * n_muscles + 1 + N_WRENCH
     return [
-        ("by_state", "f8", (5, N_STATES)),
-        ("by_input", "f8", (5, 2 * n_muscles + N_WRENCH)),
+        ("by_state", "f8", (n_states // 2, n_states)),
+        ("by_input", "f8", (n_states // 2, 2 * n_muscles + N_WRENCH)),
         ("stiffness", "f8", (3, 3, 3)),
         ("pulls", "f8", (n_lines, 7)),
         ("by_angle", "f8", (3, 5)),
-        ("stage", "f8", (N_STATES, n_columns)),
-        ("slope", "f8", (N_STATES, n_columns)),
-        ("total", "f8", (N_STATES, n_columns)),
+        ("start", "f8", (n_states, n_columns)),
+        ("stage", "f8", (n_states, n_columns)),
+        ("slope", "f8", (n_states, n_columns)),
+        ("total", "f8", (n_states, n_columns)),
     ]
 
 
@@ -56,12 +55,9 @@ def fill_angle_rate_derivatives(q, omega, by_angle):
 
 
 @njit
-def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
-    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
-
-    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) what the load cell read of late.
-    """
-    wrench = (
+def with_gain(sample, trend, gain):
+    """The wrench that a sample of the load cell stands for, given the gain's error."""
+    return (
         sample[0] + gain * trend[0],
         sample[1] + gain * trend[1],
         sample[2] + gain * trend[2],
@@ -69,6 +65,29 @@ def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
         sample[4] + gain * trend[4],
         sample[5] + gain * trend[5],
     )
+
+
+@njit
+def add_inputs(slope, by_input, trend):
+    """Add what parameters, gain and wrench do to the accelerations, the lower half of ``slope``."""
+    n_states = slope.shape[0]
+    first, wrenches = n_states // 2, slope.shape[1] - N_WRENCH
+    parameters = wrenches - 1 - n_states
+    for i in range(first):
+        for j in range(parameters):
+            slope[first + i, n_states + j] += by_input[i, j]
+        for j in range(N_WRENCH):
+            slope[first + i, wrenches + j] += by_input[i, parameters + j]
+            slope[first + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
+
+
+@njit
+def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
+    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
+
+    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) what the load cell read of late.
+    """
+    wrench = with_gain(sample, trend, gain)
     acceleration = linearise_acceleration(
         jaw, muscles, q, u, wrench, scratch.by_state, scratch.by_input, scratch.stiffness, scratch.pulls
     )
@@ -77,8 +96,6 @@ def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
     stage, slope = scratch.stage, scratch.slope
     by_state, by_input, by_angle = scratch.by_state, scratch.by_input, scratch.by_angle
     columns = slope.shape[1]
-    wrenches = columns - N_WRENCH
-    parameters = wrenches - 1 - N_STATES
     for j in range(columns):
         slope[0, j] = stage[5, j]
         slope[1, j] = stage[6, j]
@@ -95,11 +112,7 @@ def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
             slope[5 + i, j] = (
                 a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
             ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
-        for j in range(parameters):
-            slope[5 + i, N_STATES + j] += by_input[i, j]
-        for j in range(N_WRENCH):
-            slope[5 + i, wrenches + j] += by_input[i, parameters + j]
-            slope[5 + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
+    add_inputs(slope, by_input, trend)
     return angle_rates(q, omega), acceleration
 
 
@@ -152,9 +165,3 @@ def accumulate(target, factor, source):
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             target[i, j] += factor * source[i, j]
-
-
-def sensitivity_scratch(n_muscles: int = 6, n_lines: int = 6) -> np.void:
-    """Working memory for ``propagate``, for tests and single calls."""
-    record: np.void = np.zeros(1, dtype=np.dtype(sensitivity_fields(n_muscles, n_lines), align=True))[0]
-    return record

@@ -136,12 +136,11 @@ def add_isotropic(stiffness, arm, k):
 
 
 @njit
-def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):
-    """As ``resultant``, and fill ``stiffness`` (3, 3, 3) and ``pulls``.
+def carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls):
+    """As ``carried_forces``, and set ``stiffness`` (3, 3, 3) and ``pulls``.
 
-    ``pulls`` (lines, 7) receives per line its force, its moment about the contact point and its strain (l - l_o)/l_o.
+    ``pulls`` (lines, 7) receives per line its force, its moment about ``contact`` and its strain (l - l_o)/l_o.
     """
-    contact = contact_point(jaw, q)
     weight = scale(jaw.mass, vector3(jaw.gravity))
     force = weight
     arm = apply(body_to_head, vector3(jaw.centre_of_mass))
@@ -171,6 +170,14 @@ def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls)
             moment = add(moment, cross(arm, push))
             add_point(stiffness, arm, push)
             add_line(stiffness, arm, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
+    return force, moment
+
+
+@njit
+def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):
+    """As ``resultant``, with ``stiffness`` and ``pulls`` as in ``carried_with_stiffness``."""
+    contact = contact_point(jaw, q)
+    force, moment = carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls)
     capsule, capsule_slope = capsule_force(jaw, q[0])
     stiffness[0, 0, 0] += capsule_slope
     _, slope, _, _ = fossa(jaw, q[0])

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from math import cos, pi, radians, sin
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("inertia_contact", "f8", (3, 3)),  # about the contact point: I - m [rho_c]x [rho_c]x
         # Inverse of the block of the rotations that are free; zeros for the others.
         ("inertia_contact_inverse", "f8", (3, 3)),
+        ("condyles", "u1"),  # 1: their midpoint slides on the path; 2: each presses on its own disc
         ("free_x", "u1"),
         ("free_y", "u1"),
         ("gravity", "f8", 3),  # acceleration in head axes
@@ -69,6 +70,7 @@ def build_jaw(
     *,
     head_tilt_deg: float = 0.0,
     free: Sequence[bool] = ALL_FREE,
+    condyles: Literal[1, 2] = 1,
 ) -> Any:
     """Gather anatomy into the record that the kernels read.
 
@@ -79,6 +81,8 @@ def build_jaw(
         head_tilt_deg: Pitch of the head, positive looking down; turns gravity in head axes (degrees).
         free: Which of x, y, theta, psi, alpha can move; the others stay where they are. Rotations about axes other
             than theta's must be free both or none, for angles to stay put when their angular velocity does.
+
+        condyles: 1 for the midline model, 2 for that of ``bilateral``.
 
     Returns:
         A ``numpy`` record of dtype ``jaw_dtype(number of lines)``.
@@ -104,6 +108,7 @@ def build_jaw(
     turns = np.flatnonzero([free[4], free[2], free[3]])
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
     jaw["free_x"], jaw["free_y"] = free[0], free[1]
+    jaw["condyles"] = condyles
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
     jaw["fossa_drop"] = fossa.drop_m
     jaw["fossa_frequency"] = fossa.spatial_frequency

@@ -23,7 +23,7 @@ def limits():
 
 def fractions_of(jaw, log_parameters, limits, q, u, force):
     fractions = np.empty(8)
-    used_fractions(jaw, np.exp(log_parameters).reshape(6, 2), limits, tuple(q), tuple(u), force, fractions)
+    used_fractions(jaw, np.exp(log_parameters).reshape(6, 2), limits, tuple(q), tuple(u), (0.0, 0.0), force, fractions)
     return dict(zip(COMFORT_LIMITS, fractions, strict=True))
 
 

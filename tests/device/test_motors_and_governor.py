@@ -7,7 +7,7 @@ import pytest
 import jawenv
 from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED, limits_dtype
 from jawenv.device.device import DEVICE
-from jawenv.device.motors import GOVERNOR_ONSET, command_motors, device_wrench
+from jawenv.device.motors import GOVERNOR_ONSET, ON_PATH, command_motors, device_wrench
 from jawenv.envs.world import MOTORS
 
 TICK = 0.01
@@ -40,11 +40,11 @@ def limits():
 
 
 def command(device, jaw, motors, action, control=FORCE_CONTROL, q=Q, u=STILL):
-    command_motors(device, jaw, motors, tuple(q), tuple(u), np.array(action, dtype=float), control, TICK)
+    command_motors(device, jaw, motors, tuple(q), tuple(u), ON_PATH, np.array(action, dtype=float), control, TICK)
 
 
 def wrench(device, jaw, limits, motors, q=Q, u=STILL, since=0.0, control=FORCE_CONTROL):
-    found, acted = device_wrench(device, jaw, limits, motors, tuple(q), tuple(u), since, control)
+    found, acted = device_wrench(device, jaw, limits, motors, tuple(q), tuple(u), ON_PATH, since, control)
     return np.array(found), acted
 
 
