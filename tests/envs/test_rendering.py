@@ -8,9 +8,10 @@ import sys
 import numpy as np
 import pytest
 
-from jawenv.anatomy import PARAMETER_NAMES, default_fossa, default_mandible, muscle_set
+from jawenv.anatomy import default_fossa, default_mandible
 from jawenv.envs.rendering import Renderer, Scene, palette
 from jawenv.errors import InputError
+from jawenv.ladder import MODELS
 
 LIMITS = ("force", "opening", "side", "fore_aft", "condyle_fore_aft", "condyle_side", "speed", "tension")
 
@@ -29,27 +30,40 @@ def rotation(opening: float, yaw: float = 0.0) -> np.ndarray:
     return pitch @ np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
 
 
-def scene(opening: float = 0.1, yaw: float = 0.0, sd: float = 0.2, time_s: float = 3.0, **changes: object) -> Scene:
-    muscles, mandible, fossa = muscle_set(), default_mandible(), default_fossa()
+def scene(
+    opening: float = 0.1,
+    yaw: float = 0.0,
+    sd: float = 0.2,
+    time_s: float = 3.0,
+    model: str = "jaw",
+    lift_m: float = 0.0,
+    **changes: object,
+) -> Scene:
+    """A scene of any model; `lift_m` raises the point between the condyles above their path."""
+    muscles, mandible, fossa = MODELS[model].muscles, default_mandible(), default_fossa()
     turn = rotation(opening, yaw)
-    x = 0.02 * opening
-    contact = np.array([x, 0.0, fossa.drop_m * (np.cos(fossa.spatial_frequency * x) - 1)])
+    x = 0.02 * opening if MODELS[model].free[0] else 0.0
+    contact = np.array([x, 0.0, fossa.drop_m * (np.cos(fossa.spatial_frequency * x) - 1) + lift_m])
     mouthpiece = contact + turn @ np.asarray(mandible.mouthpiece_m)
-    prior_mean, prior_sd = np.log(np.tile([1.2, 7.0], 6)), np.tile([0.5, 0.3], 6)
+    opening_mm = 1000 * float(mandible.mouthpiece_m[2] - mouthpiece[2])
+    prior_mean, prior_sd = np.log(np.tile([1.2, 7.0], len(muscles))), np.tile([0.5, 0.3], len(muscles))
     whole = Scene(
-        muscle_names=muscles.names,
+        muscle_names=tuple(muscles.names[i] for i in muscles.muscle),
         muscle_origin_m=muscles.origin_m,
         muscle_insertion_m=contact + muscles.insertion_m @ turn.T,
-        muscle_tension_N=np.array([1.0, 2.0, 0.5, 4.0, 8.0, 0.1]),
+        muscle_tension_N=np.resize([1.0, 2.0, 0.5, 4.0, 8.0, 0.1], len(muscles.muscle)),
         contact_m=contact,
         rotation=turn,
+        plant=MODELS[model].plant,
+        slides=MODELS[model].free[0],
+        condyle_half_width_m=mandible.condyle_half_width_m,
         fossa_drop_m=fossa.drop_m,
         fossa_frequency=fossa.spatial_frequency,
         mouthpiece_m=mouthpiece,
         mouthpiece_force_N=np.array([2.0, 0.0, -9.0]),
-        parameter_names=PARAMETER_NAMES,
+        parameter_names=muscles.parameter_names,
         belief_mean=prior_mean + 0.1,
-        belief_sd=np.full(12, sd),
+        belief_cov=np.eye(2 * len(muscles)) * sd**2,
         prior_mean=prior_mean,
         prior_sd=prior_sd,
         truth=prior_mean + 0.3,
@@ -58,7 +72,10 @@ def scene(opening: float = 0.1, yaw: float = 0.0, sd: float = 0.2, time_s: float
         governor=0.0,
         time_s=time_s,
         episode_s=30.0,
-        opening_mm=1000 * float(mandible.mouthpiece_m[2] - mouthpiece[2]),
+        opening_mm=opening_mm,
+        opening_limits_mm=np.array([25.0, 32.0]),
+        excursion_mm=np.array([95.0 * yaw, 1.0]),
+        excursion_soft_mm=np.array([5.0, 4.5]),
         information_nats=12.0,
         title="A test",
     )
@@ -205,20 +222,23 @@ def test_extreme_beliefs_stay_inside_their_columns(draw):
     ("field", "value"),
     [
         ("belief_mean", np.full(12, np.nan)),
-        ("belief_sd", np.r_[np.nan, np.ones(11)]),
-        ("belief_sd", np.zeros(12)),
+        ("belief_cov", np.full((12, 12), np.nan)),
+        ("belief_cov", np.zeros((12, 12))),
+        ("belief_cov", np.ones(12)),
         ("prior_sd", np.full(12, -1.0)),
         ("prior_mean", np.zeros(11)),
         ("truth", np.full(12, np.inf)),
         ("muscle_origin_m", np.full((6, 3), np.nan)),
         ("muscle_insertion_m", np.zeros((6, 2))),
         ("muscle_tension_N", np.full(6, -1.0)),
-        ("muscle_names", ("masseter", "b", "c", "d", "e", "f")),
+        ("muscle_names", ()),
         ("parameter_names", tuple("abcdefghijkl")),
         ("contact_m", np.array([np.nan, 0, 0])),
         ("contact_m", "here"),
         ("rotation", np.full((3, 3), np.nan)),
         ("rotation", 2 * np.eye(3)),
+        ("plant", "real"),
+        ("condyle_half_width_m", np.nan),
         ("mouthpiece_m", np.array([0, np.inf, 0])),
         ("mouthpiece_force_N", np.array([0, 0, np.nan])),
         ("fossa_drop_m", np.nan),
@@ -231,6 +251,9 @@ def test_extreme_beliefs_stay_inside_their_columns(draw):
         ("time_s", np.nan),
         ("episode_s", 0.0),
         ("opening_mm", np.nan),
+        ("opening_limits_mm", np.array([25.0, np.inf])),
+        ("excursion_mm", np.zeros(3)),
+        ("excursion_soft_mm", np.full(2, np.nan)),
         ("information_nats", np.nan),
     ],
 )
