@@ -1,8 +1,5 @@
 """Pictures of every model of the ladder: each can be drawn, filmed and read."""
 
-import importlib.util
-from pathlib import Path
-
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -13,11 +10,7 @@ from jawenv.envs.rendering import Renderer, palette
 from jawenv.envs.rendering.frame import CARDS
 from jawenv.envs.rendering.posterior_layout import lay_out
 from jawenv.ladder import MODELS
-
-_spec = importlib.util.spec_from_file_location("rendering_scenes", Path(__file__).with_name("test_rendering.py"))
-assert _spec is not None and _spec.loader is not None
-scenes = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(scenes)
+from tests.envs import jaw_scenes as scenes
 
 models = pytest.mark.parametrize("model", MODELS)
 TITLE_BAND = (0.0, 0.0, 1280.0, 54.0)
