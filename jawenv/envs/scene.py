@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.device.comfort import COMFORT_LIMITS, HARD, OPENING
+from jawenv.device.linkage import excursions
 from jawenv.envs.plants import TICK
 from jawenv.envs.simulation import Simulation
 from jawenv.mechanics.forces import muscle_pull
@@ -21,10 +22,13 @@ def build_scene(simulation: Simulation) -> Any:
     jaw, info = world["jaw"], simulation.info(world)
     q, _ = split(world["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
+    contact[2] += world["lift"][0]
     mouthpiece = contact + body_to_head @ jaw["mouthpiece"]
     muscles = world["muscles"]
     tensions = [muscle_pull(jaw, muscles, i, tuple(contact), rotation(q))[3] for i in range(len(muscles))]
-    names = simulation.cohort.muscles.names
+    names, limits = simulation.cohort.muscles.names, world["limits"]
+    _, side, fore_aft = excursions(limits, jaw, tuple(mouthpiece))
+    rest_opening, painless = float(limits["rest_opening"]), float(limits["opening"])
     return Scene(
         muscle_names=tuple(names[i] for i in jaw["muscle"]),
         muscle_origin_m=jaw["origin"].copy(),
@@ -32,22 +36,34 @@ def build_scene(simulation: Simulation) -> Any:
         muscle_tension_N=np.array(tensions),
         contact_m=contact,
         rotation=body_to_head,
+        plant=simulation.model.plant,
+        slides=simulation.model.free[0],
+        condyle_half_width_m=float(jaw["condyle_half_width"]),
         fossa_drop_m=float(jaw["fossa_drop"]),
         fossa_frequency=float(jaw["fossa_frequency"]),
         mouthpiece_m=mouthpiece,
         mouthpiece_force_N=body_to_head @ world["reading"][:3],
         parameter_names=info["parameter_names"],
         belief_mean=info["belief_mean"],
-        belief_sd=info["belief_sd"],
+        belief_cov=info["belief_cov"],
         prior_mean=np.asarray(simulation.cohort.prior.mean),
         prior_sd=np.asarray(simulation.cohort.prior.sd),
         truth=info["truth"],
-        comfort={name: float(info["comfort"][name]) for name in COMFORT_LIMITS},
+        comfort={name: float(info["comfort"][name]) for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
         comfort_hard=dict(zip(COMFORT_LIMITS, HARD, strict=True)),
         governor=float(info["governor"]),
         time_s=float(world["tick"]) * TICK,
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
+        opening_limits_mm=1e3 * (rest_opening + painless * np.array([1.0, HARD[OPENING]])),
+        excursion_mm=1e3 * np.array([side, fore_aft]),
+        excursion_soft_mm=1e3 * np.array([limits["side"], limits["fore_aft"]]),
         information_nats=float(info["information_claimed"]),
         title=f"{simulation.model.title}, {configuration.cohort} patient, {configuration.control} control",
     )
+
+
+def _can_be_used(limit: str, simulation: Simulation) -> bool:
+    """Whether the model can move towards a comfort limit at all."""
+    fore_aft, side, *_ = simulation.model.free
+    return {"side": side, "condyle_side": side, "fore_aft": fore_aft, "condyle_fore_aft": fore_aft}.get(limit, True)

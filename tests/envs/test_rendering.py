@@ -1,6 +1,5 @@
 """Pictures of an episode: bad scenes are refused, every quantity is seen, and no display is touched."""
 
-import dataclasses
 import os
 import subprocess
 import sys
@@ -8,61 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from jawenv.anatomy import PARAMETER_NAMES, default_fossa, default_mandible, muscle_set
 from jawenv.envs.rendering import Renderer, Scene, palette
 from jawenv.errors import InputError
-
-LIMITS = ("force", "opening", "side", "fore_aft", "condyle_fore_aft", "condyle_side", "speed", "tension")
-
-# Parts of the default picture, 1280 by 720: rows, then columns.
-SIDE = np.s_[90:470, 20:396]
-FRONT = np.s_[90:470, 416:794]
-POSTERIOR = np.s_[110:480, 816:1260]
-COMFORT = np.s_[566:700, 20:396]
-TRACE = np.s_[560:680, 460:790]
-
-
-def rotation(opening: float, yaw: float = 0.0) -> np.ndarray:
-    c, s = np.cos(opening), np.sin(opening)
-    cy, sy = np.cos(yaw), np.sin(yaw)
-    pitch = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return pitch @ np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-
-
-def scene(opening: float = 0.1, yaw: float = 0.0, sd: float = 0.2, time_s: float = 3.0, **changes: object) -> Scene:
-    muscles, mandible, fossa = muscle_set(), default_mandible(), default_fossa()
-    turn = rotation(opening, yaw)
-    x = 0.02 * opening
-    contact = np.array([x, 0.0, fossa.drop_m * (np.cos(fossa.spatial_frequency * x) - 1)])
-    mouthpiece = contact + turn @ np.asarray(mandible.mouthpiece_m)
-    prior_mean, prior_sd = np.log(np.tile([1.2, 7.0], 6)), np.tile([0.5, 0.3], 6)
-    whole = Scene(
-        muscle_names=muscles.names,
-        muscle_origin_m=muscles.origin_m,
-        muscle_insertion_m=contact + muscles.insertion_m @ turn.T,
-        muscle_tension_N=np.array([1.0, 2.0, 0.5, 4.0, 8.0, 0.1]),
-        contact_m=contact,
-        rotation=turn,
-        fossa_drop_m=fossa.drop_m,
-        fossa_frequency=fossa.spatial_frequency,
-        mouthpiece_m=mouthpiece,
-        mouthpiece_force_N=np.array([2.0, 0.0, -9.0]),
-        parameter_names=PARAMETER_NAMES,
-        belief_mean=prior_mean + 0.1,
-        belief_sd=np.full(12, sd),
-        prior_mean=prior_mean,
-        prior_sd=prior_sd,
-        truth=prior_mean + 0.3,
-        comfort=dict.fromkeys(LIMITS, 0.4),
-        comfort_hard=dict.fromkeys(LIMITS, 1.3),
-        governor=0.0,
-        time_s=time_s,
-        episode_s=30.0,
-        opening_mm=1000 * float(mandible.mouthpiece_m[2] - mouthpiece[2]),
-        information_nats=12.0,
-        title="A test",
-    )
-    return dataclasses.replace(whole, **changes)
+from tests.envs.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 
 
 @pytest.fixture(scope="module")
@@ -81,14 +28,6 @@ def draw(renderer):
         return renderer.draw(picture)
 
     return first
-
-
-def differ(one: np.ndarray, other: np.ndarray, part: tuple) -> int:
-    return int((one[part] != other[part]).any(axis=-1).sum())
-
-
-def coloured(picture: np.ndarray, part: tuple, colour: tuple[int, int, int]) -> int:
-    return int((np.abs(picture[part].astype(int) - colour).max(axis=-1) <= 3).sum())
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (640, 480), (480, 270)])
@@ -205,20 +144,23 @@ def test_extreme_beliefs_stay_inside_their_columns(draw):
     ("field", "value"),
     [
         ("belief_mean", np.full(12, np.nan)),
-        ("belief_sd", np.r_[np.nan, np.ones(11)]),
-        ("belief_sd", np.zeros(12)),
+        ("belief_cov", np.full((12, 12), np.nan)),
+        ("belief_cov", np.zeros((12, 12))),
+        ("belief_cov", np.ones(12)),
         ("prior_sd", np.full(12, -1.0)),
         ("prior_mean", np.zeros(11)),
         ("truth", np.full(12, np.inf)),
         ("muscle_origin_m", np.full((6, 3), np.nan)),
         ("muscle_insertion_m", np.zeros((6, 2))),
         ("muscle_tension_N", np.full(6, -1.0)),
-        ("muscle_names", ("masseter", "b", "c", "d", "e", "f")),
+        ("muscle_names", ()),
         ("parameter_names", tuple("abcdefghijkl")),
         ("contact_m", np.array([np.nan, 0, 0])),
         ("contact_m", "here"),
         ("rotation", np.full((3, 3), np.nan)),
         ("rotation", 2 * np.eye(3)),
+        ("plant", "real"),
+        ("condyle_half_width_m", np.nan),
         ("mouthpiece_m", np.array([0, np.inf, 0])),
         ("mouthpiece_force_N", np.array([0, 0, np.nan])),
         ("fossa_drop_m", np.nan),
@@ -231,6 +173,9 @@ def test_extreme_beliefs_stay_inside_their_columns(draw):
         ("time_s", np.nan),
         ("episode_s", 0.0),
         ("opening_mm", np.nan),
+        ("opening_limits_mm", np.array([25.0, np.inf])),
+        ("excursion_mm", np.zeros(3)),
+        ("excursion_soft_mm", np.full(2, np.nan)),
         ("information_nats", np.nan),
     ],
 )

@@ -1,4 +1,4 @@
-"""Pictures of one episode: side and front view of the jaw, the twelve posteriors, comfort and progress.
+"""Pictures of one episode: side and front view of the jaw, the posteriors, comfort and the motion over time.
 
 Importing this package does not import pygame; a `Renderer` does when it draws for the first time.
 """

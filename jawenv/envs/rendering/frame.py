@@ -11,17 +11,12 @@ from jawenv.envs.rendering import palette
 from jawenv.envs.rendering.canvas import Box, Canvas
 from jawenv.envs.rendering.muscles import draw_muscle, muscle_width
 from jawenv.envs.rendering.palette import FAINT_INK, INK, SOFT_INK
-from jawenv.envs.rendering.panels import draw_comfort, draw_figures, draw_trace
+from jawenv.envs.rendering.panels import draw_comfort, draw_figures
 from jawenv.envs.rendering.posterior import draw_posterior, draw_posterior_background
-from jawenv.envs.rendering.scene import Scene
-from jawenv.envs.rendering.views import (
-    draw_front,
-    draw_front_background,
-    draw_side,
-    draw_side_background,
-    front_camera,
-    side_camera,
-)
+from jawenv.envs.rendering.scene import Moment, Scene
+from jawenv.envs.rendering.skull import draw_front_background, draw_side_background
+from jawenv.envs.rendering.trace import draw_trace, draw_trace_legend
+from jawenv.envs.rendering.views import draw_front, draw_side, front_camera, side_camera
 
 _SIDE: Box = (14, 54, 386, 456)
 _FRONT: Box = (412, 54, 386, 456)
@@ -29,6 +24,7 @@ _POSTERIOR: Box = (810, 54, 456, 456)
 _COMFORT: Box = (14, 522, 386, 184)
 _TRACE: Box = (412, 522, 386, 184)
 _FIGURES: Box = (810, 522, 456, 184)
+CARDS = (_SIDE, _FRONT, _POSTERIOR, _COMFORT, _TRACE, _FIGURES)
 _LEGEND = 38.0
 _HEADING = 34.0
 
@@ -42,11 +38,11 @@ class Frame:
         self._canvas: Canvas | None = None
         self._kind: tuple[object, ...] = ()
 
-    def draw(self, scene: Scene, trace: list[tuple[float, float]]) -> pygame.Surface:
+    def draw(self, scene: Scene, trace: list[Moment]) -> pygame.Surface:
         """Draw one scene; the surface is reused by the next call."""
         canvas = self._prepare(scene)
         canvas.text(scene.title, (18, 30), 19, INK, bold=True, fit=1040)
-        draw_side(canvas, side_camera(_view(_SIDE)), _view(_SIDE), scene)
+        draw_side(canvas, side_camera(_view(_SIDE), scene.planar), _view(_SIDE), scene)
         draw_front(canvas, front_camera(_view(_FRONT)), _view(_FRONT), scene)
         draw_posterior(canvas, _POSTERIOR, scene)
         draw_comfort(canvas, _COMFORT, scene)
@@ -55,7 +51,8 @@ class Frame:
         return canvas.finish()
 
     def _prepare(self, scene: Scene) -> Canvas:
-        kind = (scene.muscle_names, scene.parameter_names, scene.prior_sd.tobytes(), scene.truth is None)
+        prior = (scene.prior_mean.tobytes(), scene.prior_sd.tobytes())
+        kind = (scene.muscle_names, scene.parameter_names, prior, scene.truth is None, scene.planar, scene.slides)
         if self._canvas is None or kind != self._kind:
             self._canvas, self._kind = Canvas(self._size), kind
             _draw_background(self._canvas, scene)
@@ -72,21 +69,24 @@ def _view(card: Box) -> Box:
 
 def _draw_background(canvas: Canvas, scene: Scene) -> None:
     canvas.text("jawenv", (1264, 30), 15, FAINT_INK, bold=True, anchor="right")
+    lines = len(scene.muscle_names)
+    in_plane = "its muscle stands for both sides" if lines == 1 else "each muscle stands for both sides"
     headings = (
-        (_SIDE, "Side view", "seen from the patient's right"),
-        (_FRONT, "Front view", "facing the patient"),
+        (_SIDE, "Side view", "midplane" if scene.planar else "seen from the patient's right"),
+        (_FRONT, "Front view", in_plane if scene.planar else "facing the patient"),
         (_POSTERIOR, "Posterior", f"of the {len(scene.parameter_names)} muscle parameters"),
-        (_COMFORT, "Comfort", "used share of each limit"),
-        (_TRACE, "Opening", "mm at the incisors"),
+        (_COMFORT, "Comfort", "used share of each soft limit"),
+        (_TRACE, "Motion", "mm"),
         (_FIGURES, "", ""),
     )
     for card, name, remark in headings:
         canvas.rect(card, palette.CARD, radius=10, border=palette.BORDER)
         used = canvas.text(name, (card[0] + 16, card[1] + 20), 13.5, INK, bold=True)
         canvas.text(remark, (card[0] + 16 + used + 8, card[1] + 20.5), 11, SOFT_INK)
-    draw_side_background(canvas, side_camera(_view(_SIDE)), _view(_SIDE))
+    draw_side_background(canvas, side_camera(_view(_SIDE), scene.planar), _view(_SIDE))
     draw_front_background(canvas, front_camera(_view(_FRONT)), _view(_FRONT))
     draw_posterior_background(canvas, _POSTERIOR, scene)
+    draw_trace_legend(canvas, _TRACE, scene)
     _draw_colour_legend(canvas, _SIDE, float(scene.prior_sd.max()))
     _draw_width_legend(canvas, _FRONT)
     for words, x in (("R", _FRONT[0] + 18), ("L", _FRONT[0] + _FRONT[2] - 18)):

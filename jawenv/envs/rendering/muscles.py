@@ -15,9 +15,30 @@ from jawenv.envs.rendering.scene import Scene
 Array = NDArray[np.float64]
 
 
-def kind_of(muscle: str) -> str:
-    """Name of a muscle without its side."""
-    return muscle.rsplit("_", 1)[0]
+_HIGH_MM = 15.0  # lines from above this height run under the cheekbone's arch
+_INNER_MM = (1.0, 30.0)  # lines from between these distances to the midplane run inside the ramus
+
+
+def split_name(muscle: str) -> tuple[str, str]:
+    """Name of a muscle without its side, and its side: `left`, `right` or nothing."""
+    for side in ("left", "right"):
+        if muscle == side or muscle.endswith(f"_{side}"):
+            return muscle.removesuffix(side).rstrip("_"), side
+    return muscle, ""
+
+
+def side_of(scene: Scene, line: int) -> str:
+    """Side that a line of action is on: `left`, `right` or `middle`."""
+    y = 1000 * float(scene.muscle_insertion_m[line, 1] + scene.muscle_origin_m[line, 1]) / 2
+    return "middle" if scene.planar else "left" if y > 0 else "right"
+
+
+def layer_of(scene: Scene, line: int) -> str:
+    """How deep a line runs: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
+    _, y, z = 1000 * scene.muscle_origin_m[line]
+    if z > _HIGH_MM:
+        return "high"
+    return "inner" if _INNER_MM[0] < abs(y) < _INNER_MM[1] else "outer"
 
 
 def muscle_sd(scene: Scene) -> list[float]:

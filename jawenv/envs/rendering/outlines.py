@@ -16,6 +16,7 @@ from jawenv.envs.rendering.mesh import Mesh, crown, ellipsoid, merge, ribbon, sl
 Array = NDArray[np.float64]
 
 CONDYLE_Y_MM = 49.0
+PATH_X_MM: Array = np.linspace(-3.0, 25.0, 57)  # 3 mm behind to 25 mm in front of the fossa
 
 # Left half of the mandible as a ladder: rear and lower border (x, y, z), front and upper border (x, y, z),
 # thickness.
@@ -179,9 +180,3 @@ def closed(points: Array, pieces: int = 6) -> Array:
 def mirrored(points: Array) -> Array:
     """Close a left half (y, z) with its mirror image."""
     return np.vstack([points, points[::-1] * [-1, 1]])
-
-
-def condyle_path(drop_m: float, frequency: float) -> Array:
-    """Points (N, 2) of the condyle's path in x and z, mm: 3 mm behind to 25 mm in front of the fossa."""
-    x = np.linspace(-3.0, 25.0, 57)
-    return np.column_stack([x, 1000 * drop_m * (np.cos(frequency * x / 1000) - 1)])

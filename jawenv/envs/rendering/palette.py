@@ -19,6 +19,8 @@ INK: Colour = (34, 42, 53)
 SOFT_INK: Colour = (96, 104, 115)
 FAINT_INK: Colour = (142, 148, 156)
 ACCENT: Colour = (24, 92, 138)
+SIDE_TRACE: Colour = (178, 132, 190)
+SWING_TRACE: Colour = (214, 160, 100)
 
 SKULL: Colour = (244, 240, 232)
 SKULL_LINE: Colour = (222, 214, 199)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.envs.rendering.scene import Scene
+from jawenv.envs.rendering.scene import Moment, Scene
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Renderer:
         self.mode = mode
         self.fps = fps
         self.size = (int(size[0]), int(size[1]))
-        self._trace: list[tuple[float, float]] = []
+        self._trace: list[Moment] = []
         self._frame: Frame | None = None
         self._window: pygame.Surface | None = None
         self._clock: pygame.time.Clock | None = None
@@ -87,7 +87,7 @@ class Renderer:
         self._clock.tick(self.fps)
 
     def reset(self) -> None:
-        """Forget the opening of the past episode."""
+        """Forget the motion of the past episode."""
         self._trace.clear()
 
     def close(self) -> None:
@@ -105,7 +105,7 @@ class Renderer:
             self._frame = Frame(self.size)
         while self._trace and self._trace[-1][0] >= scene.time_s:
             self._trace.pop()
-        self._trace.append((scene.time_s, scene.opening_mm))
+        self._trace.append(scene.moment)
         return self._frame.draw(scene, self._trace)
 
     def _open(self) -> pygame.Surface:

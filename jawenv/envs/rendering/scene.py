@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
+from jawenv.ladder import Plant
 
 Array = NDArray[np.float64]
+Moment = tuple[float, float, float, float]
+"""Time (s), opening, side and fore-aft excursion (mm)."""
 
+_PLANAR_M = 1e-3
 _SCALARS = (
     "fossa_drop_m",
     "fossa_frequency",
+    "condyle_half_width_m",
     "governor",
     "time_s",
     "episode_s",
@@ -27,23 +33,27 @@ _SCALARS = (
 class Scene:
     """One moment of an episode, in SI units and the head frame (x forward, y left, z up).
 
-    M is the number of muscles, P the number of parameters. Every muscle needs its two parameters
+    M is the number of lines of action, P the number of parameters. Every muscle needs its two parameters
     `log_F_o/<muscle>` and `log_b/<muscle>` among `parameter_names`; further parameters are not drawn.
 
     Attributes:
-        muscle_names: (M,) names that end in `_left` or `_right`.
+        muscle_names: (M,) the muscle that each line belongs to; lines that share a muscle repeat its name.
         muscle_origin_m: (M, 3) origins on the skull.
         muscle_insertion_m: (M, 3) insertions on the mandible as it stands now.
         muscle_tension_N: (M,) tensions, not negative.
-        contact_m: (3,) mid-condyle contact point now.
+        contact_m: (3,) point midway between the condyles now, where it really is.
         rotation: (3, 3) body axes as columns, C^T.
+        plant: what holds the condyles: `midline` binds the point between them to the path, `contact` and
+            `bilateral` let each condyle press on its fossa or lift off it.
+        slides: whether the condyles can leave the place where they rest.
+        condyle_half_width_m: half the distance between the condyles' centres.
         fossa_drop_m: d of the condyle's path z = d (cos f x - 1).
         fossa_frequency: f of the same path, rad/m.
         mouthpiece_m: (3,) point where the device holds the mandible now.
         mouthpiece_force_N: (3,) force of the device on the mandible.
         parameter_names: (P,) names of the parameters.
         belief_mean: (P,) posterior means of the natural logs.
-        belief_sd: (P,) posterior standard deviations, positive.
+        belief_cov: (P, P) posterior covariance, its diagonal positive.
         prior_mean: (P,) prior means of the natural logs.
         prior_sd: (P,) prior standard deviations, positive.
         truth: (P,) true natural logs, or None where they are unknown or to be hidden.
@@ -53,6 +63,9 @@ class Scene:
         time_s: time since the start of the episode.
         episode_s: length of the episode, positive.
         opening_mm: opening at the incisors.
+        opening_limits_mm: (2,) the soft and the hard limit of the opening.
+        excursion_mm: (2,) how far the mouthpiece is to the left of its rest and in front of its natural path.
+        excursion_soft_mm: (2,) their soft limits to either side.
         information_nats: information gained so far.
         title: one line above the picture.
 
@@ -66,13 +79,16 @@ class Scene:
     muscle_tension_N: Array
     contact_m: Array
     rotation: Array
+    plant: Plant
+    slides: bool
+    condyle_half_width_m: float
     fossa_drop_m: float
     fossa_frequency: float
     mouthpiece_m: Array
     mouthpiece_force_N: Array
     parameter_names: tuple[str, ...]
     belief_mean: Array
-    belief_sd: Array
+    belief_cov: Array
     prior_mean: Array
     prior_sd: Array
     truth: Array | None
@@ -82,26 +98,70 @@ class Scene:
     time_s: float
     episode_s: float
     opening_mm: float
+    opening_limits_mm: Array
+    excursion_mm: Array
+    excursion_soft_mm: Array
     information_nats: float
     title: str
 
     def __post_init__(self) -> None:
         """Check every field."""
+        self._check_names()
         for field, shape in self._shapes().items():
             object.__setattr__(self, field, _array(field, getattr(self, field), shape))
         for field in _SCALARS:
             if not np.isfinite(getattr(self, field)):
                 raise InputError(f"{field}: {getattr(self, field)} is not a finite number")
         _require_all("muscle_tension_N", self.muscle_tension_N, self.muscle_tension_N >= 0, "at least 0")
-        for field in ("belief_sd", "prior_sd"):
-            _require_all(field, getattr(self, field), getattr(self, field) > 0, "above 0")
+        _require_all("prior_sd", self.prior_sd, self.prior_sd > 0, "above 0")
+        variance = np.diagonal(self.belief_cov)
+        _require_all("belief_cov", variance, variance > 0, "above 0 on the diagonal")
+        if self.plant not in get_args(Plant):
+            raise InputError(f"plant: '{self.plant}' must be one of {', '.join(get_args(Plant))}")
         if np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > 1e-3:
             raise InputError("rotation: columns are not orthonormal; a rotation matrix is needed")
         if self.episode_s <= 0:
             raise InputError(f"episode_s: {self.episode_s} must be above 0")
         if not 0 <= self.governor <= 1:
             raise InputError(f"governor: {self.governor} must lie between 0 and 1")
-        self._check_names()
+        self._check_comfort()
+
+    @property
+    def belief_sd(self) -> Array:
+        """(P,) posterior standard deviations."""
+        deviations: Array = np.sqrt(np.diagonal(self.belief_cov))
+        return deviations
+
+    @property
+    def moment(self) -> Moment:
+        """What a trace keeps of this scene."""
+        return (self.time_s, self.opening_mm, float(self.excursion_mm[0]), float(self.excursion_mm[1]))
+
+    @property
+    def muscles(self) -> tuple[str, ...]:
+        """The muscles, each once."""
+        return tuple(dict.fromkeys(self.muscle_names))
+
+    @property
+    def planar(self) -> bool:
+        """Whether all muscles lie in the plane between left and right."""
+        return float(np.abs([self.muscle_origin_m[:, 1], self.muscle_insertion_m[:, 1]]).max()) < _PLANAR_M
+
+    @property
+    def condyles_m(self) -> Array:
+        """(2, 3) centres of the left and of the right condyle."""
+        aside = self.condyle_half_width_m * self.rotation[:, 1]
+        return np.stack([self.contact_m + aside, self.contact_m - aside])
+
+    @property
+    def condyle_gap_m(self) -> Array:
+        """(2,) how far the left and the right condyle stand off their fossa; negative while they press on it."""
+        return self.path_m(self.condyles_m[:, 0]) - self.condyles_m[:, 2]
+
+    def path_m(self, x: Array) -> Array:
+        """Height of the condyle's path at x."""
+        height: Array = self.fossa_drop_m * (np.cos(self.fossa_frequency * x) - 1)
+        return height
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         muscles, parameters = len(self.muscle_names), len(self.parameter_names)
@@ -113,19 +173,25 @@ class Scene:
             "rotation": (3, 3),
             "mouthpiece_m": (3,),
             "mouthpiece_force_N": (3,),
+            "belief_cov": (parameters, parameters),
+            "opening_limits_mm": (2,),
+            "excursion_mm": (2,),
+            "excursion_soft_mm": (2,),
         }
-        for field in ("belief_mean", "belief_sd", "prior_mean", "prior_sd", "truth"):
+        for field in ("belief_mean", "prior_mean", "prior_sd", "truth"):
             if getattr(self, field) is not None or field != "truth":
                 shapes[field] = (parameters,)
         return shapes
 
     def _check_names(self) -> None:
+        if not self.muscle_names:
+            raise InputError("muscle_names: empty; at least one line is needed")
         for muscle in self.muscle_names:
-            if not muscle.endswith(("_left", "_right")):
-                raise InputError(f"muscle_names: '{muscle}' must end in _left or _right")
             for parameter in (f"log_F_o/{muscle}", f"log_b/{muscle}"):
                 if parameter not in self.parameter_names:
                     raise InputError(f"parameter_names: '{parameter}' is missing")
+
+    def _check_comfort(self) -> None:
         for name, used in self.comfort.items():
             if not np.isfinite(used):
                 raise InputError(f"comfort: '{name}' is {used}, not a finite number")
