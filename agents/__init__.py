@@ -1,4 +1,4 @@
-"""Everything that answers an observation of `jawenv/Jaw-v0` with an action."""
+"""Everything that answers an observation of jawenv's environments with an action."""
 
 from agents.maneuver import Maneuver
 from agents.protocol import Agent

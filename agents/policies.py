@@ -81,7 +81,7 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
     policy = _policy(checkpoint)
     shape = policy.action_space.shape
     if shape != (4,):
-        raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv/Jaw-v0 takes (4,)")
+        raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     trained = TrainedPolicy(checkpoint, policy)
     if observation_size is not None and trained.observation_size != observation_size:
         raise InputError(

@@ -9,7 +9,7 @@ State = tuple[NDArray, ...] | None
 
 @runtime_checkable
 class Agent(Protocol):
-    """A hand-made maneuver, a trained policy or anything else that plays `jawenv/Jaw-v0`.
+    """A hand-made maneuver, a trained policy or anything else that plays jawenv's environments.
 
     `predict` has the signature of stable-baselines3's `predict`, so a trained model and a hand-made maneuver are
     interchangeable, also inside `stable_baselines3.common.evaluation.evaluate_policy`.

@@ -9,6 +9,8 @@ from agents.player import Player
 from agents.policies import load_policy
 from agents.protocol import Agent
 from jawenv.errors import InputError
+from jawenv.ladder import model_of_env
+from jawenv.rollout import DEFAULT_ENV
 
 RANDOM = "random"
 MANEUVER_SUFFIXES = (".yaml", ".yml", ".json", ".toml")
@@ -20,7 +22,11 @@ def names() -> tuple[str, ...]:
 
 
 def load_agent(
-    spec: str | Path, *, control: Literal["force", "trajectory"] = "force", control_hz: float = 20.0
+    spec: str | Path,
+    *,
+    control: Literal["force", "trajectory"] = "force",
+    control_hz: float = 20.0,
+    env_id: str = DEFAULT_ENV,
 ) -> Agent:
     """Find or load an agent.
 
@@ -29,11 +35,12 @@ def load_agent(
             stable-baselines3 checkpoint.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment.
+        env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
 
     Raises:
-        InputError: an unknown name, or a file that is not what it should be; one line that says so.
+        InputError: an unknown name or environment, or a file that is not what it should be; one line that says so.
     """
-    path = Path(spec)
+    path, model = Path(spec), model_of_env(env_id)
     if str(spec) == RANDOM:
         return RandomPolicy()
     if str(spec) in names():
@@ -42,10 +49,9 @@ def load_agent(
     if path.suffix in MANEUVER_SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.exists() or path.suffix == ".zip":
-        from jawenv.envs.observation import OBSERVATION_LAYOUT
+        from jawenv.envs.observation import observation_size
 
-        size = max(part.stop for part in OBSERVATION_LAYOUT.values())
-        return load_policy(path, observation_size=size)
+        return load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
     known = ", ".join((*names(), RANDOM))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(MANEUVER_SUFFIXES)}), "

@@ -40,6 +40,13 @@ def compare_command(
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
     ] = False,
+    env: Annotated[
+        str | None,
+        typer.Option(
+            help="Environment: jawenv/JawSides-v0, or JawSides, or sides; that of the trained runs by default.",
+            metavar="NAME",
+        ),
+    ] = None,
     patients: Annotated[int, typer.Option(help="How many; all entries meet the same.", metavar="N")] = 64,
     cohort: Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")] = "trismus",
     seed: Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")] = 0,
@@ -61,12 +68,12 @@ def compare_command(
     same command goes on from there.
     """
     from eval.compare import Settings, compare
-    from eval.entries import load_entries, maneuver_names
+    from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.progress import StudyProgress
 
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    loaded = load_entries(wanted, settings.env_kwargs)
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted))
+    loaded = load_entries(wanted, settings.env_kwargs, settings.env)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
         raise InputError(f"reference: {reference!r} given, allowed are {allowed}")

@@ -16,7 +16,8 @@ from eval.entries import Entry, fingerprint
 from eval.results import Results
 from jawenv.anatomy import cohort
 from jawenv.errors import InputError
-from jawenv.rollout import play
+from jawenv.ladder import model_of_env
+from jawenv.rollout import DEFAULT_ENV, play
 
 CONTROLS = ("force", "trajectory")
 SENSORS = ("pose", "point")
@@ -36,6 +37,7 @@ class Settings:
         control: `force` or `trajectory`.
         sensors: `pose` or `point`.
         episode_s: length of every episode, > 0.
+        env: id of the environment; as given, also its short name or its model's.
 
     Raises:
         InputError: a value is not allowed.
@@ -47,9 +49,11 @@ class Settings:
     control: str = "force"
     sensors: str = "pose"
     episode_s: float = 30.0
+    env: str = DEFAULT_ENV
 
     def __post_init__(self) -> None:
-        """Check every value."""
+        """Check every value, and spell the environment's id out."""
+        object.__setattr__(self, "env", model_of_env(self.env).env_id)
         if self.patients < 1:
             raise InputError(f"patients: {self.patients} given, allowed is 1 or more")
         if self.seed < 0:
@@ -90,6 +94,7 @@ def play_entry(entry: Entry, settings: Settings, progress: Progress | None = Non
         patients=settings.patients,
         seed=settings.seed,
         env_kwargs=entry.env_kwargs,
+        env_id=entry.env_id,
         progress=report,
     )
     return results.from_recording(recording, entry.label, settings.seed, entry.about())
@@ -121,10 +126,14 @@ def compare(
         The tables of the study, as saved.
 
     Raises:
-        InputError: no entry, the output folder cannot be used, or a kept file is damaged.
+        InputError: no entry, or one of another environment than the settings'; the output folder cannot be used, or a
+            kept file is damaged.
     """
     if not entries:
         raise InputError("nothing to compare: name a maneuver or a training run, or use --all-maneuvers")
+    for entry in entries:
+        if entry.env_id != settings.env:
+            raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.env}")
     kept = None if output is None else _kept_in(output)
     parts = []
     for entry in entries:

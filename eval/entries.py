@@ -7,12 +7,17 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jawenv
 from agents import registry
 from agents.policies import TrainedPolicy
 from agents.protocol import Agent
+from jawenv.errors import InputError
+from jawenv.rollout import DEFAULT_ENV
+
+if TYPE_CHECKING:
+    from training.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
 _STUDYS_OWN = ("cohort", "episode_s")
@@ -32,7 +37,8 @@ class Entry:
     Attributes:
         label: unique within the study.
         spec: what the user typed: a maneuver's name, a file or a run's folder.
-        env_kwargs: arguments of the environment it is played in.
+        env_id: the environment it is played in.
+        env_kwargs: its arguments.
         note: in which settings it differs from those asked for; empty if in none.
         trained: whether it comes from a training run.
         description: what it does, in a sentence; empty if unknown.
@@ -41,6 +47,7 @@ class Entry:
 
     label: str
     spec: str
+    env_id: str
     env_kwargs: dict[str, Any]
     note: str
     trained: bool
@@ -52,6 +59,7 @@ class Entry:
         return {
             "label": self.label,
             "spec": self.spec,
+            "env_id": self.env_id,
             "env_kwargs": self.env_kwargs,
             "note": self.note,
             "trained": self.trained,
@@ -64,17 +72,28 @@ def maneuver_names() -> tuple[str, ...]:
     return (*registry.names(), registry.RANDOM)
 
 
-def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any]) -> list[Entry]:
+def env_of_runs(specs: Iterable[str]) -> str:
+    """Id of the environment that the first trained run of some entries was trained in; the default if there is none.
+
+    Raises:
+        InputError: a run's configuration is damaged.
+    """
+    trained_in = (_env_of_run(spec) for spec in specs)
+    return next((own.id for own in trained_in if own is not None), DEFAULT_ENV)
+
+
+def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
     Args:
         specs: maneuvers, files or runs; one named twice counts once.
         env_kwargs: settings asked for.
+        env_id: the environment of the study.
 
     Raises:
-        InputError: an unknown maneuver, a damaged file or checkpoint.
+        InputError: an unknown maneuver, a damaged file or checkpoint, or a run that was trained in another environment.
     """
-    entries = [_load(spec, env_kwargs) for spec in dict.fromkeys(specs)]
+    entries = [_load(spec, env_kwargs, env_id) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -82,8 +101,14 @@ def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any]) -> list[Entry
     ]
 
 
-def _load(spec: str, env_kwargs: dict[str, Any]) -> Entry:
-    trained_in = _settings_of_run(spec)
+def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
+    run = _env_of_run(spec)
+    if run is not None and run.id != env_id:
+        raise InputError(
+            f"{spec} was trained in {run.id}, but this comparison is in {env_id}: "
+            "entries of one comparison have one environment"
+        )
+    trained_in = {} if run is None else _DEFAULTS | run.kwargs
     asked = _DEFAULTS | env_kwargs
     own = {key: trained_in[key] for key in _OWN_OF_A_RUN if trained_in.get(key, asked[key]) != asked[key]}
     notes = [f"played with {key} {value}" for key, value in own.items()]
@@ -91,11 +116,12 @@ def _load(spec: str, env_kwargs: dict[str, Any]) -> Entry:
         f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
     ]
     settings = asked | own
-    agent = registry.load_agent(spec, control=settings["control"], control_hz=settings["control_hz"])
+    agent = registry.load_agent(spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id)
     maneuver = getattr(agent, "maneuver", None)
     return Entry(
         label=agent.name,
         spec=spec,
+        env_id=env_id,
         env_kwargs=env_kwargs | own,
         note=", ".join(notes),
         trained=isinstance(agent, TrainedPolicy),
@@ -104,8 +130,8 @@ def _load(spec: str, env_kwargs: dict[str, Any]) -> Entry:
     )
 
 
-def _settings_of_run(spec: str) -> dict[str, Any]:
-    """Arguments of the environment that a run was trained in; none if `spec` is not a run or a checkpoint of one."""
+def _env_of_run(spec: str) -> EnvConfig | None:
+    """The environment that a run was trained in; None if `spec` is not a run or a checkpoint of one."""
     path = Path(spec)
     if path.is_dir():
         folders = [path]
@@ -115,8 +141,8 @@ def _settings_of_run(spec: str) -> dict[str, Any]:
         if (folder / "config.yaml").is_file():
             from training.config import TrainingConfig
 
-            return _DEFAULTS | TrainingConfig.load(folder / "config.yaml").env.kwargs
-    return {}
+            return TrainingConfig.load(folder / "config.yaml").env
+    return None
 
 
 def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:

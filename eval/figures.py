@@ -11,19 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
-from eval import drawing, words
+from eval import drawing, panels, words
 from eval.drawing import BAND, INK, REFERENCE
 from eval.ranking import SIGMAS, Ranking
 from eval.results import Results
 from eval.statistics import Interval
 
-_MUSCLES = ("masseter", "temporalis", "medial_pterygoid")
-_COLUMNS = (
-    ("log_F_o", "left", r"$F_o$ left"),
-    ("log_F_o", "right", r"$F_o$ right"),
-    ("log_b", "left", r"$b$ left"),
-    ("log_b", "right", r"$b$ right"),
-)
 _TARGETS = (0.10, 0.05, 0.02)
 
 P = ParamSpec("P")
@@ -40,7 +33,7 @@ def _styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 @_styled
 def overview(study: Results, ranking: Ranking) -> Figure:
-    """True information with its interval, and the worst of the 12 sd of every patient."""
+    """True information with its interval, and the worst sd of every patient."""
     height = 1.0 + 0.36 * len(ranking.rows)
     figure = Figure(figsize=(9.6, height), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
@@ -62,7 +55,7 @@ def overview(study: Results, ranking: Ranking) -> Figure:
     right.plot([], [], "o", color=INK, label="median, with interval")
     right.plot([], [], "|", color=INK, ms=11, mew=1.6, label="90 % of patients")
     left.set(title="Information, nats (more is better)")
-    right.set(title="Worst of the 12 sd (less is better)")
+    right.set(title=f"Worst of the {ranking.n_parameters} sd (less is better)")
     drawing.log_percent(right, "x", ticks=(0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100))
     drawing.entries_down(left, ranking)
     drawing.entries_down(right, ranking, labelled=False)
@@ -125,10 +118,10 @@ def differences(study: Results, ranking: Ranking) -> Figure:
 
 @_styled
 def sd_over_time(study: Results, ranking: Ranking) -> Figure:
-    """Median sd of every parameter over time, all entries: 3 muscles by F_o and b by side."""
+    """Median sd of every parameter over time, all entries."""
     head = drawing.legend_height(ranking)
-    figure = Figure(figsize=(9.6, 6.4 + head))
-    grid = _parameter_grid(figure, study, head)
+    figure = Figure(figsize=(9.6, panels.height(study, head)))
+    grid = panels.grid(figure, study, head)
     colour, dash = drawing.colours(ranking), drawing.dashes(ranking)
     for parameter, axes in grid.items():
         for row in reversed(ranking.rows):
@@ -142,40 +135,13 @@ def sd_over_time(study: Results, ranking: Ranking) -> Figure:
 @_styled
 def sd_of_entry(study: Results, entry: str, colour: str = "#3b82c4") -> Figure:
     """Sd of every parameter over time of one entry: median, middle 80 % of the patients, and the bound."""
-    figure = Figure(figsize=(9.6, 6.4))
-    for parameter, axes in _parameter_grid(figure, study).items():
+    figure = Figure(figsize=(9.6, panels.height(study)))
+    for parameter, axes in panels.grid(figure, study).items():
         time, curve = _curve(study, entry, f"sd/{parameter}")
         axes.fill_between(time, curve["low"], curve["high"], color=colour, alpha=0.22, lw=0)
         axes.plot(time, curve["centre"], color=colour)
         axes.plot(time, curve["bound"], color=INK, ls=(0, (4, 2)), lw=1.0)
     return figure
-
-
-def _parameter_grid(figure: Figure, study: Results, head: float = 0.0) -> dict[str, Axes]:
-    """Twelve panels with common axes, by parameter, below a head of so many inches."""
-    width, height = figure.get_size_inches()
-    # Fixed margins, in inches: twelve like panels need no search for a layout, which would take seconds.
-    margins = {
-        "left": 0.62 / width,
-        "right": 1.0 - 0.12 / width,
-        "bottom": 0.48 / height,
-        "top": 1.0 - (head + 0.28) / height,
-    }
-    grid = figure.subplots(3, 4, sharex=True, sharey=True, gridspec_kw=margins | {"wspace": 0.12, "hspace": 0.22})
-    sd = study.curves[study.curves["quantity"].str.startswith("sd/")]
-    found = {}
-    for line, muscle in zip(grid, _MUSCLES, strict=True):
-        for axes, (letter, side, title) in zip(line, _COLUMNS, strict=True):
-            found[f"{letter}/{muscle}_{side}"] = axes
-            axes.set_title(f"{muscle.replace('_', ' ')}  {title}", fontsize=8.5)
-            drawing.log_percent(axes)
-            axes.set_xlim(0.0, float(sd["time_s"].max()))
-    grid[0, 0].set_ylim(0.8 * float(np.nanmin(sd[["low", "bound"]].to_numpy())), 1.15 * float(sd["high"].max()))
-    for axes in grid[:, 0]:
-        axes.set_ylabel("sd")
-    for axes in grid[-1]:
-        axes.set_xlabel("time, s")
-    return found
 
 
 def _curve(study: Results, entry: str, quantity: str, points: int = 90) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -191,10 +157,10 @@ def _curve(study: Results, entry: str, quantity: str, points: int = 90) -> tuple
 def time_to_target(study: Results, ranking: Ranking) -> Figure:
     """Share of the patients whose worst sd has reached 10, 5 and 2 %, over time."""
     figure = Figure(figsize=(9.6, 2.6 + drawing.legend_height(ranking)), layout="constrained")
-    panels = figure.subplots(1, len(_TARGETS), sharey=True)
+    all_axes = figure.subplots(1, len(_TARGETS), sharey=True)
     colour, dash = drawing.colours(ranking), drawing.dashes(ranking)
     longest = float(study.patients["duration_s"].max())
-    for axes, target in zip(panels, _TARGETS, strict=True):
+    for axes, target in zip(all_axes, _TARGETS, strict=True):
         for row in reversed(ranking.rows):
             seconds = np.sort(study.of(row.entry)[f"time_to_{target:g}_s"].to_numpy())
             reached = seconds[np.isfinite(seconds)]
@@ -205,12 +171,12 @@ def time_to_target(study: Results, ranking: Ranking) -> Figure:
                 lw=2.2 if row.trained else 1.4, clip_on=False,
             )  # fmt: skip
         axes.set(
-            title=f"All 12 within {100 * target:g} %",
+            title=f"All {ranking.n_parameters} within {100 * target:g} %",
             xlabel="time, s",
             xlim=(0.0, longest),
             ylim=(0.0, 101.0),
         )
-    panels[0].set_ylabel("patients, %")
+    all_axes[0].set_ylabel("patients, %")
     drawing.legend_above(figure, ranking)
     return figure
 
@@ -252,7 +218,7 @@ def nees_over_time(study: Results, ranking: Ranking) -> Figure:
     axes = figure.subplots()
     colour, dash = drawing.colours(ranking), drawing.dashes(ranking)
     axes.axhspan(*ranking.band, color=BAND, alpha=0.45, lw=0)
-    highest = lowest = 12.0
+    highest = lowest = float(ranking.n_parameters)
     for row in reversed(ranking.rows):
         time, curve = _curve(study, row.entry, "nees", points=200)
         axes.plot(time, curve["centre"], color=colour[row.entry], ls=dash[row.entry], lw=2.2 if row.trained else 1.4)

@@ -12,7 +12,7 @@ from eval import statistics
 from eval.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, nees_band
+from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, nees_band, whole_muscles_per_line
 
 SIGMAS = {1: 0.6827, 2: 0.9545, 3: 0.9973}
 """Share of a Gaussian within so many standard deviations of its mean."""
@@ -34,12 +34,12 @@ class Row:
         information_bound: by the posterior Cramer-Rao bound.
         honesty_gap: claimed minus true.
         difference: true information minus the reference's, patient by patient; None for the reference itself.
-        worst_sd_median: median over the patients of the worst of the 12 sd.
+        worst_sd_median: median over the patients of the worst sd of all parameters.
         worst_sd_p90: its 90 % quantile.
         worst_sd_max: its maximum.
         identified: number of parameters known.
         rmse_over_bound: error as a multiple of the bound.
-        nees: 12 if honest.
+        nees: the number of parameters if honest.
         nees_prior: the same of the prior, before anything was measured.
         inside: sigmas -> share of the truths within so many claimed standard deviations.
         share_to: target of the worst sd -> share of the patients that reach it.
@@ -86,15 +86,24 @@ class Ranking:
 
     Attributes:
         rows: best first.
+        env: id of the environment that all were played in.
+        parameters: names of what was to be identified.
         reference: the entry that differences are taken against.
         patients: how many.
         band: in which 95 % of honest studies of this size have their mean NEES.
     """
 
     rows: tuple[Row, ...]
+    env: str
+    parameters: tuple[str, ...]
     reference: str
     patients: int
     band: tuple[float, float]
+
+    @property
+    def n_parameters(self) -> int:
+        """How many parameters there are, which is also what an honest NEES is on average."""
+        return len(self.parameters)
 
     def calibration(self, row: Row) -> str:
         """`honest`, `overconfident` or `cautious`, by the mean NEES against its band."""
@@ -120,6 +129,8 @@ def rank(study: Results, reference: str | None = None) -> Ranking:
     number = len(study.of(against))
     return Ranking(
         rows=tuple(_row(study, entry, against) for entry in order),
+        env=study.env,
+        parameters=study.parameters,
         reference=against,
         patients=number,
         band=nees_band(number, len(study.parameters)),
@@ -137,9 +148,10 @@ def _row(study: Results, entry: str, reference: str) -> Row:
     times = {float(target): table[f"time_to_{target}_s"].to_numpy(dtype=np.float64) for target in targets}
     truth, error, sd = (study.array(entry, name) for name in ("truth", "error", "sd"))
     forces = np.array([name.startswith("log_F_o/") for name in study.parameters])
+    fibrosed_F_o_N = FIBROSED_F_O_N * whole_muscles_per_line(study.parameters)
     diagnoses = {
         name: diagnose(truth[:, of], (truth + error)[:, of], sd[:, of], threshold)
-        for name, of, threshold in (("fibrosed", forces, FIBROSED_F_O_N), ("blocked", ~forces, BLOCKED_B))
+        for name, of, threshold in (("fibrosed", forces, fibrosed_F_o_N), ("blocked", ~forces, BLOCKED_B))
     }
     information = table["information_true"].to_numpy()
     paired = study.of(reference)["information_true"].to_numpy()

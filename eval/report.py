@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,18 +12,18 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from eval import drawing, figures, svg, verdict, words
+from eval import drawing, figures, panels, svg, verdict, words
 from eval.ranking import Ranking
 from eval.results import Results
 from eval.statistics import RESAMPLES
-from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 
 TEMPLATES = Path(__file__).parent / "templates"
 
 
 @dataclass(frozen=True)
 class EntryFigure:
-    """The 12 parameters of one entry over time."""
+    """The parameters of one entry over time."""
 
     entry: str
     picture: Markup
@@ -75,7 +76,10 @@ def render(study: Results, ranking: Ranking) -> str:
         remarks=verdict.remarks(ranking),
         pictures=dict(_pictures(study, ranking)),
         entry_figures=list(_entry_figures(study, ranking)),
-        fibrosed_F_o_N=FIBROSED_F_O_N,
+        muscles=[words.muscle(name) for name in ranking.parameters[::2]],
+        sided=panels.sided(ranking.parameters),
+        shrinks=1.0 - math.exp(-1.0 / ranking.n_parameters),
+        fibrosed_F_o_N=FIBROSED_F_O_N * whole_muscles_per_line(ranking.parameters),
         blocked_b=BLOCKED_B,
         confidence=CONFIDENCE,
         resamples=RESAMPLES,

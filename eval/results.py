@@ -23,7 +23,7 @@ import pyarrow.parquet as pq
 
 from jawenv.errors import InputError
 from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
-from jawenv.rollout import Recording
+from jawenv.rollout import DEFAULT_ENV, Recording
 
 Array = npt.NDArray[np.float64]
 _KEY = b"jawenv.eval"
@@ -66,6 +66,12 @@ class Results:
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters, in their order."""
         return tuple(name.removeprefix("sd/") for name in map(str, self.patients) if name.startswith("sd/"))
+
+    @property
+    def env(self) -> str:
+        """Id of the environment that the entries were played in; tables of older studies do not say."""
+        env: str = self.about.get("settings", {}).get("env", DEFAULT_ENV)
+        return env
 
     @property
     def entries(self) -> tuple[str, ...]:

@@ -46,13 +46,13 @@ def _table(title: str, *columns: str) -> Table:
 
 def _precision(ranking: Ranking) -> Table:
     table = _table(
-        "How well all 12 parameters are known at the end",
+        f"How well all {ranking.n_parameters} parameters of {ranking.env} are known at the end",
         "true info\nnats",
         "minus that of\nthe reference",
         "worst sd, %\nmedian",
         "\np90",
         "\nmax",
-        "NEES\nhonest: 12",
+        f"NEES\nhonest: {ranking.n_parameters}",
         "so the sd\nare",
     )
     for place, row in enumerate(ranking.rows, 1):
@@ -77,7 +77,7 @@ def _speed(ranking: Ranking) -> Table:
         "How soon: median time until the worst sd is within a target, and share of patients that get there",
         *(f"{target}\ns" for target in targets),
         *(f"{target}\nshare, %" for target in targets),
-        "known\nof 12",
+        f"known\nof {ranking.n_parameters}",
     )
     for place, row in enumerate(ranking.rows, 1):
         table.add_row(

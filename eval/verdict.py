@@ -8,15 +8,16 @@ from eval.ranking import Ranking, Row
 
 def headline(ranking: Ranking) -> str:
     """Who is best, and what that is worth."""
-    best = ranking.rows[0]
+    best, number = ranking.rows[0], ranking.n_parameters
     tail = (
-        f"In half of the patients the worst of its 12 sd is {words.percent(best.worst_sd_median.value)} % or smaller, "
-        f"in nine of ten {words.percent(best.worst_sd_p90.value)} %"
+        f"In half of the patients the worst of its {number} sd is {words.percent(best.worst_sd_median.value)} % or "
+        f"smaller, in nine of ten {words.percent(best.worst_sd_p90.value)} %"
     )
     tail += ", but these sd are too small: see below." if ranking.calibration(best) == "overconfident" else "."
     tied = [words.label(row.entry) for row in ranking.rows[1:] if _tied(row)] if ranking.reference == best.entry else []
     also = f" Not distinguishable from it on these patients: {_list(tied)}." if tied else ""
-    return f"The 12 parameters are identified best by {words.label(best.entry)}. {tail}{also}"
+    what = f"The {number} parameters of {ranking.env}"
+    return f"{what} are identified best by {words.label(best.entry)}. {tail}{also}"
 
 
 def remarks(ranking: Ranking) -> list[str]:

@@ -9,15 +9,16 @@ import gymnasium as gym
 import numpy as np
 
 import jawenv
-from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.observation import observation_layout, parameters_of
 
 
 class Sway:
     """A policy of a few lines: all motors open the jaw by a sine, the horizontal ones against each other."""
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
-        """Action (N, 4) for observations (N, 63), as stable-baselines3's policies give it."""
-        gone = 1.0 - observation[..., OBSERVATION_LAYOUT["time_left"]]
+        """Action (N, 4) for observations (N, size), as stable-baselines3's policies give it."""
+        layout = observation_layout(parameters_of(observation.shape[-1]))
+        gone = 1.0 - observation[..., layout["time_left"]]
         push = 0.2 * np.sin(2.0 * np.pi * 6.0 * gone)
         opening = 0.15 * np.sin(np.pi * gone)
         return np.concatenate([opening, opening, push, -push], axis=-1).astype(np.float32), state

@@ -13,6 +13,7 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
+from jawenv.ladder import model_of_env
 
 FILE = Path(__file__).parent / "opening_with_circles.yaml"
 
@@ -24,13 +25,16 @@ def main() -> None:
     parser.add_argument("--patients", type=int, default=16)
     parser.add_argument("--episode-s", type=float, default=30.0)
     parser.add_argument("--control", choices=["force", "trajectory"], default="force")
+    parser.add_argument("--env", default="jawenv/Jaw-v0", help="id of the environment, e.g. jawenv/JawSides-v0")
     given = parser.parse_args()
 
-    agent = load_agent(given.maneuver, control=given.control)
+    env_id = model_of_env(given.env).env_id
+    agent = load_agent(given.maneuver, control=given.control, env_id=env_id)
     env_kwargs = {"control": given.control, "episode_s": given.episode_s}
-    score = jawenv.score(jawenv.play(agent, patients=given.patients, seed=0, env_kwargs=env_kwargs))
+    recording = jawenv.play(agent, patients=given.patients, seed=0, env_kwargs=env_kwargs, env_id=env_id)
+    score = jawenv.score(recording)
 
-    print(f"{agent.name} on {given.patients} patients of the default cohort, {given.episode_s:g} s each\n")
+    print(f"{agent.name} in {env_id} on {given.patients} patients of the default cohort, {given.episode_s:g} s each\n")
     print("parameter                        claimed sd   rms error     bound   (median, rms, median over the patients)")
     rms = np.sqrt(np.mean(score.error**2, axis=0))
     for i, name in enumerate(score.parameter_names):
@@ -39,7 +43,7 @@ def main() -> None:
     print(
         f"\ninformation: {np.mean(score.information_true):.1f} nats, {np.mean(score.information_claimed):.1f} claimed"
     )
-    print(f"NEES: {np.mean(score.nees):.1f} (honest: about 12)")
+    print(f"NEES: {np.mean(score.nees):.1f} (honest: about {len(score.parameter_names)})")
     print(f"discomfort: {np.mean(score.discomfort_s):.2f} s, a hard limit crossed in {np.mean(score.violated):.0%}")
 
 

@@ -133,3 +133,16 @@ def model_named(name: str) -> Model:
     if not isinstance(name, str) or name not in MODELS:
         raise InputError(f"model is {name!r}; allowed: {', '.join(MODELS)}")
     return MODELS[name]
+
+
+def model_of_env(env: str) -> Model:
+    """The model that an environment runs, by its id, its id without namespace and version, or the model's own name.
+
+    Raises:
+        InputError: none of these; the message lists the ids.
+    """
+    for model in MODELS.values():
+        if env in (model.env_id, model.title, model.name):
+            return model
+    ids = ", ".join(model.env_id for model in MODELS.values())
+    raise InputError(f"env {env!r}: unknown; allowed: {ids}, also as JawSides or sides")

@@ -59,7 +59,7 @@ _NOTHING_AFTER_THE_END = {"cost", "governor"}
 
 @dataclass(frozen=True)
 class Recording:
-    """N episodes of one agent, as arrays over worlds (N), times (T + 1) and parameters (P, 12 for Jaw-v0).
+    """N episodes of one agent, as arrays over worlds (N), times (T + 1) and parameters (P).
 
     Parameters are natural logs. After a world has ended (`valid` False) its arrays hold their last value, and
     its cost and governor share are 0.

@@ -24,9 +24,13 @@ ConfigFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="YAML file of settings; default training/configs/ppo.yaml."),
 ]
+Environment = Annotated[
+    str | None,
+    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v0, or JawSides, or sides."),
+]
 Output = Annotated[
     Path | None,
-    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG-seedSEED."),
+    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
 ]
 Steps = Annotated[
     int | None,
@@ -54,6 +58,7 @@ def _root() -> None:
 @train_app.command("ppo")
 def ppo(
     config: ConfigFile = None,
+    env: Environment = None,
     output: Output = None,
     steps: Steps = None,
     seed: Seed = None,
@@ -69,6 +74,7 @@ def ppo(
     evaluations.csv, a TensorBoard log, and all that is needed to repeat the run. Options given here win over
     the settings file.
     """
+    from jawenv.ladder import model_of_env
     from training import train
     from training.config import DEFAULT_CONFIG, TrainingConfig
     from training.run import RunFolder
@@ -77,14 +83,18 @@ def ppo(
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
     if resume is not None:
-        settings = {"config": config, "output": output, "seed": seed, "n-envs": n_envs, "device": device}
+        settings = {"config": config, "env": env, "output": output, "seed": seed, "n-envs": n_envs, "device": device}
         flags = {"continue": continue_, "overwrite": overwrite}
         for name in (name for name, value in (settings | flags).items() if value not in (None, False)):
             raise InputError(f"--{name} cannot be combined with --resume, which keeps the settings of the run")
         return train.resume(RunFolder(resume), console, steps)
     source = config or DEFAULT_CONFIG
-    wanted = TrainingConfig.load(source).changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    run = RunFolder(output or Path("runs") / f"{source.stem}-seed{wanted.seed}")
+    wanted, stem = TrainingConfig.load(source), source.stem
+    if env is not None:
+        model = model_of_env(env)
+        wanted, stem = wanted.in_env(model.env_id), f"{stem}-{model.title}"
+    wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
+    run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
     if continue_ and run.exists():
         run.check_settings(wanted)
         return train.resume(run, console, wanted.steps)

@@ -31,6 +31,8 @@ class EnvConfig(InputModel):
         for key in ("num_envs", "autoreset_mode", "render_mode"):
             if key in self.kwargs:
                 raise ValueError(f"{key!r} is set by the training itself and cannot stand here")
+        if "model" in self.kwargs:
+            raise ValueError("'model' follows from env.id and cannot stand here")
         return self
 
 
@@ -114,6 +116,10 @@ class TrainingConfig(InputModel):
         """
         given = {key: value for key, value in values.items() if value is not None}
         return validate(TrainingConfig, self.model_dump(mode="json") | given, "command line")
+
+    def in_env(self, env_id: str) -> TrainingConfig:
+        """The same run in another environment, with the same arguments."""
+        return self.changed(env={"id": env_id, "kwargs": self.env.kwargs})
 
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""

@@ -2,7 +2,8 @@
 
 The condyle is a circle that slides, rolls and may lift off a fossa made of segments; contact is one-sided and has
 Coulomb friction. The midline model's condyle is bound to a smooth path without friction. The circle's centre follows
-that same path z = d (cos f x - 1) while it touches, because the segments lie on the path's parallel curve.
+that same path z = d (cos f x - 1) while it touches, because the segments lie on the path's parallel curve. The teeth
+are the midline model's springs.
 
 Plane and signs: x forward, z up; theta and moments turn about +y (left), so theta > 0 opens: the chin goes down and
 back. pymunk turns the other way, from x to z. Its space is in mm, kg and s, hence mN and mN mm: condyle and fossa are
@@ -13,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import exp, isfinite
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from jawenv.anatomy import load_quantities
 from jawenv.errors import InputError
 from jawenv.mechanics.sagittal_forces import passive_forces, turned
-from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, add_fossa, add_mandible, add_upper_teeth
+from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, add_fossa, add_mandible
 
 __all__ = ["CondyleContact", "Plane", "SagittalJaw", "WrenchAt"]
 
@@ -41,10 +42,6 @@ SEGMENT = 0.01e-3
 ITERATIONS = 20
 # Overlap beyond the slop decays within 10 ms, by displacement alone: it gives the body no speed.
 OVERLAP_TIME = 0.01
-SETTLING_TIME = 0.05  # s, decay of speed while the jaw settles
-# At rest: within 50 ms the condyle moves by less than 5 um and the mouthpiece by about as much (100 mm from it).
-# Without friction the condyle chatters in its corner by some 2 um, so no speed can tell.
-REST_TIME, REST_MOTION = 0.05, (5e-6, 5e-6, 5e-5)
 
 
 class CondyleContact(NamedTuple):
@@ -64,7 +61,7 @@ class CondyleContact(NamedTuple):
 
 
 class SagittalJaw:
-    """A mandible in the sagittal plane, in contact with its fossa and the upper teeth.
+    """A mandible in the sagittal plane, in contact with its fossa.
 
     Args:
         jaw: Record from ``jawenv.mechanics.build_jaw``. Of lines outside the plane y = 0 the lateral force is left
@@ -72,8 +69,6 @@ class SagittalJaw:
         muscles: (n, 2) F_o (N) and b of the record's first n lines.
         friction: Coulomb's coefficient of condyle on fossa; a healthy joint's by default.
         condyle_radius: of the condyle (m); ``mandible.toml``'s by default.
-        teeth: "rigid": the teeth meet like stone, with friction. "elastic": each tooth has the record's spring, as in
-            the midline model.
         step: Time step (s).
         segment: Length of a fossa's segment along the condyle's path (m).
 
@@ -88,7 +83,6 @@ class SagittalJaw:
         *,
         friction: float | None = None,
         condyle_radius: float | None = None,
-        teeth: Literal["rigid", "elastic"] = "rigid",
         step: float = STEP,
         segment: float = SEGMENT,
     ) -> None:
@@ -99,7 +93,6 @@ class SagittalJaw:
             raise InputError(f"muscles has shape {self.muscles.shape}; allowed: (n, 2), n at most {len(jaw['l_o'])}")
         self.friction = float(joint["joint_friction"].si() if friction is None else friction)
         self.condyle_radius = float(bones["condyle_radius"].si() if condyle_radius is None else condyle_radius)
-        self.tooth_friction = float(joint["tooth_friction"].si())
         self.step, self.segment = step, segment
         if not (isfinite(self.friction) and self.friction >= 0):
             raise InputError(f"friction = {self.friction} must be at least 0")
@@ -109,9 +102,6 @@ class SagittalJaw:
         tightest = 1.0 / (self.jaw["fossa_drop"] * self.jaw["fossa_frequency"] ** 2)
         if not SLOP / MM < self.condyle_radius < tightest:
             raise InputError(f"condyle_radius = {self.condyle_radius} must lie between 0 and the path's {tightest:.4g}")
-        if teeth not in ("rigid", "elastic"):
-            raise InputError(f"teeth = {teeth!r}; allowed: 'rigid', 'elastic'")
-        self._elastic = teeth == "elastic"
         self.place(np.zeros(6))
 
     def place(self, state: ArrayLike) -> None:
@@ -125,9 +115,7 @@ class SagittalJaw:
         space.collision_slop = SLOP
         space.collision_bias = exp(-1.0 / OVERLAP_TIME)  # the share of an overlap that is left after 1 s
         add_fossa(space, self.jaw, self.condyle_radius, self.segment)
-        if not self._elastic:
-            add_upper_teeth(space, self.jaw, self.tooth_friction)
-        body = add_mandible(space, self.jaw, self.condyle_radius, self.friction, not self._elastic)
+        body = add_mandible(space, self.jaw, self.condyle_radius, self.friction)
         arm_x, arm_z = turned(self.jaw["centre_of_mass"], theta)
         body.angle = -theta
         body.position = MM * (x + arm_x), MM * (z + arm_z)
@@ -172,30 +160,6 @@ class SagittalJaw:
         newton = 1.0 / (MM * self.step * steps)
         self._contact = CondyleContact(self._touched, touches / steps, newton * self._impulse, newton * self._rub)
 
-    def settle(self, x: float, theta: float, longest: float = 2.0) -> bool:
-        """Put the jaw on the fossa at (x, theta), m and rad, and let it come to rest with its speed damped.
-
-        Args:
-            x: The midline model's rest pose, from which the plant's differs by friction and by the teeth.
-            theta: as ``x``.
-            longest: Time allowed (s).
-
-        Returns:
-            Whether it came to rest.
-        """
-        self.place((x, self.jaw["fossa_drop"] * (np.cos(self.jaw["fossa_frequency"] * x) - 1.0), theta, 0.0, 0.0, 0.0))
-        self._space.damping = exp(-1.0 / SETTLING_TIME)  # the share of the speed that is left after 1 s
-        at_rest, ticks = False, max(1, round(REST_TIME / self.step))
-        for _ in range(round(longest / (ticks * self.step))):
-            before = self.state
-            self.advance(ticks * self.step)
-            at_rest = bool((np.abs(self.state - before)[:3] < REST_MOTION).all())
-            if at_rest:
-                break
-        self._space.damping = 1.0
-        self._body.velocity, self._body.angular_velocity = (0.0, 0.0), 0.0
-        return at_rest
-
     def _state_after(self, dt: float) -> tuple[float, float, float, float, float, float]:
         """State when the body has moved on for ``dt`` at its present speed."""
         body = self._body
@@ -209,7 +173,7 @@ class SagittalJaw:
         # A step of pymunk moves the body first and changes its speed then. With the forces of the place to which it
         # is about to move, this is the semi-implicit Euler method; those of the old place would feed energy in.
         x, z, theta, x_rate, z_rate, theta_rate = state = self._state_after(self.step)
-        force_x, force_z, moment = passive_forces(self.jaw, self.muscles, state, self._elastic)
+        force_x, force_z, moment = passive_forces(self.jaw, self.muscles, state)
         if wrench_at is not None:
             arm_x, arm_z = turned(self.jaw["mouthpiece"], theta)
             velocity = (x_rate + theta_rate * arm_z, z_rate - theta_rate * arm_x)

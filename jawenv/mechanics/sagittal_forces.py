@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from jawenv.compiled import njit
-from jawenv.mechanics.forces import capsule_force, muscle_pull, smooth_ramp
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.forces import capsule_force, carried_forces
 from jawenv.mechanics.kinematics import rotation
-from jawenv.mechanics.vec3 import add, apply, cross, row3, scale, vector3
+from jawenv.mechanics.vec3 import apply, vector3
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -21,27 +20,14 @@ def turned(point: Any, theta: float) -> tuple[float, float]:
 
 
 @njit
-def passive_forces(jaw: Any, muscles: Any, state: Six, elastic_teeth: bool) -> tuple[float, float, float]:
+def passive_forces(jaw: Any, muscles: Any, state: Six) -> tuple[float, float, float]:
     """Force forward and up (N) and moment about +y (N m) about the condyle's centre, of all but device and contact.
 
     ``muscles`` (n, 2) belongs to the first n lines; ``state`` is x, z, theta, x', z', theta'. The capsule holds the
     condyle in front of the crest; behind x = 0 the fossa's wall comes first.
     """
     x, z, theta, x_rate, z_rate, theta_rate = state
-    body_to_head = rotation((x, 0.0, theta, 0.0, 0.0))
-    condyle = (x, 0.0, z)
-    weight = scale(jaw.mass, vector3(jaw.gravity))
-    force, moment = weight, cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
-    for i in range(muscles.shape[0]):
-        arm, direction, _, tension = muscle_pull(jaw, muscles, i, condyle, body_to_head)
-        pull = scale(tension, direction)
-        force, moment = add(force, pull), add(moment, cross(arm, pull))
-    if elastic_teeth:
-        for i in range(N_TEETH):
-            arm = apply(body_to_head, row3(jaw.teeth, i))
-            ramp, _ = smooth_ramp(z + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
-            push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
-            force, moment = add(force, push), add(moment, cross(arm, push))
+    force, moment = carried_forces(jaw, muscles, (x, 0.0, z), rotation((x, 0.0, theta, 0.0, 0.0)))
     capsule, _ = capsule_force(jaw, x)
     c = jaw.damping_sliding
     return force[0] + capsule - c * x_rate, force[2] - c * z_rate, moment[1] - jaw.damping_rotation * theta_rate

@@ -1,4 +1,4 @@
-"""Shapes of condyle, fossa and teeth in pymunk's space, in mm."""
+"""Shapes of condyle and fossa in pymunk's space, in mm."""
 
 from __future__ import annotations
 
@@ -12,11 +12,9 @@ MM = 1e3
 # mm of overlap that contact rests on. Without it a contact is lost in every other step and the body falls back onto
 # the fossa with the speed of one step's free fall.
 SLOP = 0.01
-CONDYLE, FOSSA, TOOTH, UPPER_TEETH = 1, 2, 3, 4
+CONDYLE, FOSSA = 1, 2
 WALL = 15.0  # mm that the walls at both ends reach down
 END = 1.5  # crests from the roof to the front wall
-CUSP = 1.0  # mm, radius of a tooth's contact
-BEYOND = 15.0  # mm that the upper teeth's plane goes on before the first and behind the last tooth
 
 
 def fossa_outline(jaw: Any, radius: float, segment: float) -> NDArray[np.float64]:
@@ -49,27 +47,11 @@ def add_fossa(space: pymunk.Space, jaw: Any, radius: float, segment: float) -> N
         space.add(shape)
 
 
-def add_upper_teeth(space: pymunk.Space, jaw: Any, friction: float) -> None:
-    """The upper teeth: a thick plane through the places of the lower ones when the jaw is closed."""
-    teeth = MM * jaw["teeth"][np.argsort(jaw["teeth"][:, 0])][:, ::2]
-    along = (teeth[-1] - teeth[0]) / np.linalg.norm(teeth[-1] - teeth[0])
-    up = np.array([-along[1], along[0]]) * CUSP
-    start, end = teeth[0] - BEYOND * along + up, teeth[-1] + BEYOND * along + up
-    shape = pymunk.Segment(space.static_body, (start[0], start[1]), (end[0], end[1]), CUSP)
-    shape.friction, shape.collision_type = friction, UPPER_TEETH
-    space.add(shape)
-
-
-def add_mandible(space: pymunk.Space, jaw: Any, radius: float, friction: float, teeth: bool) -> pymunk.Body:
-    """The mandible about its centre of mass: the condyle's circle and, with ``teeth``, those of the cusps."""
+def add_mandible(space: pymunk.Space, jaw: Any, radius: float, friction: float) -> pymunk.Body:
+    """The mandible about its centre of mass, with the condyle's circle."""
     body = pymunk.Body(float(jaw["mass"]), MM * MM * float(jaw["inertia"][1, 1]))
     centre = MM * jaw["centre_of_mass"][::2]
     condyle = pymunk.Circle(body, MM * radius, (-centre[0], -centre[1]))
     condyle.friction, condyle.collision_type = friction, CONDYLE
     space.add(body, condyle)
-    places = np.unique(MM * jaw["teeth"][:, ::2], axis=0) if teeth else np.empty((0, 2))
-    for x, z in places:
-        cusp = pymunk.Circle(body, CUSP, (float(x - centre[0]), float(z - CUSP - centre[1])))
-        cusp.friction, cusp.collision_type = 1.0, TOOTH
-        space.add(cusp)
     return body

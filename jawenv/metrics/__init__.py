@@ -12,7 +12,7 @@ from jawenv.metrics.calibration import (
     nees_band,
     true_information,
 )
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.metrics.score import TARGETS, Score, score
 
@@ -35,5 +35,6 @@ __all__ = [
     "score",
     "time_to",
     "true_information",
+    "whole_muscles_per_line",
     "worst_sd",
 ]

@@ -41,7 +41,7 @@ def nees(error: Array, covariance: Array) -> Array:
     return squared
 
 
-def nees_band(patients: int, parameters: int = 12, confidence: float = 0.95) -> tuple[float, float]:
+def nees_band(patients: int, parameters: int, confidence: float = 0.95) -> tuple[float, float]:
     """Interval in which the mean NEES over patients of an honest filter lies.
 
     Args:
@@ -103,7 +103,7 @@ def claimed_information(covariance: Array, prior_sd: Array) -> Array:
         prior_sd: (P,) of an independent Gaussian prior.
 
     Returns:
-        (...) in nats; 1 nat shrinks every one of 12 standard deviations by 8 %.
+        (...) in nats; 1 nat shrinks each of P standard deviations by the factor exp(-1/P): for 12 by 8 %.
 
     Raises:
         InputError: a covariance is not positive definite.

@@ -9,18 +9,20 @@ specificity.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from jawenv.anatomy.muscles import known_muscle_sets
 from jawenv.errors import InputError
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-# Boundaries between the ranges of healthy and of pathological muscles: passive force at closed jaw up to 1 N
-# against 1 to 10 N, exponent 5 to 10 against 10 to 35.
+# Boundaries between the ranges of healthy and of pathological muscles: passive force of a whole muscle at closed jaw up
+# to 1 N against 1 to 10 N, exponent 5 to 10 against 10 to 35.
 FIBROSED_F_O_N = 1.0
 BLOCKED_B = 10.0
 CONFIDENCE = 0.95
@@ -64,6 +66,15 @@ class Diagnosis:
 
 def _share(hits: Mask, among: Mask) -> float:
     return float(np.mean(hits[among])) if among.any() else float("nan")
+
+
+def whole_muscles_per_line(parameter_names: Sequence[str]) -> float:
+    """How many whole muscles a line of the model with these parameters stands for: what a threshold of F_o takes.
+
+    One half for portions, two for left and right together; 1 for parameters of no model of jawenv.
+    """
+    of_model = {muscles.parameter_names: muscles.whole_muscles_per_line for muscles in known_muscle_sets().values()}
+    return of_model.get(tuple(parameter_names), 1.0)
 
 
 def diagnose(truth: Array, mean: Array, sd: Array, threshold: float, confidence: float = CONFIDENCE) -> Diagnosis:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from jawenv.errors import InputError
 from jawenv.metrics.calibration import claimed_information, covered, nees, true_information
-from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.rollout import Recording
 
@@ -129,7 +129,8 @@ def score(
         recording: see `jawenv.rollout.play`.
         targets: thresholds of the worst sd whose time is taken.
         sd_limit: largest sd of an identified parameter.
-        fibrosed_F_o_N: F_o (N) above which a muscle is fibrosed.
+        fibrosed_F_o_N: F_o (N) above which a whole muscle is fibrosed; a line that stands for several, or for a part,
+            has that multiple.
         blocked_b: b above which a muscle is blocked.
         confidence: posterior probability from which on a diagnosis counts as made.
 
@@ -147,6 +148,7 @@ def score(
     over_time = recording.belief_sd
     lived = np.diff(recording.time) * recording.valid[:, 1:]
     forces = np.array([name.startswith("log_F_o/") for name in recording.parameter_names])
+    fibrosed_F_o_N *= whole_muscles_per_line(recording.parameter_names)
     prior_cov = np.diag(np.square(recording.prior_sd))
     return Score(
         parameter_names=recording.parameter_names,

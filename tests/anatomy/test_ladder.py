@@ -15,7 +15,7 @@ from jawenv.anatomy import (
     two_sides,
 )
 from jawenv.errors import InputError
-from jawenv.ladder import MODELS, model_named
+from jawenv.ladder import MODELS, model_named, model_of_env
 
 SETS = known_muscle_sets()
 
@@ -27,6 +27,17 @@ def test_every_model_has_its_thesis_parameters() -> None:
         InputError, match=r"^model is 'knee'; allowed: hinge, sagittal, sides, jaw, portions, bilateral$"
     ):
         model_named("knee")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_an_environment_is_known_by_id_title_and_model(name: str) -> None:
+    model = MODELS[name]
+    assert [model_of_env(env) for env in (model.env_id, model.title, name)] == [model] * 3
+
+
+def test_an_unknown_environment_gets_the_ids() -> None:
+    with pytest.raises(InputError, match=r"^env 'knee': unknown; allowed: jawenv/JawHinge-v0, .*JawBilateral-v0"):
+        model_of_env("knee")
 
 
 def test_midplane_lines_are_what_a_pair_does_together() -> None:

@@ -2,6 +2,8 @@
 
 from eval import results
 from eval.results import Results
+from jawenv.ladder import model_of_env
+from jawenv.rollout import DEFAULT_ENV
 from tests.metrics.linear_gaussian import linear_gaussian
 
 GOOD, TRAINED, BOASTFUL, IDLE = "good_one", "ppo-seed0", "boastful", "hold_still"
@@ -9,10 +11,11 @@ GOOD, TRAINED, BOASTFUL, IDLE = "good_one", "ppo-seed0", "boastful", "hold_still
 ENTRIES = {GOOD: (0.3, 1.0, 0.0), IDLE: (20.0, 1.0, 0.0), TRAINED: (0.5, 1.0, 0.4), BOASTFUL: (0.6, 0.2, 0.0)}
 
 
-def about(label: str) -> dict:
+def about(label: str, env: str = DEFAULT_ENV) -> dict:
     return {
         "label": label,
         "spec": label,
+        "env_id": env,
         "env_kwargs": {"control": "force"},
         "note": "played with control trajectory" if label == TRAINED else "",
         "trained": label == TRAINED,
@@ -20,12 +23,19 @@ def about(label: str) -> dict:
     }
 
 
-def study(patients: int = 40) -> Results:
+def study(patients: int = 40, env: str = DEFAULT_ENV) -> Results:
+    names = model_of_env(env).muscles.parameter_names
     parts = [
-        results.from_recording(linear_gaussian(patients, noise=noise, shrink=shrink, hurt=hurt), label, 7, about(label))
+        results.from_recording(
+            linear_gaussian(patients, noise=noise, shrink=shrink, hurt=hurt, parameters=names),
+            label,
+            7,
+            about(label, env),
+        )
         for label, (noise, shrink, hurt) in ENTRIES.items()
     ]
     settings = {
+        "env": env,
         "patients": patients,
         "cohort": "trismus",
         "seed": 7,
@@ -38,7 +48,7 @@ def study(patients: int = 40) -> Results:
         {
             "command": "python -m eval compare good_one",
             "settings": settings,
-            "entries": [about(label) for label in ENTRIES],
+            "entries": [about(label, env) for label in ENTRIES],
             "versions": {"jawenv": "0.1.0"},
             "finished": "2030-01-01 00:00 UTC",
         },

@@ -1,4 +1,5 @@
 import json
+import shutil
 from dataclasses import replace
 
 import pandas as pd
@@ -7,7 +8,7 @@ import pytest
 from eval import compare as comparison
 from eval.cli import main
 from eval.compare import Settings
-from eval.entries import fingerprint, load_entries, maneuver_names
+from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
 from jawenv.errors import InputError
 
 SHORT = ["--patients", "2", "--episode-s", "0.5"]
@@ -106,6 +107,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
         (["hold_still", "--reference", "chirp"], "reference: 'chirp' given, allowed are hold_still"),
         (["no_such.yaml"], "no_such.yaml"),
         (["no_such.zip"], "no_such.zip"),
+        (["hold_still", "--env", "knee"], "env 'knee': unknown; allowed: jawenv/JawHinge-v0, jawenv/JawSagittal-v0, "),
     ],
 )
 def test_bad_input_is_one_line(arguments, message, tmp_path, capsys):
@@ -177,6 +179,7 @@ def test_settings_are_kept_with_the_results(tmp_path):
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     about = results.load(tmp_path).about
     assert about["settings"]["patients"] == 2
+    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v0"
     assert about["entries"][0]["label"] == "hold_still"
     assert "numpy" in about["versions"]
     json.dumps(about)
@@ -199,6 +202,40 @@ def trained_run(tmp_path_factory):
     settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
     TrainingConfig.model_validate(settings).save(folder / "config.yaml")
     return folder
+
+
+def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained_run, tmp_path, capsys):
+    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v0"
+    other = tmp_path / "other"
+    shutil.copytree(trained_run, other)
+    text = (other / "config.yaml").read_text()
+    (other / "config.yaml").write_text(text.replace("jawenv/Jaw-v0", "jawenv/JawBilateral-v0"))
+    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v0"
+    output = tmp_path / "study"
+    for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
+        assert run(*arguments, *SHORT, "--output", str(output)) == 2
+        told = capsys.readouterr().err
+        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v0, but this comparison is in jawenv/J")
+        assert told.count("\n") == 1
+    assert not output.exists()
+
+
+def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, capsys):
+    shutil.copy(trained_run / "best_model.zip", tmp_path / "policy.zip")
+    assert run(str(tmp_path / "policy.zip"), "--env", "sides", *SHORT, "--output", str(tmp_path / "study")) == 2
+    assert "was trained on observations of 63 values, the environment gives 47" in capsys.readouterr().err
+
+
+def test_entries_of_another_environment_than_the_settings_are_refused():
+    entries = load_entries(["hold_still"], Settings().env_kwargs, "jawenv/JawSides-v0")
+    with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v0, but this comparison is in jawenv/Jaw-v"):
+        comparison.compare(entries, Settings())
+
+
+def test_another_environment_is_another_study(tmp_path, plays):
+    assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
+    assert run("hold_still", *SHORT, "--output", str(tmp_path), "--env", "hinge") == 0
+    assert plays == ["hold_still", "hold_still"]
 
 
 @pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])

@@ -91,6 +91,29 @@ def test_every_figure_is_valid_svg_in_the_colours_of_the_page(made, name):
     assert "<script" not in text
 
 
+@pytest.mark.parametrize(
+    ("env", "number", "first"),
+    [
+        ("jawenv/JawHinge-v0", 2, "closers"),
+        ("jawenv/JawSagittal-v0", 6, "masseter"),
+        ("jawenv/JawSides-v0", 4, "$F_o$ left"),
+        ("jawenv/JawPortions-v0", 24, "superficial masseter"),
+    ],
+)
+def test_the_report_follows_the_parameters_of_the_environment(env, number, first):
+    made = study(patients=5, env=env)
+    page = report.render(made, rank(made))
+    assert f"<title>{env}: " in page
+    assert f"The {number} parameters of {env} are identified best by good one." in page
+    for words in (f"worst of the {number} sd", f"honest: {number})", f"known<br>of {number}<"):
+        assert words in page
+    assert not re.search(r"\b(of|all|the) 12\b", page, re.IGNORECASE)
+    assert len(page) < 6_000_000
+    panels = figures.sd_of_entry(made, GOOD).axes
+    assert len({axes.get_title(loc="left") for axes in panels}) == number
+    assert panels[0].get_title(loc="left").startswith(first)
+
+
 def test_curves_show_what_the_table_holds(made):
     grid = figures.sd_of_entry(made, BOASTFUL).axes
     assert len(grid) == 12

@@ -62,39 +62,34 @@ def test_forces_are_those_of_the_midline_model(jaw, x):
     slope = -jaw["fossa_drop"] * jaw["fossa_frequency"] * np.sin(jaw["fossa_frequency"] * x)
     state = (x, contact_point(jaw, q)[2], q[2], x_rate, slope * x_rate, theta_rate)
     expected = (force[0], force[2], moment[1] - jaw["damping_rotation"] * theta_rate)
-    np.testing.assert_allclose(passive_forces(jaw, plane.muscles(), state, True), expected, rtol=1e-12)
+    np.testing.assert_allclose(passive_forces(jaw, plane.muscles(), state), expected, rtol=1e-12)
 
 
 def test_lines_of_one_side_with_twice_the_force_are_both_sides(jaw):
     state = (4e-3, -2e-3, 0.2, 0.0, 0.0, 0.0)
-    both = passive_forces(jaw, plane.muscles(), state, False)
-    np.testing.assert_allclose(passive_forces(jaw, plane.muscles((3.0, 7.0))[:3], state, False), both, rtol=1e-12)
+    both = passive_forces(jaw, plane.muscles(), state)
+    np.testing.assert_allclose(passive_forces(jaw, plane.muscles((3.0, 7.0))[:3], state), both, rtol=1e-12)
 
 
-def test_it_comes_to_rest_on_the_fossa_and_in_balance(jaw):
-    sagittal = plant(jaw, friction=0.0, teeth="elastic")
-    assert sagittal.settle(*plane.midline_rest(jaw))
+def test_it_rests_where_the_midline_model_does(jaw):
+    sagittal, rest = plant(jaw, friction=0.0), plane.on_path(jaw, *plane.midline_rest(jaw))
+    sagittal.place(rest)
+    sagittal.advance(0.5)
+    np.testing.assert_allclose(sagittal.state[:3], rest[:3], rtol=0.0, atol=5e-5)
     sagittal.advance(0.1)
     x, z, theta, *speed = sagittal.state
     assert sagittal.contact.touching and sagittal.contact.share == 1.0
     np.testing.assert_allclose(speed, 0.0, atol=2e-3)
     assert z == pytest.approx(contact_point(jaw, (x, 0.0, 0.0, 0.0, 0.0))[2], abs=2e-6)
-    push = passive_forces(jaw, plane.muscles(), tuple(sagittal.state), True)
+    push = passive_forces(jaw, plane.muscles(), tuple(sagittal.state))
     assert sagittal.contact.normal == pytest.approx(np.hypot(*push[:2]), rel=0.01)
     assert sagittal.contact.friction == pytest.approx(0.0, abs=1e-9)
 
 
-def test_rest_on_rigid_teeth_is_near_that_of_the_midline_model(jaw):
-    sagittal = plant(jaw)
-    x, theta = plane.midline_rest(jaw)
-    assert sagittal.settle(x, theta)
-    assert sagittal.state[0] == pytest.approx(x, abs=0.3e-3)
-    assert sagittal.state[2] == pytest.approx(theta, abs=0.01)
-
-
 def test_the_condyle_leaves_the_fossa_when_it_is_pulled_down(jaw):
     sagittal = plant(jaw)
-    sagittal.settle(*plane.midline_rest(jaw))
+    sagittal.place(plane.on_path(jaw, *plane.midline_rest(jaw)))
+    sagittal.advance(0.1)
     assert sagittal.contact.touching
     # A force of 15 N whose line runs through the condyle: at the mouthpiece, the force and a closing moment.
     sagittal.advance(0.1, lambda place, *_: (0.0, -15.0, -15.0 * (place[0] - sagittal.state[0])))
@@ -130,15 +125,6 @@ def test_the_condyle_stays_between_its_walls(jaw, forward):
         assert sagittal.state[0] > jaw["crest"]
 
 
-def test_rigid_teeth_stop_the_jaw(jaw):
-    sagittal = plant(jaw)
-    sagittal.place(plane.on_path(jaw, 0.0, 0.05))
-    for _ in range(50):
-        sagittal.advance(0.01, lambda *_: (0.0, 30.0, 0.0))
-        assert plane.opening(jaw, sagittal.state[None])[0] > -1e-4
-    np.testing.assert_allclose(plane.opening(jaw, sagittal.state[None]), 0.0, atol=5e-5)
-
-
 def test_friction_holds_a_small_force_and_gives_way_to_a_large_one(jaw):
     jaw, law = weightless(jaw)
     mu, radius = 0.3, 4.4e-3
@@ -167,8 +153,8 @@ def test_friction_holds_a_small_force_and_gives_way_to_a_large_one(jaw):
 
 def test_same_inputs_same_numbers(jaw):
     def run(sagittal):
-        settled = sagittal.settle(*plane.midline_rest(jaw))
-        return settled, plane.pulled_down(sagittal, 0.5, lambda t: 10.0 * t).tolist(), sagittal.contact
+        sagittal.place(plane.on_path(jaw, *plane.midline_rest(jaw)))
+        return plane.pulled_down(sagittal, 0.5, lambda t: 10.0 * t).tolist(), sagittal.contact
 
     one, other = plant(jaw), plant(jaw)
     first = run(one)
@@ -191,7 +177,6 @@ def test_an_error_in_the_device_is_not_swallowed(jaw):
         ({"step": 0.0}, "step = 0.0 must be greater than 0"),
         ({"segment": 0.0}, "segment = 0.0 must be greater than 0"),
         ({"condyle_radius": 6e-3}, "condyle_radius = 0.006 must lie between 0 and the path's 0.00595"),
-        ({"teeth": "none"}, "teeth = 'none'; allowed: 'rigid', 'elastic'"),
     ],
 )
 def test_faulty_arguments_are_refused(jaw, options, message):

@@ -1,9 +1,9 @@
 """A linear-Gaussian estimation problem whose calibration is known exactly, recorded like an episode.
 
 Patients are drawn from the prior, every measurement is linear in the log-parameters with Gaussian noise, and
-the belief is the exact posterior (Kalman's). So the NEES is chi-squared with 12 degrees of freedom and
-claimed equals true information on average. `shrink` multiplies the covariance that is claimed: the NEES is
-then 12 / shrink.
+the belief is the exact posterior (Kalman's). So the NEES is chi-squared with as many degrees of freedom as there
+are parameters, 12 by default, and claimed equals true information on average. `shrink` multiplies the covariance
+that is claimed: the NEES is then 12 / shrink.
 """
 
 import numpy as np
@@ -15,8 +15,6 @@ MUSCLES = [
 ]
 PARAMETERS = tuple(f"log_{letter}/{muscle}" for muscle in MUSCLES for letter in ("F_o", "b"))
 LIMITS = ("force", "opening", "side", "fore_aft", "condyle_fore_aft", "condyle_side", "speed", "tension")
-PRIOR_MEAN = np.tile(np.log([1.2, 7.0]), 6)
-PRIOR_SD = np.tile([0.5, 0.3], 6)
 
 
 def linear_gaussian(
@@ -26,12 +24,14 @@ def linear_gaussian(
     noise: float = 1.0,
     shrink: float = 1.0,
     hurt: float = 0.0,
+    parameters: tuple[str, ...] = PARAMETERS,
 ) -> Recording:
     """Record `patients` exact estimations over `steps` of 0.5 s; odd patients bear the cost `hurt`."""
     rng = np.random.default_rng(seed)
-    size = len(PARAMETERS)
-    truth = PRIOR_MEAN + PRIOR_SD * rng.standard_normal((patients, size))
-    mean, cov = np.tile(PRIOR_MEAN, (patients, 1)), np.tile(np.diag(PRIOR_SD**2), (patients, 1, 1))
+    size = len(parameters)
+    prior_mean, prior_sd = np.tile(np.log([1.2, 7.0]), size // 2), np.tile([0.5, 0.3], size // 2)
+    truth = prior_mean + prior_sd * rng.standard_normal((patients, size))
+    mean, cov = np.tile(prior_mean, (patients, 1)), np.tile(np.diag(prior_sd**2), (patients, 1, 1))
     means, covs = [mean], [cov]
     for _ in range(steps):
         row = rng.standard_normal((patients, 3, size))
@@ -46,7 +46,7 @@ def linear_gaussian(
     exact = np.stack(covs, axis=1)
     claimed = exact.copy()
     claimed[:, 1:] *= shrink
-    information = 0.5 * (2.0 * np.sum(np.log(PRIOR_SD)) - np.linalg.slogdet(exact)[1])
+    information = 0.5 * (2.0 * np.sum(np.log(prior_sd)) - np.linalg.slogdet(exact)[1])
     shape = (patients, steps + 1)
     cost = np.zeros(shape)
     cost[1::2, 1:] = hurt
@@ -55,8 +55,8 @@ def linear_gaussian(
         belief_mean=np.stack(means, axis=1),
         belief_cov=claimed,
         truth=truth,
-        prior_mean=PRIOR_MEAN,
-        prior_sd=PRIOR_SD,
+        prior_mean=prior_mean,
+        prior_sd=prior_sd,
         bound_sd=np.sqrt(np.diagonal(exact, axis1=-2, axis2=-1)),
         information_claimed=information - 0.5 * size * np.log(shrink),
         information_true=information,
@@ -67,6 +67,6 @@ def linear_gaussian(
         violation=np.zeros(shape, dtype=bool),
         valid=np.ones(shape, dtype=bool),
         terminated=np.zeros(patients, dtype=bool),
-        parameter_names=PARAMETERS,
+        parameter_names=parameters,
         comfort_names=LIMITS,
     )

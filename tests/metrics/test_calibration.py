@@ -69,7 +69,7 @@ def test_claimed_information_by_hand():
 
 
 def test_nees_band_is_the_chi_squared_interval_of_the_mean():
-    low, high = nees_band(60)
+    low, high = nees_band(60, 12)
     assert (low, high) == pytest.approx((10.79, 13.27), abs=0.01)
     assert low == pytest.approx(chi2.ppf(0.025, 720) / 60)
 

@@ -4,7 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jawenv.errors import InputError
-from jawenv.metrics import diagnose
+from jawenv.ladder import MODELS
+from jawenv.metrics import diagnose, score, whole_muscles_per_line
+from tests.metrics.linear_gaussian import linear_gaussian
 
 TRUTH = np.log([[2.0, 2.0, 2.0, 0.5, 0.5]])
 MEAN = np.log([[2.0, 1.05, 0.4, 0.5, 3.0]])
@@ -25,6 +27,17 @@ def test_who_has_learned_nothing_is_sensitive_and_specific_to_nothing():
     made = diagnose(TRUTH, np.zeros((1, 5)), np.full((1, 5), 0.5), threshold=1.0)
     assert (made.sensitivity, made.specificity, made.undecided) == (0.0, 0.0, 1.0)
     assert np.isnan(made.wrong)
+
+
+def test_a_line_that_stands_for_several_muscles_has_a_threshold_as_much_higher():
+    names = {name: model.muscles.parameter_names for name, model in MODELS.items()}
+    found = {name: whole_muscles_per_line(parameters) for name, parameters in names.items()}
+    assert found == {"hinge": 6.0, "sagittal": 2.0, "sides": 1.0, "jaw": 1.0, "portions": 0.5, "bilateral": 1.0}
+    assert whole_muscles_per_line(["log_F_o/tongue", "log_b/tongue"]) == 1.0
+    recording = linear_gaussian(20, parameters=names["hinge"])
+    made = score(recording)
+    assert made.fibrosed.raised.tolist() == (recording.truth[:, :1] > np.log(6.0)).tolist()
+    assert made.blocked.raised.tolist() == (recording.truth[:, 1:] > np.log(10.0)).tolist()
 
 
 def test_a_share_of_nobody_is_not_a_number():

@@ -14,7 +14,7 @@ def exact():
 
 
 def test_an_exact_posterior_is_calibrated(exact):
-    low, high = nees_band(400)
+    low, high = nees_band(400, 12)
     summary = exact.summary()
     assert low < summary["nees"] < high
     assert low < summary["nees_prior"] < high

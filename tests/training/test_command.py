@@ -181,6 +181,11 @@ def test_checkpoint_of_another_network_is_refused(
         (["--config", "nowhere.yaml"], "nowhere.yaml: no such file"),
         (["--device", "abacus"], "device 'abacus' cannot be used"),
         (["--resume", "nowhere"], "nowhere holds no run"),
+        (
+            ["--env", "knee"],
+            "env 'knee': unknown; allowed: jawenv/JawHinge-v0, jawenv/JawSagittal-v0, jawenv/JawSides-v0",
+        ),
+        (["--resume", "runs/a", "--env", "sides"], "--env cannot be combined with --resume"),
         (["--resume", "runs/a", "--seed", "1"], "--seed cannot be combined with --resume"),
         (["--colour", "red"], "No such option: --colour"),
     ],

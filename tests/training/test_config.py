@@ -54,6 +54,7 @@ def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
         ("ppo: {batch_size: 1000}", r"steps per update must be a multiple of ppo.batch_size 1000"),
         ("evaluation: {seed: 12}", r"evaluation.seed = 12 must be greater than or equal to 1000"),
         ("env: {kwargs: {num_envs: 3}}", r"env: 'num_envs' is set by the training itself"),
+        ("env: {kwargs: {model: sides}}", r"env: 'model' follows from env.id"),
         ("algorithm: sac", r"algorithm = 'sac' must be 'ppo'"),
         ("[1, 2]", r"must hold a mapping of keys to values, not a list"),
         ("ppo: [", r"damaged YAML: .*line 1"),

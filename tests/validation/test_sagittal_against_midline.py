@@ -27,8 +27,8 @@ def reference(jaw):
 
 
 def opened(jaw, **options):
-    sagittal = SagittalJaw(jaw, plane.muscles(), teeth="elastic", **options)
-    sagittal.settle(*plane.midline_rest(jaw))
+    sagittal = SagittalJaw(jaw, plane.muscles(), **options)
+    sagittal.place(plane.on_path(jaw, *plane.midline_rest(jaw)))
     return plane.pulled_down(sagittal, SECONDS, rising)
 
 
@@ -65,8 +65,8 @@ def test_friction_delays_opening_and_closing(jaw):
     """
     lags, widest = [], []
     for friction in (0.0, 0.0145, 0.05, 0.2):
-        sagittal = SagittalJaw(jaw, plane.muscles(), teeth="elastic", friction=friction)
-        sagittal.settle(*plane.midline_rest(jaw))
+        sagittal = SagittalJaw(jaw, plane.muscles(), friction=friction)
+        sagittal.place(plane.on_path(jaw, *plane.midline_rest(jaw)))
         states = plane.pulled_down(sagittal, 2 * SECONDS, lambda t: rising(SECONDS - abs(SECONDS - t)))
         height = plane.opening(jaw, states)
         up, down = height[:1000], height[1998:998:-1]
@@ -84,7 +84,7 @@ def test_a_free_oscillation_keeps_its_energy():
     law, swung = plane.muscles(), plane.on_path(jaw, x, theta + 0.06)
     lowest = plane.energy(jaw, law, plane.on_path(jaw, x, theta))
     start = plane.energy(jaw, law, swung) - lowest
-    sagittal = SagittalJaw(jaw, law, friction=0.0, teeth="elastic")
+    sagittal = SagittalJaw(jaw, law, friction=0.0)
     sagittal.place(swung)
     angles, shares = [], []
     for _ in range(200):
