@@ -59,6 +59,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
+        ("acted", "f8"),  # 1 when the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("fractions", "f8", N_LIMITS),

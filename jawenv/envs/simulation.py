@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numba
 import numpy as np
@@ -24,6 +24,9 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
+
+if TYPE_CHECKING:
+    from jawenv.envs.contact import ContactPlants
 
 Control = Literal["force", "trajectory"]
 Sensors = Literal["pose", "point"]
@@ -157,9 +160,15 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
+        self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
+
+    def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
+        from jawenv.envs.contact import ContactPlants
+
+        return ContactPlants(self.device, self.models, self.worlds, self.settings, sizes)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
@@ -232,6 +241,8 @@ class Simulation:
                 self._place(int(i), None, drawn[int(i)])
         else:
             raise InputError(f"cohort {self.cohort.name!r}: {REDRAWS} patients in a row cannot be treated")
+        if self._contact is not None:
+            self._contact.reset(chosen)
         self.look()
 
     def _place(self, index: int, patient: Patient | None, generator: np.random.Generator) -> None:
@@ -254,7 +265,10 @@ class Simulation:
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
-        advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches)
+        if self._contact is not None:
+            self._contact.advance(actions, active)
+        else:
+            advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches)
         self.look()
 
     def look(self) -> None:

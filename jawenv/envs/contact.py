@@ -1,0 +1,137 @@
+"""Worlds whose true jaw is a rigid body in contact, moved by pymunk; device, sensors and filter stay compiled.
+
+pymunk runs in Python, one jaw after another, so each tick is taken in three parts: the motors' command (compiled), the
+motion (pymunk, asking the compiled device for its wrench at every step), and load cell, filter and comfort (compiled).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.compiled import njit
+from jawenv.device.motors import device_wrench
+from jawenv.envs.advance import begin_tick, clear_step, end_tick, scratch_dtype, take_comfort
+from jawenv.envs.belief import refresh_information
+from jawenv.envs.plants import TICK, end_motion, keep_sample, lift_of, plus_wrench
+from jawenv.mechanics.kinematics import fossa, rotation, split
+from jawenv.mechanics.sagittal_forces import turned
+from jawenv.mechanics.vec3 import apply
+
+
+@njit
+def take_planar(world, x, z, theta, x_rate, z_rate, theta_rate):
+    """Set the midline coordinates and the lift of ``world`` from a motion in the sagittal plane."""
+    height, slope, _, _ = fossa(world.jaw, x)
+    for i in range(10):
+        world.state[i] = 0.0
+    world.state[0], world.state[2] = x, theta
+    world.state[5], world.state[8] = x_rate, theta_rate
+    world.lift[0], world.lift[1] = z - height, z_rate - slope * x_rate
+
+
+@njit
+def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
+    """Command of one tick of world i, and the first sample of the device's wrench."""
+    device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
+    begin_tick(device, models[i], world, actions[i], settings, scratch)
+    q, u = split(world.state)
+    wrench, acted = device_wrench(
+        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.trajectory
+    )
+    keep_sample(scratch.wrench, 0, wrench)
+    scratch.acted = acted
+
+
+@njit
+def contact_wrench(devices, worlds, i, all_settings, scratches, place, velocity, theta, theta_rate, since):
+    """Device and unmodelled wrench on world i: force forward and up (N), pitch moment (N m), as ``WrenchAt`` says."""
+    device, world, scratch = devices[0], worlds[i], scratches[i]
+    arm_x, arm_z = turned(world.jaw.mouthpiece, theta)
+    x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
+    take_planar(world, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
+    q, u = split(world.state)
+    wrench, acted = device_wrench(
+        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].trajectory
+    )
+    scratch.acted = max(scratch.acted, acted)
+    if abs(since - 0.5 * TICK) < 1e-9:
+        keep_sample(scratch.wrench, 1, wrench)
+    total = plus_wrench(wrench, scratch.unmodelled)
+    force = apply(rotation(q), (total[0], total[1], total[2]))
+    return force[0], force[2], total[4]
+
+
+@njit
+def contact_end(devices, models, worlds, i, all_settings, scratches, motion):
+    """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
+    device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
+    take_planar(world, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
+    acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
+    end_tick(device, models[i], world, settings, scratch)
+    share = 1.0 / settings.ticks_per_step
+    world.governor += share * acted
+    take_comfort(world, scratch, share)
+
+
+@njit
+def contact_clear(worlds, i):
+    """Forget the last step's discomfort of world i."""
+    clear_step(worlds[i])
+
+
+@njit
+def contact_inform(worlds, i, all_settings, scratches):
+    """Refresh the information of world i at a step's end."""
+    refresh_information(worlds[i], all_settings[0], scratches[i].matrix, scratches[i].right)
+
+
+class ContactPlants:
+    """The pymunk jaws of N worlds.
+
+    Args:
+        device: One record of dtype ``DEVICE``, in an array.
+        models: The filter's jaws.
+        worlds: The worlds.
+        settings: One record of dtype ``settings_dtype``, in an array.
+        sizes: Numbers of muscles, lines and states of motion.
+    """
+
+    def __init__(self, device: Any, models: Any, worlds: Any, settings: Any, sizes: tuple[int, int, int]) -> None:
+        """Allocate working memory; the jaws are made when their worlds are reset."""
+        self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
+        self._scratches = np.zeros(len(worlds), dtype=scratch_dtype(*sizes))
+        self._jaws: list[Any] = [None] * len(worlds)
+
+    def reset(self, chosen: NDArray[np.bool_]) -> None:
+        """Put the jaws of the chosen worlds on their fossae, at rest where the midline model rests."""
+        from jawenv.mechanics.sagittal import SagittalJaw
+
+        for i in np.flatnonzero(chosen):
+            world = self._worlds[i]
+            jaw = SagittalJaw(world["jaw"], world["muscles"])
+            x, theta = world["state"][0], world["state"][2]
+            jaw.place((x, fossa(world["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
+            self._jaws[i] = jaw
+
+    def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
+        """One control period of every active world with ``actions`` (N, 4)."""
+        for i in np.flatnonzero(active):
+            self._advance_world(int(i), actions)
+
+    def _advance_world(self, i: int, actions: NDArray[np.float64]) -> None:
+        device, worlds, settings, scratches = self._device, self._worlds, self._settings, self._scratches
+        jaw = self._jaws[i]
+
+        def wrench_at(*motion: Any) -> tuple[float, float, float]:
+            wrench: tuple[float, float, float] = contact_wrench(device, worlds, i, settings, scratches, *motion)
+            return wrench
+
+        contact_clear(worlds, i)
+        for _ in range(int(settings["ticks_per_step"][0])):
+            contact_begin(device, self._models, worlds, i, actions, settings, scratches)
+            jaw.advance(TICK, wrench_at)
+            contact_end(device, self._models, worlds, i, settings, scratches, tuple(jaw.state))
+        contact_inform(worlds, i, settings, scratches)
