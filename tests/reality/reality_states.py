@@ -25,8 +25,8 @@ def tensions(jaw, muscles, q):
 class Tissue:
     """The truth's tissue at rest in ``rest``, moved from pose to pose by ``tick``."""
 
-    def __init__(self, jaw, muscles, rest=REST, normals=None, **options):
-        self.jaw, self.muscles = jaw, muscles
+    def __init__(self, jaw, muscles, rest=REST, normals=None, tick=TICK, **options):
+        self.jaw, self.muscles, self.length = jaw, muscles, tick
         self.reality = Reality(**options).records()[0]
         self.state = np.zeros(1, dtype=reality_state_dtype(6))[0]
         for name in self.state.dtype.names:
@@ -37,5 +37,5 @@ class Tissue:
 
     def tick(self, q, u=STILL):
         """(6,) tension of each line at the start of a tick."""
-        update_tissue(self.reality, self.state, self.jaw, self.muscles, tuple(q), tuple(u), TICK, self.effective)
+        update_tissue(self.reality, self.state, self.jaw, self.muscles, tuple(q), tuple(u), self.length, self.effective)
         return tensions(self.jaw, self.effective, q)
