@@ -58,14 +58,17 @@ def limits_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def used_fractions(jaw, muscles, limits, q, u, force, fractions):
-    """Fill ``fractions`` (8) for a motion, the muscles' (F_o, b) and the magnitude of the force on the mouthpiece."""
+def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
+    """Fill ``fractions`` (8) for a motion, the lines' (F_o, b) and the magnitude of the force on the mouthpiece.
+
+    ``lift`` as in ``motors.mouthpiece_motion``.
+    """
     body_to_head = rotation(q)
-    contact = contact_point(jaw, q)
+    contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
     _, slope, _, _ = fossa(jaw, q[0])
     mouthpiece = vector3(jaw.mouthpiece)
     omega = (u[2], u[3], u[4])
-    velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, cross(omega, mouthpiece)))
+    velocity = add((u[0], u[1], slope * u[0] + lift[1]), apply(body_to_head, cross(omega, mouthpiece)))
     opening, side, fore_aft = excursions(limits, jaw, add(contact, apply(body_to_head, mouthpiece)))
     fractions[FORCE] = force / SOFT_FORCE
     fractions[OPENING] = max(opening, 0.0) / limits.opening

@@ -35,6 +35,7 @@ from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm
 
 # Where between the soft (0) and the hard limit (1) the governor begins.
 GOVERNOR_ONSET = 0.1
+ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
 STOP_ONSET_WIDTH = 0.5e-3
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
@@ -57,20 +58,23 @@ def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
 
 
 @njit
-def mouthpiece_motion(jaw, q, u, body_to_head):
-    """Place and velocity of the mouthpiece in head axes."""
+def mouthpiece_motion(jaw, q, u, lift, body_to_head):
+    """Place and velocity of the mouthpiece in head axes.
+
+    ``lift`` is what the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline model.
+    """
     arm = vector3(jaw.mouthpiece)
     _, slope, _, _ = fossa(jaw, q[0])
-    place = add(contact_point(jaw, q), apply(body_to_head, arm))
+    place = add(add(contact_point(jaw, q), (0.0, 0.0, lift[0])), apply(body_to_head, arm))
     spin = cross((u[2], u[3], u[4]), arm)
-    return place, add((u[0], u[1], slope * u[0]), apply(body_to_head, spin))
+    return place, add((u[0], u[1], slope * u[0] + lift[1]), apply(body_to_head, spin))
 
 
 @njit
-def command_motors(device, jaw, motors, q, u, action, trajectory, dt):
+def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
     """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor."""
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(jaw, q, u, body_to_head)
+    place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     follow = 1.0 - exp(-dt / device.lag)
     for i in range(N_MOTORS):
         _, _, position, rate = motor_point(device, jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
@@ -94,13 +98,13 @@ def command_motors(device, jaw, motors, q, u, action, trajectory, dt):
 
 
 @njit
-def device_wrench(device, jaw, limits, motors, q, u, since, trajectory):
+def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and governor's part.
 
     The last value is 1.0 when the governor acts, else 0.0.
     """
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(jaw, q, u, body_to_head)
+    place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     omega = (u[2], u[3], u[4])
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for i in range(N_MOTORS):

@@ -8,11 +8,12 @@ from numba.np.ufunc.parallel import get_thread_id
 
 from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
-from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import command_motors, device_wrench
+from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
+from jawenv.envs.plants import TICK, lift_of, true_motion
 from jawenv.estimation.ekf import (
     N_MEASUREMENTS,
+    add_couple,
     filter_scratch_dtype,
     follow_trend,
     mean_force,
@@ -24,14 +25,12 @@ from jawenv.estimation.ekf import (
     update,
     update_covariance,
 )
-from jawenv.estimation.sensitivity import N_SAMPLES, plus, propagate
-from jawenv.mechanics.dynamics import N_STATES, state_rate
+from jawenv.estimation.sensitivity import N_SAMPLES, propagate
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
 
-TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
-SUBSTEPS = 2  # Runge-Kutta steps of the true motion per tick
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 
@@ -40,10 +39,12 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
         ("trajectory", "u1"),
+        ("plant", "u1"),
         ("bound", "u1"),
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", 6),
+        ("couple_variance", "f8"),
         ("parameter_rate", "f8"),
         ("parameter_time", "f8"),
         ("prior_mean", "f8", (2 * n_muscles,)),
@@ -71,54 +72,6 @@ def scratch_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def keep_sample(samples, i, wrench):
-    """Write a wrench into row i."""
-    for k in range(6):
-        samples[i, k] = wrench[k]
-
-
-@njit
-def true_motion(device, world, scratch, trajectory):
-    """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
-    extra = scratch.unmodelled
-    acted = 0.0
-    h = TICK / SUBSTEPS
-    for substep in range(SUBSTEPS):
-        start_q, start_u = split(world.state)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-        for stage in range(4):
-            since = substep * h + (0.0 if stage == 0 else (h if stage == 3 else 0.5 * h))
-            wrench, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, since, trajectory)
-            acted = max(acted, governed)
-            if stage == 0 and 2 * substep % SUBSTEPS == 0:
-                keep_sample(scratch.wrench, 2 * substep // SUBSTEPS, wrench)
-            total = (
-                wrench[0] + extra[0],
-                wrench[1] + extra[1],
-                wrench[2] + extra[2],
-                wrench[3] + extra[3],
-                wrench[4] + extra[4],
-                wrench[5] + extra[5],
-            )
-            q_rate, u_rate = state_rate(world.jaw, world.muscles, q, u, total)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
-            reach = h if stage == 2 else 0.5 * h
-            q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
-        for i in range(5):
-            world.state[i] = start_q[i] + sum_q[i]
-            world.state[5 + i] = start_u[i] + sum_u[i]
-    q, u = split(world.state)
-    wrench, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, TICK, trajectory)
-    keep_sample(scratch.wrench, N_SAMPLES - 1, wrench)
-    if trajectory:
-        for i in range(N_MOTORS):
-            world.motors.target[i] += world.motors.rate[i] * TICK
-    return max(acted, governed)
-
-
-@njit
 def read_load_cell(device, world, scratch):
     """The load cell's samples: one gain error for the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
@@ -135,6 +88,8 @@ def sense(device, world, scratch):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
     measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
+    scratch.measured[2] += world.lift[0]
+    scratch.measured[8] += world.lift[1]
     for i in range(3):
         scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]
         scratch.measured[3 + i] += device.encoder_angle * normals[_ENCODERS + 3 + i]
@@ -143,24 +98,35 @@ def sense(device, world, scratch):
 
 
 @njit
-def advance_tick(device, model, world, action, settings, scratch):
-    """One tick of one world: command, motion, load cell, prediction, encoders, update, comfort."""
+def begin_tick(device, world, action, settings, scratch):
+    """Draw the tick's noise and let the motors take their command."""
     fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
     normals = scratch.normals
     q, u = split(world.state)
-    command_motors(device, world.jaw, world.motors, q, u, action, settings.trajectory, TICK)
+    command_motors(device, world.jaw, world.motors, q, u, lift_of(world), action, settings.trajectory, TICK)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
     for i in range(N_STATES):
         scratch.filter.state[i] = world.state[i]
-    acted = true_motion(device, world, scratch, settings.trajectory)
+
+
+@njit
+def advance_bound(model, world, settings, scratch):
+    """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
+    known = settings.wrench_variance
+    propagate(model, world.muscles, scratch.filter.state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
+    predict_covariance(world.bound, known, 0.0, 0.0, scratch.filter)
+    add_couple(model, world.state, world.bound, settings.couple_variance, scratch.filter)
+    update_covariance(model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
+
+
+@njit
+def end_tick(device, model, world, settings, scratch):
+    """Load cell, prediction, encoders and update after the motion of a tick."""
     read_load_cell(device, world, scratch)
     if settings.bound:
-        # scratch.filter.state still holds the true state at the start of the tick.
-        propagate(model, world.muscles, scratch.filter.state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-        predict_covariance(world.bound, settings.wrench_variance, 0.0, 0.0, scratch.filter)
-        update_covariance(model, world.state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
+        advance_bound(model, world, settings, scratch)
     noise = parameter_variance(settings.parameter_rate, settings.parameter_time, world.tick * TICK, TICK)
     predict(
         model,
@@ -173,6 +139,7 @@ def advance_tick(device, model, world, action, settings, scratch):
         noise,
         scratch.filter,
     )
+    add_couple(model, world.mean, world.covariance, settings.couple_variance, scratch.filter)
     follow_trend(world.trend, scratch.samples, TICK)
     sense(device, world, scratch)
     update(
@@ -185,7 +152,6 @@ def advance_tick(device, model, world, action, settings, scratch):
         scratch.filter,
     )
     world.tick += 1
-    return acted
 
 
 @njit
@@ -193,7 +159,7 @@ def take_comfort(world, scratch, share):
     """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
     q, u = split(world.state)
     force = norm(mean_force(scratch.wrench))
-    used_fractions(world.jaw, world.muscles, world.limits, q, u, force, scratch.fractions)
+    used_fractions(world.jaw, world.muscles, world.limits, q, u, lift_of(world), force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
         world.fractions[i] = max(world.fractions[i], fraction)
@@ -217,7 +183,9 @@ def advance_world(device, model, world, action, settings, scratch):
     clear_step(world)
     share = 1.0 / settings.ticks_per_step
     for _ in range(settings.ticks_per_step):
-        acted = advance_tick(device, model, world, action, settings, scratch)
+        begin_tick(device, world, action, settings, scratch)
+        acted = true_motion(device, world, scratch, settings)
+        end_tick(device, model, world, settings, scratch)
         world.governor += share * acted
         take_comfort(world, scratch, share)
     refresh_information(world, settings, scratch.matrix, scratch.right)

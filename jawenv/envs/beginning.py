@@ -9,10 +9,12 @@ from numba.np.ufunc.parallel import get_thread_id
 from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import motor_point, mouthpiece_motion
+from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
+from jawenv.envs.plants import BILATERAL, lift_of, take_body
 from jawenv.estimation.ekf import set_muscles, update, update_covariance
+from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
@@ -43,6 +45,8 @@ BEGINNING_SCRATCH = np.dtype(
         ("right", "f8", 5),
         ("poses", "f8", (RANGE_STEPS + 1, 5)),
         ("places", "f8", (RANGE_STEPS + 1, 3)),
+        ("body_matrix", "f8", (6, 6)),
+        ("body_right", "f8", 6),
     ],
     align=True,
 )
@@ -52,7 +56,7 @@ BEGINNING_SCRATCH = np.dtype(
 def keep_place(jaw, pose, places, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
-    place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), rotation(q))
+    place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
     for k in range(3):
         places[i, k] = place[k]
 
@@ -108,11 +112,32 @@ def set_limits(world, last, scratch):
 
 
 @njit
+def rest_on_two_condyles(world, scratch):
+    """Move the jaw from the midline model's rest to that on two condyles; False when it does not rest in reach.
+
+    The limits keep their widths, and are counted from the new pose of rest.
+    """
+    jaw, limits = world.jaw, world.limits
+    put_on_fossa(jaw, world.state, world.body)
+    free = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if not settle_bilateral(jaw, world.muscles, free, world.body, scratch.body_matrix, scratch.body_right):
+        return False
+    take_body(world)
+    q, u = split(world.state)
+    place, _ = mouthpiece_motion(jaw, q, u, lift_of(world), rotation(q))
+    limits.rest_opening = jaw.mouthpiece[2] - place[2]
+    limits.rest_side = place[1]
+    limits.rest_condyle_side = q[1]
+    limits.path[0] = place[0]
+    return limits.rest_opening <= REST_OPENING_MAX and abs(limits.rest_side) <= REST_SIDE_MAX
+
+
+@njit
 def reset_motors(device, world):
     """Motors without thrust, their targets where the resting jaw has put them."""
     q, u = split(world.state)
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(world.jaw, q, u, body_to_head)
+    place, velocity = mouthpiece_motion(world.jaw, q, u, lift_of(world), body_to_head)
     motors = world.motors
     for i in range(N_MOTORS):
         _, _, position, _ = motor_point(device, world.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
@@ -177,7 +202,10 @@ def begin_world(device, model, world, settings, scratch, beginning):
     world.state[0] = 3e-3 if world.jaw.free_x else 0.0
     world.state[2] = 0.05
     last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
+    world.lift[0], world.lift[1] = 0.0, 0.0
     if last < 0 or not set_limits(world, last, beginning):
+        return False
+    if settings.plant == BILATERAL and not rest_on_two_condyles(world, beginning):
         return False
     world.tick = 0
     world.violated = 0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import COMFORT_LIMITS
-from jawenv.envs.advance import TICK
+from jawenv.envs.plants import TICK
 
 _PARAMETERS = slice(10, -1)
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)

@@ -15,7 +15,7 @@ from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
-from jawenv.device.motors import motor_point, mouthpiece_motion
+from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import set_muscles
 from jawenv.mechanics.dynamics import N_STATES
@@ -106,7 +106,7 @@ def observe_world(device, model, world, settings, scratch, row):
         seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         seen[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(model, q, u, body_to_head)
+    place, velocity = mouthpiece_motion(model, q, u, ON_PATH, body_to_head)
     limits = world.limits
     excursion = excursions(limits, model, place)
     ranges = (limits.opening, limits.side, limits.fore_aft)
@@ -125,7 +125,7 @@ def observe_world(device, model, world, settings, scratch, row):
     set_muscles(model, world.mean, N_STATES, scratch.filter.muscles)
     gain = world.mean[world.mean.shape[0] - 1]
     force = (1.0 + gain) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
-    used_fractions(model, scratch.filter.muscles, limits, q, u, force, scratch.fractions)
+    used_fractions(model, scratch.filter.muscles, limits, q, u, ON_PATH, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     seen[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)

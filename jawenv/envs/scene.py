@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.advance import TICK
+from jawenv.envs.plants import TICK
 from jawenv.envs.simulation import Simulation
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split

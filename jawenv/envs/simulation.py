@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
 from jawenv.device.device import Device
-from jawenv.envs.advance import TICK, advance, scratch_dtype, settings_dtype
+from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
+from jawenv.envs.plants import PLANTS, TICK
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.ladder import model_named
@@ -30,6 +31,9 @@ Reward = Literal["uncertainty", "bound", "score"]
 PARAMETER_RATE = 0.03
 PARAMETER_TIME = 5.0
 REDRAWS = 200
+# N m, sd of the couple that two condyles exert on the jaw (20 N more on one side than on the other), as the filter
+# knows of it.
+CONDYLAR_COUPLE = 1.0
 LARGEST = 1e6  # of the numeric arguments
 
 
@@ -151,6 +155,8 @@ class Simulation:
         records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles)))
         settings = records[0]
         settings["trajectory"] = configuration.control == "trajectory"
+        settings["plant"] = PLANTS.index(self.model.plant)
+        settings["couple_variance"] = CONDYLAR_COUPLE**2 if self.model.plant == "bilateral" else 0.0
         settings["bound"] = configuration.needs_bound
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3

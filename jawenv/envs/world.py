@@ -9,6 +9,7 @@ import numpy as np
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.ekf import filter_size
+from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
 
@@ -38,6 +39,8 @@ def world_dtype(n_muscles: int, n_lines: int) -> np.dtype[np.void]:
         ("muscles", "f8", (n_lines, 2)),
         ("cell_gain", "f8"),
         ("state", "f8", N_STATES),
+        ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
+        ("body", "f8", N_BODY),  # of the plant with two condyles
         ("key", "u8", 2),
         ("tick", "i8"),
         ("limits", limits_dtype(n_lines)),

@@ -20,7 +20,7 @@ equals the joint update to rounding: all are linearised at the predicted mean.
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, sqrt
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from jawenv.compiled import njit
 from jawenv.estimation.sensitivity import propagate, sensitivity_fields
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
-from jawenv.mechanics.vec3 import add, apply, cross, vector3
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, vector3
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
@@ -227,6 +227,31 @@ def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, paramete
     shift_by_curvature(mean, scratch)
     set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
     predict_covariance(covariance, scratch.wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
+
+
+@njit
+def add_couple(jaw, state, covariance, variance, scratch):
+    """Add to P what a moment about the fossa's tangent does that nobody measures: the couple of two condyles.
+
+    Two condyles press unequally, which turns the jaw about the direction in which they slide. The midline model has no
+    such couple. A filter that knows of it takes it for a white moment of this variance ((N m)^2), so large that it
+    learns nothing from turning that way.
+    """
+    if variance == 0.0:
+        return
+    q, _ = split(state)
+    _, slope, _, _ = fossa(jaw, q[0])
+    long = sqrt(1.0 + slope * slope)
+    axis = apply_transposed(rotation(q), (1.0 / long, 0.0, slope / long))
+    moments = scratch.total.shape[1] - 3
+    for i in range(N_STATES):
+        turn = 0.0
+        for k in range(3):
+            turn += scratch.total[i, moments + k] * axis[k]
+        scratch.row[i] = turn
+    for i in range(N_STATES):
+        for j in range(N_STATES):
+            covariance[i, j] += variance * (scratch.row[i] * scratch.row[j])
 
 
 @njit

@@ -7,7 +7,7 @@ import pytest
 
 from jawenv.device.comfort import COMFORT_LIMITS, HARD, SOFT_FORCE
 from jawenv.device.motors import GOVERNOR_ONSET, command_motors, device_wrench
-from jawenv.envs.advance import SUBSTEPS, TICK
+from jawenv.envs.plants import SUBSTEPS, TICK
 from jawenv.mechanics.dynamics import state_rate
 
 ID = "jawenv/Jaw-v0"

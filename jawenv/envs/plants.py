@@ -1,0 +1,149 @@
+"""The true motion of one tick: the jaw's mechanics under the device, by the plant that the world has.
+
+The plants share one description of the motion: the midline model's coordinates (q, u), and the *lift*, how far the
+condyles' midpoint is off the path of the fossa (m) and how fast it leaves it (m/s). In the midline plant the lift is
+zero. The plant of pymunk is moved from Python (``contact``).
+"""
+
+from __future__ import annotations
+
+from jawenv.compiled import njit
+from jawenv.device.device import N_MOTORS
+from jawenv.device.motors import device_wrench
+from jawenv.estimation.sensitivity import N_SAMPLES, plus
+from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
+from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.kinematics import split
+
+TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
+SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick
+BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
+PLANTS = ("midline", "bilateral", "contact")
+MIDLINE, BILATERAL, CONTACT = range(len(PLANTS))
+
+
+@njit
+def keep_sample(samples, i, wrench):
+    """Write a wrench into row i."""
+    for k in range(6):
+        samples[i, k] = wrench[k]
+
+
+@njit
+def lift_of(world):
+    """The lift as a tuple."""
+    return world.lift[0], world.lift[1]
+
+
+@njit
+def plus_wrench(wrench, extra):
+    """The device's wrench and the unmodelled one together."""
+    return (
+        wrench[0] + extra[0],
+        wrench[1] + extra[1],
+        wrench[2] + extra[2],
+        wrench[3] + extra[3],
+        wrench[4] + extra[4],
+        wrench[5] + extra[5],
+    )
+
+
+@njit
+def stage_time(step, stage, h):
+    """Seconds since the tick's start at a stage of a Runge-Kutta step of length ``h``."""
+    if stage == 0:
+        return step * h
+    return step * h + (h if stage == 3 else 0.5 * h)
+
+
+@njit
+def midline_tick(device, world, scratch, trajectory):
+    """Move the midline plant through one tick; returns 1.0 if the governor acted."""
+    acted = 0.0
+    h = TICK / SUBSTEPS
+    for step in range(SUBSTEPS):
+        start_q, start_u = split(world.state)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+        for stage in range(4):
+            since = stage_time(step, stage, h)
+            wrench, governed = device_wrench(
+                device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, trajectory
+            )
+            acted = max(acted, governed)
+            if stage == 0 and 2 * step % SUBSTEPS == 0:
+                keep_sample(scratch.wrench, 2 * step // SUBSTEPS, wrench)
+            q_rate, u_rate = state_rate(world.jaw, world.muscles, q, u, plus_wrench(wrench, scratch.unmodelled))
+            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
+            reach = h if stage == 2 else 0.5 * h
+            q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
+        for i in range(5):
+            world.state[i] = start_q[i] + sum_q[i]
+            world.state[5 + i] = start_u[i] + sum_u[i]
+    return acted
+
+
+@njit
+def bilateral_tick(device, world, scratch, trajectory):
+    """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
+    acted = 0.0
+    h = TICK / BODY_SUBSTEPS
+    for step in range(BODY_SUBSTEPS):
+        start_q, start_u = split_body(world.body)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for stage in range(4):
+            since = stage_time(step, stage, h)
+            middle_q, middle_u, lift, lift_rate = midline_motion(world.jaw, q, u)
+            wrench, governed = device_wrench(
+                device, world.jaw, world.limits, world.motors, middle_q, middle_u, (lift, lift_rate), since, trajectory
+            )
+            acted = max(acted, governed)
+            if stage == 0 and 2 * step % BODY_SUBSTEPS == 0:
+                keep_sample(scratch.wrench, 2 * step // BODY_SUBSTEPS, wrench)
+            q_rate, u_rate = bilateral_rate(world.jaw, world.muscles, q, u, plus_wrench(wrench, scratch.unmodelled))
+            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            sum_q, sum_u = plus_six(sum_q, weight, q_rate), plus_six(sum_u, weight, u_rate)
+            reach = h if stage == 2 else 0.5 * h
+            q, u = plus_six(start_q, reach, q_rate), plus_six(start_u, reach, u_rate)
+        for i in range(6):
+            world.body[i] = start_q[i] + sum_q[i]
+            world.body[6 + i] = start_u[i] + sum_u[i]
+    take_body(world)
+    return acted
+
+
+@njit
+def take_body(world):
+    """Set the midline coordinates and the lift of ``world`` from its body with two condyles."""
+    body_q, body_u = split_body(world.body)
+    q, u, lift, lift_rate = midline_motion(world.jaw, body_q, body_u)
+    for i in range(5):
+        world.state[i] = q[i]
+        world.state[5 + i] = u[i]
+    world.lift[0], world.lift[1] = lift, lift_rate
+
+
+@njit
+def end_motion(device, world, scratch, trajectory):
+    """Last sample of the device's wrench in a tick, and the motors' targets where they have moved to."""
+    q, u = split(world.state)
+    wrench, governed = device_wrench(
+        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), TICK, trajectory
+    )
+    keep_sample(scratch.wrench, N_SAMPLES - 1, wrench)
+    if trajectory:
+        for i in range(N_MOTORS):
+            world.motors.target[i] += world.motors.rate[i] * TICK
+    return governed
+
+
+@njit
+def true_motion(device, world, scratch, settings):
+    """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
+    if settings.plant == BILATERAL:
+        acted = bilateral_tick(device, world, scratch, settings.trajectory)
+    else:
+        acted = midline_tick(device, world, scratch, settings.trajectory)
+    return max(acted, end_motion(device, world, scratch, settings.trajectory))
