@@ -23,8 +23,9 @@ def articular_force(reality, limits, jaw, place):
 
 
 @njit
-def articular_push(reality, limits, jaw, q):
-    """``articular_force`` at the midline model's coordinates q, in body axes as a device's wrench is; no moment."""
+def articular_push(reality, limits, jaw, q, lift):
+    """``articular_force`` in body axes, as a device's wrench is, without moment; ``lift`` as in ``update_tissue``."""
     body_to_head = rotation(q)
-    place = add(contact_point(jaw, q), apply(body_to_head, vector3(jaw.mouthpiece)))
+    contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
+    place = add(contact, apply(body_to_head, vector3(jaw.mouthpiece)))
     return apply_transposed(body_to_head, articular_force(reality, limits, jaw, place))

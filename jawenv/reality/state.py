@@ -9,6 +9,7 @@ import numpy as np
 from jawenv.compiled import njit
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.vec3 import add
 
 # With the tick that sampling and holding take of themselves, the longest latency is one tick more.
 DELAY_TICKS = 7
@@ -29,7 +30,7 @@ def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def reset_reality(reality, state, jaw, muscles, q, measured, normals):
+def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
     """Begin an episode at rest: tissue without creep or reflex, play centred, a load-cell bias drawn.
 
     Args:
@@ -38,10 +39,11 @@ def reset_reality(reality, state, jaw, muscles, q, measured, normals):
         jaw: The truth's record.
         muscles: (lines, 2) F_o and b of the truth.
         q: The rest pose; its lengths are those above which tissue creeps.
+        lift: Of the condyles' midpoint above its path there (m), and its rate, as in ``update_tissue``.
         measured: (6 or more) place and angles of the mouthpiece there, without noise.
         normals: (6 or more) standard normals that belong to the load cell's bias alone.
     """
-    contact, body_to_head = contact_point(jaw, q), rotation(q)
+    contact, body_to_head = add(contact_point(jaw, q), (0.0, 0.0, lift[0])), rotation(q)
     for i in range(muscles.shape[0]):
         _, _, length, _ = muscle_pull(jaw, muscles, i, contact, body_to_head)
         state.rest_length[i] = length

@@ -33,16 +33,7 @@ from jawenv.mechanics.vec3 import add, apply, cross, dot, row3
 
 
 @njit
-def update_tissue(reality, state, jaw, muscles, q, u, dt, effective):
-    """As ``update_lines``, for the midline model's q = (x, y, theta, psi, alpha) and u = (x', y', omega)."""
-    _, slope, _, _ = fossa(jaw, q[0])
-    velocity = (u[0], u[1], slope * u[0])
-    omega = (u[2], u[3], u[4])
-    update_lines(reality, state, jaw, muscles, contact_point(jaw, q), velocity, rotation(q), omega, dt, effective)
-
-
-@njit
-def update_lines(reality, state, jaw, muscles, contact, velocity, body_to_head, omega, dt, effective):
+def update_tissue(reality, state, jaw, muscles, q, u, lift, dt, effective):
     """(F_o, b) of each line for the coming ``dt`` seconds, into ``effective`` (lines, 2); advances ``state`` by dt.
 
     Args:
@@ -50,10 +41,9 @@ def update_lines(reality, state, jaw, muscles, contact, velocity, body_to_head, 
         state: Record of dtype ``reality_state_dtype``; changed.
         jaw: The truth's record.
         muscles: (lines, 2) F_o and b of the truth.
-        contact: Place of the point midway between the condyles' centres (m, head axes) at the start of the tick.
-        velocity: Its velocity (m/s, head axes).
-        body_to_head: Rotation of the mandible.
-        omega: Angular velocity (rad/s, body axes).
+        q: Coordinates (x, y, theta, psi, alpha) at the start of the tick.
+        u: Speeds (x', y', omega) then.
+        lift: How far the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline plant.
         dt: Length of a tick (s).
         effective: (lines, 2); written. Equal to ``muscles`` to the bit where nothing has crept or is excited.
     """
@@ -62,6 +52,11 @@ def update_lines(reality, state, jaw, muscles, contact, velocity, body_to_head, 
     if reality.creep_share == 0.0 and reality.reflex_gain == 0.0:
         return
     keep = 1.0 - exp(-dt / reality.creep_time)
+    body_to_head = rotation(q)
+    contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
+    _, slope, _, _ = fossa(jaw, q[0])
+    velocity = (u[0], u[1], slope * u[0] + lift[1])
+    omega = (u[2], u[3], u[4])
     for i in range(muscles.shape[0]):
         F_o, b = muscles[i, 0], muscles[i, 1]
         if reality.creep_share > 0.0:

@@ -10,6 +10,7 @@ from jawenv.reality.tissue import update_tissue
 
 TICK = 0.01
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0)
+ON_PATH = (0.0, 0.0)
 REST = (3e-3, 0.2e-3, 0.08, 0.01, -0.02)
 
 
@@ -32,10 +33,12 @@ class Tissue:
         for name in self.state.dtype.names:
             self.state[name] = np.nan  # whatever the last episode has left
         normals = np.zeros(6) if normals is None else normals
-        reset_reality(self.reality, self.state, jaw, muscles, rest, np.zeros(12), normals)
+        reset_reality(self.reality, self.state, jaw, muscles, rest, ON_PATH, np.zeros(12), normals)
         self.effective = np.full((6, 2), np.nan)
 
-    def tick(self, q, u=STILL):
+    def tick(self, q, u=STILL, lift=ON_PATH):
         """(6,) tension of each line at the start of a tick."""
-        update_tissue(self.reality, self.state, self.jaw, self.muscles, tuple(q), tuple(u), self.length, self.effective)
+        update_tissue(
+            self.reality, self.state, self.jaw, self.muscles, tuple(q), tuple(u), lift, self.length, self.effective
+        )
         return tensions(self.jaw, self.effective, q)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reality_states import REST, TICK, Tissue, drawn_muscles, tensions
+from reality_states import ON_PATH, REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
 from jawenv.device.motors import mouthpiece_motion
 from jawenv.envs.advance import scratch_dtype
@@ -76,4 +76,4 @@ def settled(jaw, muscles, pose):
 
 def side(jaw, pose):
     q = tuple(pose)
-    return mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), rotation(q))[0][1]
+    return mouthpiece_motion(jaw, q, STILL, ON_PATH, rotation(q))[0][1]

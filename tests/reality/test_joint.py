@@ -53,7 +53,7 @@ def test_the_push_on_the_body_is_the_force_turned(jaw, limits):
     q = np.array([6e-3, 1e-3, 0.28, 0.03, -0.05])
     place = twin.contact(jaw, q) + twin.rotation(q) @ jaw["mouthpiece"]
     reality = Reality(articular_stiffness_N_m=STIFFNESS).records()[0]
-    push = np.array(articular_push(reality, limits, jaw, tuple(q)))
-    up = lift(jaw, limits, jaw["mouthpiece"][2] - place[2] - REST_OPENING)
+    push = np.array(articular_push(reality, limits, jaw, tuple(q), (0.5e-3, 0.0)))
+    up = lift(jaw, limits, jaw["mouthpiece"][2] - place[2] - 0.5e-3 - REST_OPENING)
     assert up > 1.0
     np.testing.assert_allclose(twin.rotation(q) @ push, [0, 0, up], atol=1e-12)

@@ -33,7 +33,11 @@ def test_the_sensors_show_what_they_showed(jaw, rng):
 def test_the_joint_pushes_nowhere(jaw):
     limits = np.zeros(1, dtype=limits_dtype(6))[0]
     limits["opening"] = 1e-3
-    assert articular_push(Reality().records()[0], limits, jaw, (5e-3, 0.0, 0.5, 0.0, 0.0)) == (0.0, 0.0, 0.0)
+    assert articular_push(Reality().records()[0], limits, jaw, (5e-3, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0)) == (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 @pytest.mark.parametrize("name", known_muscle_sets())

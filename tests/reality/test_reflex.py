@@ -5,10 +5,6 @@ import numpy as np
 import pytest
 from reality_states import REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
-from jawenv.mechanics.bilateral import point_motion
-from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.reality.tissue import update_lines, update_tissue
-
 OPENING = (0.01, -0.002, 0.02, 0.5, -0.03)  # x', y', omega: all muscles lengthen
 GAIN, LAG = 0.8, 0.04
 
@@ -76,22 +72,22 @@ def test_creep_and_reflex_act_together(jaw, rng):
     np.testing.assert_allclose(added, GAIN * LAG * rates, rtol=1e-4)
 
 
-def test_the_midline_form_is_the_general_one(jaw, rng):
-    muscles = drawn_muscles(rng)
-    one, other = (Tissue(jaw, muscles, reflex_gain=GAIN, creep_share=0.3) for _ in range(2))
-    for _ in range(20):
-        q, u = tuple(np.add(REST, rng.uniform(0, 0.01, 5))), tuple(rng.uniform(-0.05, 0.05, 5))
-        height, slope, _, _ = fossa(jaw, q[0])
-        body_to_head = rotation(q)
-        contact, velocity = point_motion(
-            (q[0], q[1], height, *q[2:]), (u[0], u[1], slope * u[0], *u[2:]), body_to_head, (0.0, 0.0, 0.0)
-        )
-        assert contact == pytest.approx(contact_point(jaw, q), abs=1e-18)
-        update_tissue(one.reality, one.state, jaw, muscles, q, u, TICK, one.effective)
-        update_lines(
-            other.reality, other.state, jaw, muscles, contact, velocity, body_to_head, u[2:], TICK, other.effective
-        )
-        np.testing.assert_allclose(one.effective, other.effective, rtol=1e-13)
+def test_two_condyles_lift_what_they_press(jaw, rng):
+    """A lift shifts the mandible, and its rate moves it: an insertion moves by ``up`` and ``rate`` along z."""
+    muscles, up, rate = drawn_muscles(rng), 0.4e-3, 3e-3
+    tissue = Tissue(jaw, muscles, reflex_gain=GAIN)
+    R, r = twin.rotation(np.array(REST)), twin.contact(jaw, REST) + [0, 0, up]
+    lines = jaw["origin"] - r - jaw["insertion"] @ R.T
+    lengths = np.linalg.norm(lines, axis=1)
+    passive = muscles[:, 0] * np.exp(muscles[:, 1] * (lengths / jaw["l_o"] - 1.0))
+    # The rate is turned to stretch the lines: all insertions sink.
+    rises = passive * muscles[:, 1] / jaw["l_o"] * lines[:, 2] / lengths * rate
+    for _ in range(120):
+        tissue.tick(REST, STILL, (up, -rate))
+    np.testing.assert_allclose(tissue.state["activation"], GAIN * LAG * rises, rtol=1e-9)
+    strain = lengths / jaw["l_o"] - 1.0
+    held = tissue.effective[:, 0] * np.exp(tissue.effective[:, 1] * strain)
+    np.testing.assert_allclose(held, passive + GAIN * LAG * rises, rtol=1e-9)
 
 
 def test_a_new_episode_begins_without_tension_left_over(jaw, rng):
