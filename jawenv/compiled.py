@@ -22,7 +22,7 @@ from platformdirs import user_cache_dir
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).parent
-_KERNEL_FOLDERS = ("mechanics", "device", "estimation", "envs")
+_KERNEL_FOLDERS = ("mechanics", "device", "estimation", "reality", "envs")
 
 
 @cache

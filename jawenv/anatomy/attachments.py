@@ -46,11 +46,15 @@ class Attachment(FrozenArrays):
     Attributes:
         origin_m: (3,) end on the skull.
         insertion_m: (3,) end on the mandible, jaw closed.
+        origin_sd_m: (3,) sd between subjects of the end on the skull.
+        insertion_sd_m: (3,) the same of the end on the mandible.
         strength_N: largest active force, the portion's weight in a whole muscle.
     """
 
     origin_m: NDArray[np.float64]
     insertion_m: NDArray[np.float64]
+    origin_sd_m: NDArray[np.float64]
+    insertion_sd_m: NDArray[np.float64]
     strength_N: float
 
 
@@ -76,5 +80,7 @@ def attachment(portion: str, side: str) -> Attachment:
     return Attachment(
         origin_m=mirror * to_si(list(row.origin), row.unit),
         insertion_m=mirror * to_si(list(row.insertion), row.unit),
+        origin_sd_m=to_si(list(row.origin_sd), row.unit),
+        insertion_sd_m=to_si(list(row.insertion_sd), row.unit),
         strength_N=float(load_quantities("strengths.toml")[portion].si()),
     )

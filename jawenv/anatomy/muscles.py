@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.arrays import FrozenArrays
-from jawenv.anatomy.attachments import attachment
+from jawenv.anatomy.attachments import Attachment, attachment
 from jawenv.errors import InputError
 
 __all__ = [
@@ -74,6 +74,8 @@ class MuscleSet(FrozenArrays):
         origin_m: (n, 3) ends on the skull.
         insertion_m: (n, 3) ends on the mandible, jaw closed.
         l_o_m: (n,) closed-jaw lengths, to which `F_o` belongs.
+        origin_sd_m: (n, 3) sd between subjects of the ends on the skull.
+        insertion_sd_m: (n, 3) the same of the ends on the mandible.
     """
 
     names: tuple[str, ...]
@@ -81,13 +83,15 @@ class MuscleSet(FrozenArrays):
     origin_m: NDArray[np.float64]
     insertion_m: NDArray[np.float64]
     l_o_m: NDArray[np.float64]
+    origin_sd_m: NDArray[np.float64]
+    insertion_sd_m: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         """Check the shapes, that every muscle has a line and that no line has lost its length."""
         super().__post_init__()
         n = len(self.muscle)
-        self._require_shape("origin_m", (n, 3))
-        self._require_shape("insertion_m", (n, 3))
+        for name in ("origin_m", "insertion_m", "origin_sd_m", "insertion_sd_m"):
+            self._require_shape(name, (n, 3))
         self._require_shape("l_o_m", (n,))
         if sorted(set(self.muscle)) != list(range(len(self.names))):
             raise InputError(f"muscle = {self.muscle} must give each of {len(self.names)} muscles a line")
@@ -110,26 +114,30 @@ class MuscleSet(FrozenArrays):
         return len(MUSCLE_NAMES) / len(self.muscle)
 
 
-def _mean_line(portions: Sequence[str], side: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Force-weighted mean origin and insertion of some portions of one side."""
+def _mean_line(portions: Sequence[str], side: str) -> Attachment:
+    """Force-weighted mean line of some portions of one side; the portions' ends vary independently of each other."""
     lines = [attachment(portion, side) for portion in portions]
-    weights = [line.strength_N for line in lines]
-    return (
-        np.average([line.origin_m for line in lines], axis=0, weights=weights),
-        np.average([line.insertion_m for line in lines], axis=0, weights=weights),
+    weights = np.array([line.strength_N for line in lines])
+    shares = weights[:, np.newaxis] / weights.sum()
+    return Attachment(
+        origin_m=np.average([line.origin_m for line in lines], axis=0, weights=weights),
+        insertion_m=np.average([line.insertion_m for line in lines], axis=0, weights=weights),
+        origin_sd_m=np.linalg.norm(shares * [line.origin_sd_m for line in lines], axis=0),
+        insertion_sd_m=np.linalg.norm(shares * [line.insertion_sd_m for line in lines], axis=0),
+        strength_N=weights.sum(),
     )
 
 
-def _assemble(
-    names: Sequence[str], muscle: Sequence[int], lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]
-) -> MuscleSet:
-    origin_m, insertion_m = np.array([line[0] for line in lines]), np.array([line[1] for line in lines])
+def _assemble(names: Sequence[str], muscle: Sequence[int], lines: Sequence[Attachment]) -> MuscleSet:
+    origin_m, insertion_m = np.array([line.origin_m for line in lines]), np.array([line.insertion_m for line in lines])
     return MuscleSet(
         names=tuple(names),
         muscle=tuple(muscle),
         origin_m=origin_m,
         insertion_m=insertion_m,
         l_o_m=np.linalg.norm(insertion_m - origin_m, axis=1),
+        origin_sd_m=np.array([line.origin_sd_m for line in lines]),
+        insertion_sd_m=np.array([line.insertion_sd_m for line in lines]),
     )
 
 
@@ -159,17 +167,28 @@ def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet
 
 def two_sides() -> MuscleSet:
     """The six whole muscles' lines with one stiffness on each side: 4 parameters."""
-    whole = muscle_set()
-    sides = [SIDES.index(name.rsplit("_", 1)[1]) for name in whole.names]
-    return _assemble(SIDES, sides, list(zip(whole.origin_m, whole.insertion_m, strict=True)))
+    sides = [side for side in range(len(SIDES)) for _ in WHOLE_MUSCLES]
+    return _assemble(
+        SIDES, sides, [_mean_line(portions, side) for side in SIDES for portions in WHOLE_MUSCLES.values()]
+    )
 
 
 def midplane_muscles(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
-    """Each pair of muscles as one line in the sagittal plane, left and right together."""
+    """Each pair of muscles as one line in the sagittal plane, the mean of left and right."""
     lines = []
     for portions in groups.values():
-        origin, insertion = _mean_line(portions, "left")
-        lines.append((origin * [1.0, 0.0, 1.0], insertion * [1.0, 0.0, 1.0]))
+        left = _mean_line(portions, "left")
+        # Left and right vary independently, so the sd of their mean is smaller.
+        flat, flat_sd = np.array([1.0, 0.0, 1.0]), np.array([0.5, 0.0, 0.5]) ** 0.5
+        lines.append(
+            Attachment(
+                origin_m=left.origin_m * flat,
+                insertion_m=left.insertion_m * flat,
+                origin_sd_m=left.origin_sd_m * flat_sd,
+                insertion_sd_m=left.insertion_sd_m * flat_sd,
+                strength_N=2.0 * left.strength_N,
+            )
+        )
     return _assemble(tuple(groups), range(len(groups)), lines)
 
 

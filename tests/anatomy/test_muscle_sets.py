@@ -102,10 +102,11 @@ def test_faulty_sets_are_refused() -> None:
         muscle_set({"opener": ("digastric",)})
     line = np.zeros((1, 3))
     with pytest.raises(InputError, match="^l_o_m of a = 0.0 must be greater than 0$"):
-        MuscleSet(("a",), (0,), line, line, np.zeros(1))
+        MuscleSet(("a",), (0,), line, line, np.zeros(1), line, line)
     with pytest.raises(InputError, match=r"^origin_m has shape \(1, 3\), must be \(2, 3\)$"):
-        MuscleSet(("a", "b"), (0, 1), line, line, np.ones(2))
+        MuscleSet(("a", "b"), (0, 1), line, line, np.ones(2), line, line)
     with pytest.raises(InputError, match=r"^l_o_m = \[nan\] must be finite$"):
-        MuscleSet(("a",), (0,), line, line, np.array([np.nan]))
+        MuscleSet(("a",), (0,), line, line, np.array([np.nan]), line, line)
     with pytest.raises(InputError, match=r"^muscle = \(0, 0\) must give each of 2 muscles a line$"):
-        MuscleSet(("a", "b"), (0, 0), np.zeros((2, 3)), np.ones((2, 3)), np.ones(2))
+        two = np.ones((2, 3))
+        MuscleSet(("a", "b"), (0, 0), two, two, np.ones(2), two, two)

@@ -1,0 +1,10 @@
+"""What a real jaw and a real device do beyond the thesis, and the filter does not know: effects on the truth alone.
+
+Every effect is off by default, and one that is off changes no bit of a result.
+"""
+
+from jawenv.reality.geometry import perturb_geometry
+from jawenv.reality.options import REALITY, Reality
+from jawenv.reality.state import reality_state_dtype
+
+__all__ = ["REALITY", "Reality", "perturb_geometry", "reality_state_dtype"]

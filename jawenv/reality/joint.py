@@ -1,0 +1,31 @@
+"""Tissue of the joint that stiffens near the end of opening: a one-sided vertical spring at the mouthpiece."""
+
+from __future__ import annotations
+
+from jawenv.compiled import njit
+from jawenv.device.linkage import excursions
+from jawenv.mechanics.forces import smooth_ramp
+from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.vec3 import add, apply, apply_transposed, vector3
+
+
+@njit
+def articular_force(reality, limits, jaw, place):
+    """Force (N, head axes, upwards) on the mouthpiece at ``place`` (m, head axes).
+
+    It begins at ``articular_onset`` of the painless range of opening, grows quadratically to its end, where the
+    stiffness is the full one, and linearly beyond: it has a potential and is continuous with its slope.
+    """
+    opening, _, _ = excursions(limits, jaw, place)
+    begin = reality.articular_onset * limits.opening
+    ramp, _ = smooth_ramp(opening - begin, limits.opening - begin)
+    return (0.0, 0.0, reality.articular_stiffness * ramp)
+
+
+@njit
+def articular_push(reality, limits, jaw, q, lift):
+    """``articular_force`` in body axes, as a device's wrench is, without moment; ``lift`` as in ``update_tissue``."""
+    body_to_head = rotation(q)
+    contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
+    place = add(contact, apply(body_to_head, vector3(jaw.mouthpiece)))
+    return apply_transposed(body_to_head, articular_force(reality, limits, jaw, place))

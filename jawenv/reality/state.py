@@ -1,0 +1,56 @@
+"""What the effects remember from tick to tick, in each world."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.vec3 import add
+
+# With the tick that sampling and holding take of themselves, the longest latency is one tick more.
+DELAY_TICKS = 7
+
+
+@cache
+def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
+    """Dtype of the effects' state for a jaw with so many muscle lines, SI units."""
+    fields = [
+        ("delay", "f8", (DELAY_TICKS, n_lines)),  # the reflex's excitation of past ticks, the last one first
+        ("activation", "f8", (n_lines,)),  # the reflex's tension
+        ("creep", "f8", (n_lines,)),  # lengthening over creep_share, relative to l_o
+        ("rest_length", "f8", (n_lines,)),
+        ("bias", "f8", 6),  # of the load cell, body axes
+        ("play", "f8", 6),  # what the encoders show of the mouthpiece's place and angles
+    ]
+    return np.dtype(fields, align=True)
+
+
+@njit
+def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
+    """Begin an episode at rest: tissue without creep or reflex, play centred, a load-cell bias drawn.
+
+    Args:
+        reality: Record of dtype ``REALITY``.
+        state: Record of dtype ``reality_state_dtype``; written.
+        jaw: The truth's record.
+        muscles: (lines, 2) F_o and b of the truth.
+        q: The rest pose; its lengths are those above which tissue creeps.
+        lift: Of the condyles' midpoint above its path there (m), and its rate, as in ``update_tissue``.
+        measured: (6 or more) place and angles of the mouthpiece there, without noise.
+        normals: (6 or more) standard normals that belong to the load cell's bias alone.
+    """
+    contact, body_to_head = add(contact_point(jaw, q), (0.0, 0.0, lift[0])), rotation(q)
+    for i in range(muscles.shape[0]):
+        _, _, length, _ = muscle_pull(jaw, muscles, i, contact, body_to_head)
+        state.rest_length[i] = length
+        state.activation[i] = 0.0
+        state.creep[i] = 0.0
+        for tick in range(state.delay.shape[0]):
+            state.delay[tick, i] = 0.0
+    for k in range(6):
+        state.bias[k] = (reality.cell_bias_force if k < 3 else reality.cell_bias_moment) * normals[k]
+        state.play[k] = measured[k]

@@ -1,0 +1,88 @@
+"""Muscle tissue that creeps, and that is excited when it is stretched: the tension of each line for the coming tick.
+
+Creep. The lengthening c xi l_o of a line, c the creep's share, is taken off its length:
+
+    T = F_o exp(b (l / l_o - 1 - c xi)),    creep_time xi' = max(0, l - l_rest) / l_o - xi.
+
+So log T relaxes as the stress of a standard linear solid does: after a stretch by the strain e above rest it rises by
+b e and falls with the creep's time constant to b e (1 - c). For small c xi the tension is T (1 - b c xi). It is
+also F_o that is multiplied by exp(-b c xi), the form in which the kernels of the mechanics take it.
+
+Reflex. The passive tension's rate while it rises, delayed by the latency, excites an active tension A that leaks away
+with the lag of muscle:
+
+    A' = gain max(0, T')(t - latency) - A / lag.
+
+A stretch that is quick against the lag adds A = gain times the passive rise of tension, a steady one gain lag T', and
+a held one nothing.
+
+Both are held for a tick at their value at its start. Where a line is excited, its F_o and b of the tick are those of
+the law that has the tension T + A and the slope T b / l_o at the length at the start of the tick: the active tension
+neither stiffens the muscle nor follows its length. Sampling and holding delay by one tick in the mean; what the
+latency exceeds it by is taken from the delay line.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from jawenv.compiled import njit
+from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.mechanics.vec3 import add, apply, cross, dot, row3
+
+
+@njit
+def update_tissue(reality, state, jaw, muscles, q, u, lift, dt, effective):
+    """(F_o, b) of each line for the coming ``dt`` seconds, into ``effective`` (lines, 2); advances ``state`` by dt.
+
+    Args:
+        reality: Record of dtype ``REALITY``.
+        state: Record of dtype ``reality_state_dtype``; changed.
+        jaw: The truth's record.
+        muscles: (lines, 2) F_o and b of the truth.
+        q: Coordinates (x, y, theta, psi, alpha) at the start of the tick.
+        u: Speeds (x', y', omega) then.
+        lift: How far the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline plant.
+        dt: Length of a tick (s).
+        effective: (lines, 2); written. Equal to ``muscles`` to the bit where nothing has crept or is excited.
+    """
+    for i in range(muscles.shape[0]):
+        effective[i, 0], effective[i, 1] = muscles[i, 0], muscles[i, 1]
+    if reality.creep_share == 0.0 and reality.reflex_gain == 0.0:
+        return
+    keep = 1.0 - exp(-dt / reality.creep_time)
+    body_to_head = rotation(q)
+    contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
+    _, slope, _, _ = fossa(jaw, q[0])
+    velocity = (u[0], u[1], slope * u[0] + lift[1])
+    omega = (u[2], u[3], u[4])
+    for i in range(muscles.shape[0]):
+        F_o, b = muscles[i, 0], muscles[i, 1]
+        if reality.creep_share > 0.0:
+            effective[i, 0] = F_o * exp(-b * reality.creep_share * state.creep[i])
+        _, direction, length, tension = muscle_pull(jaw, effective, i, contact, body_to_head)
+        stretch = max(0.0, length - state.rest_length[i]) / jaw.l_o[i]
+        state.creep[i] += keep * (stretch - state.creep[i])
+        if reality.reflex_gain > 0.0:
+            active = state.activation[i]
+            if active > 0.0:
+                total = tension + active
+                effective[i, 1] = b * tension / total
+                effective[i, 0] = total * exp(-effective[i, 1] * (length / jaw.l_o[i] - 1.0))
+            end = add(velocity, apply(body_to_head, cross(omega, row3(jaw.insertion, i))))
+            rise = max(0.0, -tension * b / jaw.l_o[i] * dot(direction, end))
+            excite(reality, state, i, rise, dt)
+
+
+@njit
+def excite(reality, state, i, rise, dt):
+    """Advance the active tension of line i by ``dt``, the passive tension rising by ``rise`` N/s; shifts its delay."""
+    last = state.delay.shape[0]
+    late = min(max(round(reality.reflex_latency / dt) - 1, 0), last)
+    excitation = rise if late == 0 else state.delay[late - 1, i]
+    for tick in range(last - 1, 0, -1):
+        state.delay[tick, i] = state.delay[tick - 1, i]
+    state.delay[0, i] = rise
+    level = reality.reflex_gain * reality.reflex_lag * excitation
+    state.activation[i] += (1.0 - exp(-dt / reality.reflex_lag)) * (level - state.activation[i])
