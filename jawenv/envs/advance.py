@@ -29,6 +29,9 @@ from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
+from jawenv.reality import REALITY
+from jawenv.reality.sensors import biased, play
+from jawenv.reality.tissue import update_tissue
 
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
@@ -46,6 +49,7 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
         ("parameter_time", "f8"),
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
+        ("reality", REALITY),
         ("steps", "i8"),
         ("ticks_per_step", "i8"),
     ]
@@ -59,6 +63,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
+        ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
         ("acted", "f8"),  # 1 when the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
@@ -77,17 +82,19 @@ def read_load_cell(device, world, scratch):
             noise = device.cell_force if k < 3 else device.cell_moment
             value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
+    biased(world.reality, scratch.samples)
     for k in range(6):
         world.reading[k] = mean_reading(scratch.samples, k)
 
 
 @njit
-def sense(device, world, scratch):
+def sense(device, world, scratch, settings):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
     measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
     scratch.measured[2] += world.lift[0]
     scratch.measured[8] += world.lift[1]
+    play(settings.reality, world.reality, scratch.measured)
     for i in range(3):
         scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]
         scratch.measured[3 + i] += device.encoder_angle * normals[_ENCODERS + 3 + i]
@@ -101,7 +108,9 @@ def begin_tick(device, model, world, action, settings, scratch):
     fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
     normals = scratch.normals
     q, u = split(world.state)
-    command_motors(device, world.jaw, world.motors, q, u, lift_of(world), action, settings.trajectory, TICK)
+    lift = lift_of(world)
+    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.trajectory, TICK)
+    update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
@@ -139,7 +148,7 @@ def end_tick(device, model, world, settings, scratch):
         scratch.filter,
     )
     follow_trend(world.trend, scratch.samples, TICK)
-    sense(device, world, scratch)
+    sense(device, world, scratch, settings)
     update(
         model,
         world.mean,
@@ -157,7 +166,7 @@ def take_comfort(world, scratch, share):
     """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
     q, u = split(world.state)
     force = norm(mean_force(scratch.wrench))
-    used_fractions(world.jaw, world.muscles, world.limits, q, u, lift_of(world), force, scratch.fractions)
+    used_fractions(world.jaw, scratch.effective, world.limits, q, u, lift_of(world), force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
         world.fractions[i] = max(world.fractions[i], fraction)
@@ -182,7 +191,7 @@ def advance_world(device, model, world, action, settings, scratch):
     share = 1.0 / settings.ticks_per_step
     for _ in range(settings.ticks_per_step):
         begin_tick(device, model, world, action, settings, scratch)
-        acted = true_motion(device, world, scratch, settings.trajectory)
+        acted = true_motion(device, world, scratch, settings)
         end_tick(device, model, world, settings, scratch)
         world.governor += share * acted
         take_comfort(world, scratch, share)

@@ -13,13 +13,14 @@ from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
-from jawenv.estimation.ekf import set_muscles, update, update_covariance
+from jawenv.estimation.ekf import measure, set_muscles, update, update_covariance
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 from jawenv.noise import fill_normals
+from jawenv.reality.state import reset_reality
 
 # The patient's painless range (grade G): what a slow vertical pull of 12 N opens, at most 25 mm above rest, and no more
 # than 45 mm in all.
@@ -200,7 +201,7 @@ def reset_belief(device, model, world, settings, scratch):
     refresh_information(world, settings, scratch.matrix, scratch.right)
     world.log_score_prior = world.log_score
     fill_normals((world.key[0], world.key[1]), -2, normals)
-    sense(device, world, scratch)
+    sense(device, world, scratch, settings)
     variances, used = settings.measurement_variance, settings.used
     update(model, world.mean, world.covariance, scratch.measured, variances, used, scratch.filter)
     if settings.bound:
@@ -208,6 +209,18 @@ def reset_belief(device, model, world, settings, scratch):
             scratch.filter.state[i] = true_state(model, world, i)
         update_covariance(model, scratch.filter.state, world.bound, variances, used, scratch.filter)
     refresh_information(world, settings, scratch.matrix, scratch.right)
+
+
+@njit
+def begin_reality(world, settings, scratch):
+    """Tissue, load-cell bias and play of the encoders as the episode begins, at rest."""
+    q, _ = split(world.state)
+    lift = lift_of(world)
+    measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
+    scratch.measured[2] += lift[0]
+    fill_normals((world.key[0], world.key[1]), -3, scratch.normals)
+    reality, muscles = settings.reality, world.muscles
+    reset_reality(reality, world.reality, world.jaw, muscles, q, lift, scratch.measured, scratch.normals)
 
 
 @njit
@@ -231,6 +244,7 @@ def begin_world(device, model, world, settings, scratch, beginning):
         world.reading[k] = 0.0
         world.trend[k] = 0.0
     reset_motors(device, world)
+    begin_reality(world, settings, scratch)
     reset_belief(device, model, world, settings, scratch)
     return True
 

@@ -19,6 +19,7 @@ from jawenv.envs.plants import TICK, end_motion, keep_sample, lift_of, plus_wren
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
 from jawenv.mechanics.vec3 import apply
+from jawenv.reality.joint import articular_push
 
 
 @njit
@@ -59,7 +60,8 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, place, velocity,
     scratch.acted = max(scratch.acted, acted)
     if abs(since - 0.5 * TICK) < 1e-9:
         keep_sample(scratch.wrench, 1, wrench)
-    total = plus_wrench(wrench, scratch.unmodelled)
+    push = articular_push(all_settings[0].reality, world.limits, world.jaw, q, lift_of(world))
+    total = plus_wrench(wrench, scratch.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
     return force[0], force[2], total[4]
 
@@ -132,6 +134,7 @@ class ContactPlants:
         contact_clear(worlds, i)
         for _ in range(int(settings["ticks_per_step"][0])):
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)
+            jaw.muscles[:] = scratches["effective"][i]
             jaw.advance(TICK, wrench_at)
             contact_end(device, self._models, worlds, i, settings, scratches, tuple(jaw.state))
         contact_inform(worlds, i, settings, scratches)

@@ -14,6 +14,7 @@ from jawenv.estimation.sensitivity import N_SAMPLES, plus
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.kinematics import split
+from jawenv.reality.joint import articular_push
 
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick
@@ -40,12 +41,12 @@ def true_state(model, world, i):
 
 
 @njit
-def plus_wrench(wrench, extra):
-    """The device's wrench and the unmodelled one together."""
+def plus_wrench(wrench, extra, push):
+    """The device's wrench, the unmodelled one and the joint's push on the mouthpiece together."""
     return (
-        wrench[0] + extra[0],
-        wrench[1] + extra[1],
-        wrench[2] + extra[2],
+        wrench[0] + extra[0] + push[0],
+        wrench[1] + extra[1] + push[1],
+        wrench[2] + extra[2] + push[2],
         wrench[3] + extra[3],
         wrench[4] + extra[4],
         wrench[5] + extra[5],
@@ -61,9 +62,9 @@ def stage_time(step, stage, h):
 
 
 @njit
-def midline_tick(device, world, scratch, trajectory):
+def midline_tick(device, world, scratch, settings):
     """Move the midline plant through one tick; returns 1.0 if the governor acted."""
-    acted = 0.0
+    acted, trajectory = 0.0, settings.trajectory
     h = TICK / SUBSTEPS
     for step in range(SUBSTEPS):
         start_q, start_u = split(world.state)
@@ -77,7 +78,9 @@ def midline_tick(device, world, scratch, trajectory):
             acted = max(acted, governed)
             if stage == 0 and 2 * step % SUBSTEPS == 0:
                 keep_sample(scratch.wrench, 2 * step // SUBSTEPS, wrench)
-            q_rate, u_rate = state_rate(world.jaw, world.muscles, q, u, plus_wrench(wrench, scratch.unmodelled))
+            push = articular_push(settings.reality, world.limits, world.jaw, q, lift_of(world))
+            total = plus_wrench(wrench, scratch.unmodelled, push)
+            q_rate, u_rate = state_rate(world.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
             sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
@@ -89,9 +92,9 @@ def midline_tick(device, world, scratch, trajectory):
 
 
 @njit
-def bilateral_tick(device, world, scratch, trajectory):
+def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
-    acted = 0.0
+    acted, trajectory = 0.0, settings.trajectory
     h = TICK / BODY_SUBSTEPS
     for step in range(BODY_SUBSTEPS):
         start_q, start_u = split_body(world.body)
@@ -106,7 +109,9 @@ def bilateral_tick(device, world, scratch, trajectory):
             acted = max(acted, governed)
             if stage == 0 and 2 * step % BODY_SUBSTEPS == 0:
                 keep_sample(scratch.wrench, 2 * step // BODY_SUBSTEPS, wrench)
-            q_rate, u_rate = bilateral_rate(world.jaw, world.muscles, q, u, plus_wrench(wrench, scratch.unmodelled))
+            push = articular_push(settings.reality, world.limits, world.jaw, middle_q, (lift, lift_rate))
+            total = plus_wrench(wrench, scratch.unmodelled, push)
+            q_rate, u_rate = bilateral_rate(world.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
             sum_q, sum_u = plus_six(sum_q, weight, q_rate), plus_six(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
@@ -144,10 +149,10 @@ def end_motion(device, world, scratch, trajectory):
 
 
 @njit
-def true_motion(device, world, scratch, trajectory):
+def true_motion(device, world, scratch, settings):
     """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
     if world.jaw.condyles == 2:
-        acted = bilateral_tick(device, world, scratch, trajectory)
+        acted = bilateral_tick(device, world, scratch, settings)
     else:
-        acted = midline_tick(device, world, scratch, trajectory)
-    return max(acted, end_motion(device, world, scratch, trajectory))
+        acted = midline_tick(device, world, scratch, settings)
+    return max(acted, end_motion(device, world, scratch, settings.trajectory))

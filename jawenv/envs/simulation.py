@@ -24,6 +24,7 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
+from jawenv.reality import Reality, perturb_geometry
 
 if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
@@ -52,6 +53,7 @@ class Configuration:
     comfort_weight: float = 0.0
     track_bound: bool = False
     device: dict[str, float] | None = None
+    reality: dict[str, float] | None = None
     model: str = "jaw"
     estimator: Estimator | None = None
 
@@ -107,15 +109,24 @@ class Configuration:
 
     def build_device(self) -> Device:
         """The device with the fields that the user changed."""
-        if self.device is None:
-            return Device()
-        if not isinstance(self.device, dict):
-            raise InputError(f"device is {self.device!r}; allowed: a mapping of device fields")
-        names = [field.name for field in fields(Device)]
-        for name in self.device:
-            if name not in names:
-                raise InputError(f"device.{name} is not a field of the device; allowed: {', '.join(names)}")
-        return Device(**self.device)
+        return Device(**_checked_fields("device", self.device, Device))
+
+    def build_reality(self) -> Reality:
+        """What the filter does not know, with the fields that the user changed."""
+        return Reality(**_checked_fields("reality", self.reality, Reality))
+
+
+def _checked_fields(name: str, given: Any, kind: type) -> dict[str, float]:
+    """A mapping from the user whose keys are fields of a dataclass; none is no change."""
+    if given is None:
+        return {}
+    if not isinstance(given, dict):
+        raise InputError(f"{name} is {given!r}; allowed: a mapping of its fields")
+    known = [field.name for field in fields(kind)]
+    for key in given:
+        if key not in known:
+            raise InputError(f"{name}.{key} is not a field of {kind.__name__}; allowed: {', '.join(known)}")
+    return given
 
 
 def configure(arguments: dict[str, Any]) -> Configuration:
@@ -146,6 +157,7 @@ class Simulation:
         muscles = self.model.muscles
         self.cohort: Cohort = cohort(configuration.cohort, muscles)
         self.device = configuration.build_device().records()
+        self.reality = configuration.build_reality()
         self.settings = self._build_settings()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
@@ -189,6 +201,7 @@ class Simulation:
         settings["parameter_time"] = PARAMETER_TIME
         settings["prior_mean"] = self.cohort.prior.mean
         settings["prior_sd"] = self.cohort.prior.sd
+        settings["reality"] = self.reality.records()[0]
         settings["steps"] = configuration.steps
         settings["ticks_per_step"] = configuration.ticks_per_step
         return records
@@ -208,12 +221,14 @@ class Simulation:
         Raises:
             InputError: a given patient has no rest pose that the device can treat.
         """
-        drawn: dict[int, np.random.Generator] = {}
+        drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
         for i in np.flatnonzero(chosen):
             words = philox(tuple(self._keys[i]), _counter(int(self._episodes[i])))
             self._episodes[i] += 1
             self.worlds["key"][i] = words[:2]
-            drawn[int(i)] = np.random.Generator(np.random.Philox(key=np.array(words[2:], dtype=np.uint64)))
+            # Patient and geometry errors come from two streams, so that the patients are the same with and without.
+            key = np.array(words[2:], dtype=np.uint64)
+            drawn[int(i)] = _stream(key, 0), _stream(key, 1)
             self._place(int(i), patients[int(i)], drawn[int(i)])
         waiting = chosen.copy()
         accepted = np.ones(len(chosen), dtype=np.bool_)
@@ -245,8 +260,11 @@ class Simulation:
             self._contact.reset(chosen)
         self.look()
 
-    def _place(self, index: int, patient: Patient | None, generator: np.random.Generator) -> None:
+    def _place(
+        self, index: int, patient: Patient | None, streams: tuple[np.random.Generator, np.random.Generator]
+    ) -> None:
         """Write a patient, given or drawn, into a world and into what the filter knows of its geometry."""
+        generator, of_geometry = streams
         if patient is None:
             log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
         else:
@@ -261,6 +279,7 @@ class Simulation:
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
         self.worlds["jaw"][index] = self._jaw
+        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["jaw"][index], of_geometry)
         self.worlds["log_parameters"][index] = log_parameters
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
@@ -278,6 +297,12 @@ class Simulation:
     def info(self, worlds: Any) -> dict[str, Any]:
         """Fresh info of one of this simulation's worlds, or of an array of them."""
         return describe(worlds, self.cohort.muscles.parameter_names, self.configuration.needs_bound)
+
+
+def _stream(key: NDArray[np.uint64], number: int) -> np.random.Generator:
+    """Random numbers of an episode; streams of different numbers share none."""
+    counter = np.array([0, 0, 0, number], dtype=np.uint64)
+    return np.random.Generator(np.random.Philox(key=key, counter=counter))
 
 
 def _counter(episode: int) -> tuple[Any, Any, Any, Any]:

@@ -12,6 +12,7 @@ from jawenv.estimation.ekf import filter_size
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
+from jawenv.reality import reality_state_dtype
 
 MOTORS = np.dtype(
     [
@@ -41,6 +42,7 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
         ("body", "f8", N_BODY),  # of the plant with two condyles
+        ("reality", reality_state_dtype(n_lines)),
         ("key", "u8", 2),
         ("tick", "i8"),
         ("limits", limits_dtype(n_lines)),
