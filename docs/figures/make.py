@@ -537,12 +537,21 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 }
 
 
+def freeze(figure: Figure) -> None:
+    """Round what the layout found: its last bits differ from run to run, and the names in the SVG hang on them."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 4))
+
+
 def make(name: str, folder: Path = FOLDER, form: str = "svg") -> Path:
     """Draw one figure and write it to ``folder``; returns the file."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.{form}"
     with mpl.rc_context(STYLE):
         figure = FIGURES[name]()
+        freeze(figure)
         metadata = {"Date": None} if form == "svg" else {}
         figure.savefig(path, metadata=metadata, dpi=110)
     if form == "svg":  # matplotlib leaves blanks at the ends of lines
