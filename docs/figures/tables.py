@@ -1,0 +1,187 @@
+"""Write the tables of numbers in docs/model.md from the data files and the code: ``python docs/figures/tables.py``.
+
+Each table stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``. A test fails when one is out of date.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+if str(ROOT) not in sys.path:
+    sys.path.append(str(ROOT))
+
+from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set  # noqa: E402
+from jawenv.ladder import MODELS  # noqa: E402
+
+PAGE = ROOT / "docs" / "model.md"
+_BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)
+
+
+def number(value: float) -> str:
+    """A number with a real minus sign."""
+    return f"{value:g}".replace("-", "−")
+
+
+def values(value: object) -> str:
+    """A number, a point or a matrix."""
+    if isinstance(value, list):
+        inner = "; " if isinstance(value[0], list) else ", "
+        text = inner.join(values(one).strip("()") for one in value)
+        return f"({text})"
+    return number(float(value))  # type: ignore[arg-type]
+
+
+def plus_minus(text: str) -> str:
+    """The data files' ASCII as typography."""
+    return text.replace("+-", "±").replace("|", "/")
+
+
+def rows_of(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """A Markdown table."""
+    lines = [head, tuple("---" for _ in head), *rows]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def quantities(name: str) -> str:
+    """All quantities of a data file."""
+    head = ("quantity", "value", "unit", "range", "grade", "source")
+    return rows_of(
+        head,
+        (
+            (
+                f"`{key}`",
+                values(one.value),
+                one.unit,
+                "–" if one.range is None else f"{number(one.range[0])} … {number(one.range[1])}",
+                one.grade,
+                plus_minus(one.source),
+            )
+            for key, one in load_quantities(name).items()
+        ),
+    )
+
+
+def attachments() -> str:
+    """Every row of the attachment table, the rejected one too."""
+
+    def spread(point: tuple[float, ...], sd: tuple[float, ...]) -> str:
+        return ", ".join(f"{number(a)} ± {number(b)}" for a, b in zip(point, sd, strict=True))
+
+    head = ("portion", "origin x, y, z (mm)", "insertion x, y, z (mm)", "length (mm)", "grade", "source and remark")
+    rows = []
+    for row in attachment_rows():
+        length = float(np.linalg.norm(np.subtract(row.origin, row.insertion)))
+        name = row.portion.replace("_", " ") + (" — **rejected**" if row.status == "rejected" else "")
+        text = row.source + (f"; {row.remark}" if row.remark else "")
+        rows.append(
+            (
+                name,
+                spread(row.origin, row.origin_sd),
+                spread(row.insertion, row.insertion_sd),
+                f"{length:.1f}",
+                row.grade,
+                plus_minus(text),
+            )
+        )
+    return rows_of(head, rows)
+
+
+def whole_muscles() -> str:
+    """The lines of the whole muscles, right side."""
+    muscles = muscle_set()
+    rows = []
+    for i, name in enumerate(muscles.names):
+        if name.endswith("_right"):
+            ends = [", ".join(f"{1e3 * c:.1f}".replace("-", "−") for c in p[i])
+                    for p in (muscles.origin_m, muscles.insertion_m)]  # fmt: skip
+            rows.append((name.removesuffix("_right").replace("_", " "), *ends, f"{1e3 * muscles.l_o_m[i]:.1f}", "D"))
+    return rows_of(("muscle", "origin x, y, z (mm)", "insertion x, y, z (mm)", "$l_o$ (mm)", "grade"), rows)
+
+
+def cohorts() -> str:
+    """Medians and spreads of the cohorts."""
+    rows = []
+    for cohort in COHORTS.values():
+        left, right = cohort.groups[0]
+        one = [f"{number(s.F_o_N)}; {number(s.F_o_sd)}; {number(s.b)}; {number(s.b_sd)}" for s in (left, right)]
+        text = one[0] if one[0] == one[1] else f"{one[0]} on one side, {one[1]} on the other"
+        rows.append((f"`{cohort.name}`", text, plus_minus(cohort.basis)))
+    head = ("cohort", "median $F_o$ (N); sd of its log; median $b$; sd of its log", "basis (grade)")
+    return rows_of(head, rows)
+
+
+# module, name, factor to the unit shown, unit, meaning, grade
+_CONSTANTS = (
+    ("jawenv.mechanics.jaw", "CONDYLE_STIFFNESS", 1, "N/m", "the capsule's stops, soft enough for the step", "G"),
+    ("jawenv.mechanics.jaw", "STOP_WIDTH", 1e3, "mm", "quadratic onset $w$ of teeth and capsule", "G"),
+    ("jawenv.mechanics.equilibrium", "HOLD_STIFFNESS", 1, "N/m", "spring that holds the mouth open", "numerical"),
+    ("jawenv.mechanics.equilibrium", "TOLERANCE", 1, "m/s2, rad/s2", "acceleration left over at rest", "numerical"),
+    ("jawenv.envs.beginning", "PAINLESS_FORCE", 1, "N", "pull that ends the painless range", "G"),
+    ("jawenv.envs.beginning", "PAINLESS_RANGE", 1e3, "mm", "its largest extent above rest", "G"),
+    ("jawenv.envs.beginning", "LARGEST_OPENING", 1e3, "mm", "its largest opening in all", "G"),
+    ("jawenv.envs.beginning", "CREST_SHARE", 1, "1", "soft limit of the condyle, share of the way to the crest", "G"),
+    ("jawenv.envs.beginning", "CONDYLE_FREE", 1e3, "mm", "the painless range ends so far before that limit", "G"),
+    ("jawenv.envs.advance", "TICK", 1e3, "ms", "sensors, filter, motor commands; the filter's step", "numerical"),
+    ("jawenv.envs.advance", "SUBSTEPS", 1, "1", "Runge–Kutta steps of the true motion per tick", "numerical"),
+    ("jawenv.mechanics.bilateral", "BODY_STEP", 1e3, "ms", "step with two condyles", "numerical"),
+    ("jawenv.mechanics.sagittal", "STEP", 1e3, "ms", "step in the plane", "numerical"),
+    ("jawenv.mechanics.sagittal", "SEGMENT", 1e3, "mm", "segments of the fossa in the plane", "numerical"),
+    ("jawenv.mechanics.sagittal", "ITERATIONS", 1, "1", "of the contact solver", "numerical"),
+    ("jawenv.mechanics.sagittal", "OVERLAP_TIME", 1e3, "ms", "decay of overlap in the plane", "numerical"),
+    ("jawenv.mechanics.sagittal_shapes", "SLOP", 1, "mm", "overlap that contact rests on", "numerical"),
+    ("jawenv.mechanics.sagittal_shapes", "CUSP", 1, "mm", "radius of a tooth's contact", "numerical"),
+    ("jawenv.mechanics.sagittal_shapes", "END", 1, "1", "crests from the roof to the front wall", "numerical"),
+)
+
+
+def constants() -> str:
+    """Numbers that stand in the code."""
+    return rows_of(
+        ("constant", "value", "unit", "meaning", "grade"),
+        (
+            (f"`{module.removeprefix('jawenv.')}.{name}`", number(factor * getattr(import_module(module), name)), unit,
+             meaning, grade)
+            for module, name, factor, unit, meaning, grade in _CONSTANTS
+        ),
+    )  # fmt: skip
+
+
+def ladder() -> str:
+    """The models, simplest first."""
+    symbols = ("$x$", "$y$", "$\\theta$", "$\\psi$", "$\\alpha$")
+    rows = []
+    for model in MODELS.values():
+        muscles = model.muscles
+        free = ", ".join(s for s, moves in zip(symbols, model.free, strict=True) if moves)
+        count = f"{len(muscles.muscle)} → {len(muscles)} → {len(muscles.parameter_names)}"
+        rows.append((f"`{model.name}`", free, count, model.plant, model.shows, model.hides))
+    head = ("model", "the filter's coordinates", "lines → muscles → parameters", "plant", "shows", "cannot show")
+    return rows_of(head, rows)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "ladder": ladder,
+    "mandible": lambda: quantities("mandible.toml"),
+    "fossa": lambda: quantities("fossa.toml"),
+    "attachments": attachments,
+    "whole_muscles": whole_muscles,
+    "strengths": lambda: quantities("strengths.toml"),
+    "cohorts": cohorts,
+    "constants": constants,
+}
+
+
+def renewed(text: str) -> str:
+    """The page with every table as the data and the code have it."""
+    return _BLOCK.sub(lambda block: block[1] + TABLES[block[2]]() + block[3], text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(renewed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
