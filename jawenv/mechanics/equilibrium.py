@@ -93,6 +93,10 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
             for j in range(3):
                 matrix[2 + i, 2 + j] += axes[j][i] / step
         solve_in_place(matrix, right)
+        if not jaw.free_x:
+            right[0] = 0.0
+        if not jaw.free_y:
+            right[1] = 0.0
         largest = max(abs(right[0]), abs(right[1])) / 2e-3
         largest = max(largest, max(abs(right[2]), max(abs(right[3]), abs(right[4]))) / 0.1)
         shorten = 1.0 / max(1.0, largest)

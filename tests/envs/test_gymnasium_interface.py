@@ -97,7 +97,7 @@ ARGUMENTS = [
     ({"control_hz": 30}, "control_hz is 30; allowed: 100 divided by a whole number"),
     ({"control_hz": 200}, "control_hz is 200; allowed: 100 divided by a whole number"),
     ({"track_bound": "yes"}, "track_bound is 'yes'; allowed: true or false"),
-    ({"device": 5}, "device is 5; allowed: a mapping of device fields"),
+    ({"device": 5}, "device is 5; allowed: a mapping of its fields"),
     ({"device": {"colour": 1}}, "device.colour is not a field of Device; allowed: vertical_arm_mm, "),
     ({"device": {"lag_s": 0}}, "device.lag_s is 0; allowed: a finite number, more than 0"),
 ]

@@ -1,0 +1,112 @@
+"""Every rung of the ladder keeps what Gymnasium, stable-baselines3 and the default environment promise."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import jawenv
+from jawenv.envs.observation import observation_layout
+from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.ladder import MODELS
+
+OTHERS = [env_id for env_id, name in ENVIRONMENTS.items() if name != "jaw"]
+STEPS = 30
+
+
+def actions(number):
+    t, world = np.arange(STEPS)[:, None, None] / 20, np.arange(number)[None, :, None]
+    return (0.4 * np.sin((2 + 0.3 * world + np.arange(4)) * t + np.arange(4))).astype(np.float32)
+
+
+def played(env_id, number=2, seed=5, **arguments):
+    """Observations, rewards and the last info of a short episode of some worlds."""
+    env = gym.make_vec(env_id, num_envs=number, **arguments)
+    seen, rewards = [env.reset(seed=seed)[0]], []
+    for action in actions(number):
+        observation, reward, _, _, info = env.step(action)
+        seen.append(observation)
+        rewards.append(reward)
+    return np.array(seen), np.array(rewards), info
+
+
+def test_the_registry_is_the_ladder():
+    assert {env_id: model.name for model in MODELS.values() for env_id in [model.env_id]} == ENVIRONMENTS
+
+
+@pytest.mark.parametrize("env_id", OTHERS)
+def test_both_checkers_have_nothing_to_say(env_id):
+    """Warnings are errors in this suite."""
+    check_env(gym.make(env_id, episode_s=0.5).unwrapped, skip_render_check=True)
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    checker.check_env(gym.make(env_id, episode_s=0.5).unwrapped, warn=True)
+
+
+@pytest.mark.parametrize("env_id", OTHERS)
+def test_world_i_equals_the_single_environment_bit_for_bit(env_id):
+    arguments = {"control": "trajectory", "reward": "bound"}
+    together, rewards, info = played(env_id, **arguments)
+    for i in range(2):
+        env = gym.make(env_id, **arguments)
+        seen = [env.reset(seed=5 + i)[0]]
+        for k, action in enumerate(actions(2)[:, i]):
+            observation, reward, _, _, single = env.step(action)
+            seen.append(observation)
+            assert rewards[k, i] == reward
+        np.testing.assert_array_equal(together[:, i], seen)
+        for key in ("belief_mean", "belief_cov", "bound_sd", "jaw_state", "truth"):
+            np.testing.assert_array_equal(info[key][i], single[key])
+
+
+@pytest.mark.parametrize("env_id", OTHERS)
+def test_names_and_sizes_follow_the_muscles(env_id):
+    seen, _, info = played(env_id)
+    muscles = MODELS[ENVIRONMENTS[env_id]].muscles
+    parameters = len(muscles.parameter_names)
+    assert info["parameter_names"] == muscles.parameter_names
+    assert info["belief_cov"].shape == (2, parameters, parameters)
+    assert info["truth"].shape == (2, parameters)
+    assert seen.shape[2] == max(place.stop for place in observation_layout(parameters).values())
+    assert (info["information_claimed"] > 1.0).all(), "a second and a half of motion teaches something"
+
+
+@pytest.mark.parametrize("env_id", ["jawenv/JawHinge-v0", "jawenv/JawSagittal-v0"])
+def test_planar_models_stay_in_their_plane(env_id):
+    _, _, info = played(env_id)
+    held = [1, 3, 4, 6, 7, 9] + ([0, 5] if "Hinge" in env_id else [])
+    np.testing.assert_array_equal(info["jaw_state"][:, held], 0.0)
+    assert np.abs(info["jaw_state"][:, 2]).max() > 1e-3
+
+
+def test_a_patient_has_the_muscles_of_the_model():
+    env = gym.make("jawenv/JawSides-v0")
+    law = {"F_o_N": {"left": 3.0, "right": 1.0}, "b": {"left": 7.0, "right": 7.0}}
+    _, info = env.reset(seed=0, options={"patient": law})
+    np.testing.assert_allclose(np.exp(info["truth"]), [3.0, 7.0, 1.0, 7.0])
+    whole = jawenv.Patient(F_o_N=dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0), b=dict.fromkeys(jawenv.MUSCLE_NAMES, 7.0))
+    with pytest.raises(jawenv.InputError, match=r"has the muscles masseter_left.*; allowed in JawSides: left, right$"):
+        env.reset(options={"patient": whole})
+
+
+def test_two_condyles_resist_roll_and_their_filter_knows():
+    """The filter of one point on the fossa claims as much on the jaw with two condyles, and is wrong."""
+    _, _, honest = played("jawenv/JawBilateral-v0", number=4)
+    _, _, wrong = played("jawenv/JawBilateral-v0", number=4, estimator="midline")
+    np.testing.assert_array_equal(honest["truth"], wrong["truth"])
+    assert np.median(honest["nees"]) < 40.0 < 1000.0 < np.median(wrong["nees"])
+    with pytest.raises(jawenv.InputError, match="^estimator is 'bilateral'; allowed in Jaw: midline$"):
+        gym.make("jawenv/Jaw-v0", estimator="bilateral")
+
+
+def test_the_plant_in_contact_moves_as_the_smooth_one_does():
+    """The same patients and noise: friction and the chatter of contact change the motion by little."""
+    _, _, rough = played("jawenv/JawSagittal-v0")
+    smooth_env = gym.make_vec("jawenv/JawSagittal-v0", num_envs=2)
+    simulation = smooth_env.simulation
+    simulation._contact = None  # the compiled midline plant, restricted to the plane
+    smooth_env.reset(seed=5)
+    for action in actions(2):
+        *_, smooth = smooth_env.step(action)
+    np.testing.assert_array_equal(rough["truth"], smooth["truth"])
+    np.testing.assert_allclose(rough["jaw_state"][:, 0], smooth["jaw_state"][:, 0], atol=0.3e-3)
+    np.testing.assert_allclose(rough["jaw_state"][:, 2], smooth["jaw_state"][:, 2], atol=0.01)

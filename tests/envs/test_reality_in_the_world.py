@@ -1,0 +1,69 @@
+"""Effects beyond the thesis as arguments of the environment: off by default, on the truth only, in every plant."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import jawenv
+
+PLANTS = ["jawenv/Jaw-v0", "jawenv/JawBilateral-v0", "jawenv/JawSagittal-v0"]
+EFFECTS = [
+    {"reflex_gain": 1.0},
+    {"creep_share": 0.3},
+    {"attachment_error": 0.3},
+    {"fossa_error": 0.1},
+    {"articular_stiffness_N_m": 3000.0, "articular_onset": 0.1},
+    {"cell_bias_N": 0.1},
+    {"encoder_play_mm": 0.3},
+]
+STEPS = 40
+
+
+def played(env_id, **arguments):
+    env = gym.make(env_id, episode_s=STEPS / 20, **arguments)
+    observation, info = env.reset(seed=3)
+    seen, infos = [observation], [info]
+    for k in range(STEPS - 1):
+        push = np.array([0.8, 0.8, 0.2, 0.2]) * np.sin(np.pi * k / STEPS)
+        observation, *_, info = env.step(push.astype(np.float32))
+        seen.append(observation)
+        infos.append(info)
+    return np.array(seen), infos, env.unwrapped.simulation
+
+
+@pytest.fixture(scope="module", params=PLANTS)
+def plain(request):
+    return request.param, *played(request.param)
+
+
+def test_no_effect_is_the_plain_environment(plain):
+    env_id, seen, _, _ = plain
+    again, _, _ = played(env_id, reality={})
+    np.testing.assert_array_equal(seen, again)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: next(iter(effect)))
+def test_each_effect_acts_on_the_truth_and_the_filter_does_not_know(plain, effect):
+    env_id, seen, infos, simulation = plain
+    changed, with_effect, other = played(env_id, reality=effect)
+    assert not np.array_equal(seen, changed)
+    np.testing.assert_array_equal(infos[-1]["truth"], with_effect[-1]["truth"])
+    np.testing.assert_array_equal(simulation.models, other.models)
+
+
+def test_the_joint_opposes_the_end_of_opening(plain):
+    env_id, _, infos, _ = plain
+    _, stiff, _ = played(env_id, reality={"articular_stiffness_N_m": 3000.0, "articular_onset": 0.1})
+    assert max(i["comfort"]["opening"] for i in stiff) < max(i["comfort"]["opening"] for i in infos)
+
+
+def test_unusable_effects_are_named():
+    for arguments, message in (
+        ({"reality": 1.0}, "reality is 1.0; allowed: a mapping of its fields"),
+        ({"reality": {"magic": 1.0}}, "reality.magic is not a field of Reality; allowed: reflex_gain, "),
+        ({"reality": {"creep_share": 1.5}}, "reality.creep_share is 1.5; allowed: a finite number, 0 or more, at"),
+    ):
+        with pytest.raises(jawenv.InputError) as caught:
+            gym.make("jawenv/Jaw-v0", **arguments)
+        assert str(caught.value).startswith(message)
+        assert "\n" not in str(caught.value)
