@@ -34,8 +34,9 @@ from jawenv.mechanics.vec3 import add, apply, cross, vector3
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
-# How often the neglected curvature counts: it is the same error from step to step, where process noise would be new.
-CURVATURE_REPEATS = 5.0
+# How often the neglected curvature counts: it is the same error from step to step, where process noise would be new. An
+# error that lasts for n steps does what white noise of n times its variance does; 400 steps are 4 s.
+CURVATURE_REPEATS = 400.0
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
