@@ -35,6 +35,7 @@ from jawenv.reality.tissue import update_tissue
 
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
+REACH = 5.0
 
 
 def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
@@ -158,7 +159,22 @@ def end_tick(device, model, world, settings, scratch):
         settings.used,
         scratch.filter,
     )
+    stay_in_reach(world, settings)
     world.tick += 1
+
+
+@njit
+def stay_in_reach(world, settings):
+    """Keep the estimated parameters within ``REACH`` prior sds of the prior's mean.
+
+    A linearised update can throw b so high that the model's tensions overflow, from which no measurement returns.
+    """
+    parameters = settings.prior_mean.shape[0]
+    first = world.mean.shape[0] - 1 - parameters
+    for i in range(parameters):
+        reach = REACH * settings.prior_sd[i]
+        middle = settings.prior_mean[i]
+        world.mean[first + i] = min(max(world.mean[first + i], middle - reach), middle + reach)
 
 
 @njit

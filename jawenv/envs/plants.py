@@ -14,10 +14,11 @@ from jawenv.estimation.sensitivity import N_SAMPLES, plus
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.kinematics import split
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import articular_push
 
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
-SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick
+SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the jaw is stiff
 BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 
 
@@ -65,8 +66,10 @@ def stage_time(step, stage, h):
 def midline_tick(device, world, scratch, settings):
     """Move the midline plant through one tick; returns 1.0 if the governor acted."""
     acted, trajectory = 0.0, settings.trajectory
-    h = TICK / SUBSTEPS
-    for step in range(SUBSTEPS):
+    q, _ = split(world.state)
+    parts = parts_needed(fastest_rate(world.jaw, scratch.effective, q), TICK, SUBSTEPS)
+    h = TICK / parts
+    for step in range(parts):
         start_q, start_u = split(world.state)
         q, u = start_q, start_u
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -76,8 +79,8 @@ def midline_tick(device, world, scratch, settings):
                 device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, trajectory
             )
             acted = max(acted, governed)
-            if stage == 0 and 2 * step % SUBSTEPS == 0:
-                keep_sample(scratch.wrench, 2 * step // SUBSTEPS, wrench)
+            if stage == 0 and 2 * step % parts == 0:
+                keep_sample(scratch.wrench, 2 * step // parts, wrench)
             push = articular_push(settings.reality, world.limits, world.jaw, q, lift_of(world))
             total = plus_wrench(wrench, scratch.unmodelled, push)
             q_rate, u_rate = state_rate(world.jaw, scratch.effective, q, u, total)

@@ -1,32 +1,28 @@
 """One step of the filter's model with two condyles and its exact derivative: ``sensitivity`` for twelve states.
 
-Discs are stiff: the step is divided so that the explicit method bears them, and the derivative runs through all parts.
-The load cell's three samples are joined by a parabola.
+Discs are stiff: the step is always divided so that the explicit method bears them.
 """
 
 from __future__ import annotations
 
 from jawenv.compiled import njit
-from jawenv.estimation.sensitivity import accumulate, add_inputs, fill_angle_rate_derivatives, set_identity, with_gain
+from jawenv.estimation.sensitivity import (
+    accumulate,
+    add_inputs,
+    between_samples,
+    combine,
+    copy_matrix,
+    fill_angle_rate_derivatives,
+    set_identity,
+    stage_share,
+    with_gain,
+)
 from jawenv.mechanics.bilateral import N_BODY, midline_pose, plus_six, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.kinematics import angle_rates
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 1000 rad/s, is stable and damped
-
-
-@njit
-def between_samples(samples, share):
-    """The load cell's wrench at a share of the step, by the parabola through its three samples."""
-    first, middle, last = (1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)
-    return (
-        first * samples[0, 0] + middle * samples[1, 0] + last * samples[2, 0],
-        first * samples[0, 1] + middle * samples[1, 1] + last * samples[2, 1],
-        first * samples[0, 2] + middle * samples[1, 2] + last * samples[2, 2],
-        first * samples[0, 3] + middle * samples[1, 3] + last * samples[2, 3],
-        first * samples[0, 4] + middle * samples[1, 4] + last * samples[2, 4],
-        first * samples[0, 5] + middle * samples[1, 5] + last * samples[2, 5],
-    )
 
 
 @njit
@@ -59,30 +55,23 @@ def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
 
 
 @njit
-def copy_matrix(target, source):
-    """Target = source for two arrays of the same shape."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] = source[i, j]
-
-
-@njit
 def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (12) in place by one step and fill ``scratch.total`` with its derivative.
 
     Arguments as in ``sensitivity.propagate``.
     """
     set_identity(scratch.total)
-    h = dt / BODY_PARTS
-    for part in range(BODY_PARTS):
+    q, _ = split_body(state)
+    parts = parts_needed(fastest_rate(jaw, muscles, midline_pose(q)), dt, BODY_PARTS)
+    h = dt / parts
+    for part in range(parts):
         copy_matrix(scratch.start, scratch.total)
         copy_matrix(scratch.stage, scratch.total)
         start_q, start_u = split_body(state)
         q, u = start_q, start_u
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for step in range(4):
-            reached = 0.0 if step == 0 else (1.0 if step == 3 else 0.5)
-            sample = between_samples(samples, (part + reached) / BODY_PARTS)
+            sample = between_samples(samples, stage_share(part, step, parts))
             rates, acceleration = body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch)
             velocity = (u[0], u[1], u[2], rates[0], rates[1], rates[2])
             weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
@@ -91,8 +80,7 @@ def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
             if step < 3:
                 reach = h if step == 2 else 0.5 * h
                 q, u = plus_six(start_q, reach, velocity), plus_six(start_u, reach, acceleration)
-                copy_matrix(scratch.stage, scratch.start)
-                accumulate(scratch.stage, reach, scratch.slope)
+                combine(scratch.stage, scratch.start, reach, scratch.slope)
         for i in range(6):
             state[i] = start_q[i] + sum_q[i]
             state[6 + i] = start_u[i] + sum_u[i]

@@ -20,7 +20,7 @@ equals the joint update to rounding: all are linearised at the predicted mean.
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, sqrt
 
 import numpy as np
 
@@ -37,6 +37,8 @@ TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
 # How often the neglected curvature counts: it is the same error from step to step, where process noise would be new. An
 # error that lasts for n steps does what white noise of n times its variance does; 400 steps are 4 s.
 CURVATURE_REPEATS = 400.0
+LARGEST_CURVATURE = 1.0  # variance of that noise at most, in squares of a tension: beyond, no expansion holds
+LARGEST_SHIFT = 1.0  # sds that one measurement may move a parameter by
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
@@ -190,6 +192,15 @@ def set_tension_covariance(covariance, scratch):
 
 
 @njit
+def curvature_weight(scratch):
+    """Factor of the squared log-tension covariances in the process noise, at most ``LARGEST_CURVATURE`` in all."""
+    largest = 0.0
+    for k in range(scratch.strain.shape[0]):
+        largest = max(largest, scratch.tension_covariance[k, k])
+    return min(0.5 * CURVATURE_REPEATS, LARGEST_CURVATURE / (largest * largest))
+
+
+@njit
 def shift_by_curvature(mean, scratch):
     """Second-order shift of the predicted motion (Jazwinski 1970, section 9.3).
 
@@ -241,7 +252,7 @@ def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, paramete
     set_tension_covariance(covariance, scratch)
     shift_by_curvature(mean, scratch)
     set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
-    predict_covariance(covariance, scratch.wrench_variance, parameter_noise, 0.5 * CURVATURE_REPEATS, scratch)
+    predict_covariance(covariance, scratch.wrench_variance, parameter_noise, curvature_weight(scratch), scratch)
 
 
 @njit
@@ -313,8 +324,8 @@ def expect(jaw, state, rows, expected):
 
 
 @njit
-def assimilate(covariance, row, variance, gain):
-    """Covariance after one scalar measurement; returns the innovation's variance and leaves P h in ``gain``."""
+def innovation_variance(covariance, row, variance, gain):
+    """Variance of the innovation of one scalar measurement; leaves P h in ``gain``."""
     size = gain.shape[0]
     for j in range(size):
         gain[j] = 0.0
@@ -323,17 +334,35 @@ def assimilate(covariance, row, variance, gain):
         if factor != 0.0:
             for j in range(size):
                 gain[j] += factor * covariance[k, j]
-    innovation_variance = variance
     for k in range(row.shape[0]):
-        innovation_variance += row[k] * gain[k]
-    inverse = 1.0 / innovation_variance
+        variance += row[k] * gain[k]
+    return variance
+
+
+@njit
+def reduce_covariance(covariance, gain, variance):
+    """Covariance after a measurement whose innovation has this variance; that of the load cell's gain stays."""
+    size = gain.shape[0]
+    inverse = 1.0 / variance
     considered = covariance[size - 1, size - 1]
     for i in range(size):
         for j in range(size):
             # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
             covariance[i, j] -= (gain[i] * gain[j]) * inverse
     covariance[size - 1, size - 1] = considered
-    return innovation_variance
+
+
+@njit
+def doubt(covariance, gain, variance, innovation, first):
+    """Factor, 1 or more, by which an innovation is trusted less because it would move a parameter too far.
+
+    An update that moves a parameter by more than ``LARGEST_SHIFT`` of its sd at once goes beyond where the exponentials
+    are what their tangents say. Its variance is raised until it does not, as Huber's weight does with an outlier.
+    """
+    largest = 0.0
+    for j in range(first, gain.shape[0] - 1):
+        largest = max(largest, gain[j] * gain[j] / covariance[j, j])
+    return max(1.0, abs(innovation) * sqrt(largest) / (LARGEST_SHIFT * variance))
 
 
 @njit
@@ -347,10 +376,12 @@ def update(jaw, mean, covariance, measured, variances, used, scratch):
         if not used[i]:
             continue
         row = scratch.rows[i]
-        variance = assimilate(covariance, row, variances[i], scratch.gain)
+        variance = innovation_variance(covariance, row, variances[i], scratch.gain)
         innovation = measured[i] - scratch.expected[i]
         for k in range(row.shape[0]):
             innovation -= row[k] * scratch.shift[k]
+        variance *= doubt(covariance, scratch.gain, variance, innovation, row.shape[0])
+        reduce_covariance(covariance, scratch.gain, variance)
         weight = innovation / variance
         for j in range(size):
             scratch.shift[j] += weight * scratch.gain[j]
@@ -364,4 +395,5 @@ def update_covariance(jaw, state, covariance, variances, used, scratch):
     expect(jaw, state, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         if used[i]:
-            assimilate(covariance, scratch.rows[i], variances[i], scratch.gain)
+            variance = innovation_variance(covariance, scratch.rows[i], variances[i], scratch.gain)
+            reduce_covariance(covariance, scratch.gain, variance)

@@ -1,9 +1,9 @@
 """One step of the filter's model and its exact derivative.
 
-The model is one classical Runge-Kutta step under the wrench that the load cell read at the start, the middle and the
-end of the step: a stiff servo changes its force within one, and a filter that takes the mean misplaces the
-jaw by a quarter of its motion. The derivative is the same step applied to the variational equation, so that it is the
-derivative of the numbers that the filter computes, to rounding.
+The model is one classical Runge-Kutta step, or a few if the jaw is stiff, under the wrench that the load cell read at
+the start, the middle and the end of the step: a stiff servo changes its force within one, and a filter that takes the
+mean misplaces the jaw by a quarter of its motion. The derivative is the same step applied to the variational equation,
+so that it is the derivative of the numbers that the filter computes, to rounding.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 from jawenv.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 N_SAMPLES = 3  # of the load cell per step
 
@@ -126,31 +127,72 @@ def set_identity(matrix):
 
 
 @njit
+def copy_matrix(target, source):
+    """Target = source for two arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@njit
+def between_samples(samples, share):
+    """The load cell's wrench at a share of the step, by the parabola through its three samples."""
+    first, middle, last = (1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)
+    return (
+        first * samples[0, 0] + middle * samples[1, 0] + last * samples[2, 0],
+        first * samples[0, 1] + middle * samples[1, 1] + last * samples[2, 1],
+        first * samples[0, 2] + middle * samples[1, 2] + last * samples[2, 2],
+        first * samples[0, 3] + middle * samples[1, 3] + last * samples[2, 3],
+        first * samples[0, 4] + middle * samples[1, 4] + last * samples[2, 4],
+        first * samples[0, 5] + middle * samples[1, 5] + last * samples[2, 5],
+    )
+
+
+@njit
+def stage_share(part, stage, parts):
+    """Share of the whole step at which a stage of a part is evaluated."""
+    return (part + (0.0 if stage == 0 else (1.0 if stage == 3 else 0.5))) / parts
+
+
+@njit
 def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 29) by default.
 
     ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
-    ``rate_and_sensitivity``.
+    ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``).
     """
     set_identity(scratch.total)
-    set_identity(scratch.stage)
     start_q, start_u = split(state)
-    q, u = start_q, start_u
-    sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-    for step in range(4):
-        rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, samples[(step + 1) // 2], trend, gain, scratch)
-        velocity = (u[0], u[1], rates[0], rates[1], rates[2])
-        weight = dt / 3.0 if step == 1 or step == 2 else dt / 6.0
-        sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
-        accumulate(scratch.total, weight, scratch.slope)
-        if step < 3:
-            reach = dt if step == 2 else 0.5 * dt
-            q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
-            set_identity(scratch.stage)
-            accumulate(scratch.stage, reach, scratch.slope)
-    for i in range(5):
-        state[i] = start_q[i] + sum_q[i]
-        state[5 + i] = start_u[i] + sum_u[i]
+    parts = parts_needed(fastest_rate(jaw, muscles, start_q), dt, 1)
+    h = dt / parts
+    for part in range(parts):
+        copy_matrix(scratch.start, scratch.total)
+        copy_matrix(scratch.stage, scratch.total)
+        start_q, start_u = split(state)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+        for step in range(4):
+            sample = between_samples(samples, stage_share(part, step, parts))
+            rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch)
+            velocity = (u[0], u[1], rates[0], rates[1], rates[2])
+            weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
+            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
+            accumulate(scratch.total, weight, scratch.slope)
+            if step < 3:
+                reach = h if step == 2 else 0.5 * h
+                q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
+                combine(scratch.stage, scratch.start, reach, scratch.slope)
+        for i in range(5):
+            state[i] = start_q[i] + sum_q[i]
+            state[5 + i] = start_u[i] + sum_u[i]
+
+
+@njit
+def combine(target, start, factor, source):
+    """Target = start + factor * source for three arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = start[i, j] + factor * source[i, j]
 
 
 @njit

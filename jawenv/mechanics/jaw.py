@@ -53,6 +53,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("origin", "f8", (n_lines, 3)),
         ("insertion", "f8", (n_lines, 3)),
         ("l_o", "f8", (n_lines,)),
+        ("mobility", "f8", (n_lines,)),  # 1/kg, of the free mandible along a line, jaw closed
         ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
     ]
     return np.dtype(fields, align=True)
@@ -127,8 +128,19 @@ def build_jaw(
     jaw["origin"] = muscles.origin_m
     jaw["insertion"] = muscles.insertion_m
     jaw["l_o"] = muscles.l_o_m
+    jaw["mobility"] = mobility(mandible, muscles)
     jaw["muscle"] = muscles.muscle
     return jaw
+
+
+def mobility(mandible: Mandible, muscles: MuscleSet) -> NDArray[np.float64]:
+    """Acceleration (m/s2) of each insertion along its line for 1 N along it, if the closed mandible were free."""
+    along = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
+    turn = np.cross(muscles.insertion_m - mandible.centre_of_mass_m, along)
+    result: NDArray[np.float64] = 1.0 / mandible.mass_kg + np.sum(
+        turn * np.linalg.solve(mandible.inertia_kg_m2, turn.T).T, axis=1
+    )
+    return result
 
 
 def gravity_in_head(gravity: float, head_tilt_deg: float) -> NDArray[np.float64]:

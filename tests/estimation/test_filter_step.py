@@ -8,10 +8,11 @@ from filterpy.kalman import ExtendedKalmanFilter
 import jawenv
 from jawenv.estimation.ekf import (
     CURVATURE_REPEATS,
+    LARGEST_CURVATURE,
     TREND_TIME,
-    assimilate,
     filter_scratch_dtype,
     follow_trend,
+    innovation_variance,
     measure,
     parameter_variance,
     predict,
@@ -153,7 +154,8 @@ def test_prediction_is_the_dense_one_with_the_second_order_of_the_tensions(jaw, 
         W = np.diag(WRENCH_VARIANCE + belief.covariance[GAIN, GAIN] * fast_reading(belief) ** 2)
         expected = F @ belief.covariance @ F.T + G @ W @ G.T + Q
         without = expected.copy()
-        expected += CURVATURE_REPEATS / 2 * by_tension @ spread**2 @ by_tension.T
+        weight = min(CURVATURE_REPEATS / 2, LARGEST_CURVATURE / spread.diagonal().max() ** 2)
+        expected += weight * by_tension @ spread**2 @ by_tension.T
         assert_same_mean(mean, expected_mean, expected)
         assert_same_covariance(covariance, expected)
         assert np.abs(expected - without).max() > 1e-6 * np.abs(expected[STATE, STATE]).max(), "the term is at work"
@@ -220,7 +222,7 @@ def test_the_update_considers_the_gain_as_schmidt_does(jaw, rng, scratch, used):
 def test_one_measurement_reports_the_variance_of_its_innovation(jaw, rng):
     belief, row, gain = Belief(rng), rng.normal(size=10), np.empty(23)
     covariance = belief.covariance.copy()
-    variance = assimilate(covariance, row, 1e-6, gain)
+    variance = innovation_variance(covariance, row, 1e-6, gain)
     assert variance == pytest.approx(row @ belief.covariance[STATE, STATE] @ row + 1e-6, rel=1e-12)
     np.testing.assert_allclose(gain, belief.covariance[:, STATE] @ row, rtol=1e-10)
 
@@ -239,3 +241,14 @@ def test_the_trend_follows_the_readings():
     for _ in range(round(TREND_TIME / DT)):
         follow_trend(trend, samples, DT)
     np.testing.assert_allclose(trend, (1 - np.exp(-1)) * samples[0], rtol=1e-12)
+
+
+def test_a_measurement_that_would_throw_a_parameter_is_trusted_less(jaw, rng, scratch):
+    """However wrong a reading is, each of the twelve moves no parameter by more than one of its sds."""
+    belief = Belief(rng)
+    expected = twin.measurement(jaw, belief.mean[STATE])
+    mean, covariance = belief.mean.copy(), belief.covariance.copy()
+    update(jaw, mean, covariance, expected + 1e4 * np.sqrt(VARIANCES), VARIANCES, ALL, scratch)
+    shift = np.abs(mean - belief.mean)[PARAMETERS] / np.sqrt(np.diag(belief.covariance))[PARAMETERS]
+    assert 0.1 < shift.max() <= 12.0
+    assert np.linalg.eigvalsh(covariance[:22, :22])[0] > 0.0
