@@ -28,7 +28,7 @@ for folder in (ROOT, ROOT / "tests", ROOT / "tests" / "validation"):
 from jawenv.anatomy import COHORTS, WHOLE_MUSCLES, attachment, attachment_rows  # noqa: E402
 from jawenv.envs import beginning  # noqa: E402
 from jawenv.envs.rendering import outlines  # noqa: E402
-from jawenv.estimation.sensitivity import sensitivity_scratch  # noqa: E402
+from jawenv.estimation.ekf import filter_scratch_dtype  # noqa: E402
 from jawenv.mechanics import acceleration, build_jaw  # noqa: E402
 from jawenv.mechanics.equilibrium import settle  # noqa: E402
 from jawenv.mechanics.forces import capsule_force, muscle_pull  # noqa: E402
@@ -158,7 +158,7 @@ def frames() -> Figure:
 def stretches_when_open(opening: float) -> np.ndarray:
     """Stretch (l - l_o)/l_o of masseter, temporalis, medial pterygoid of the trismus median jaw held open (m)."""
     jaw, muscles, pose = build_jaw(), np.tile([1.2, 7.0], (6, 1)), np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = sensitivity_scratch(), np.empty((5, 5)), np.empty(5)
+    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0], np.empty((5, 5)), np.empty(5)
     for held in np.linspace(0.0, opening, 8):
         settle(jaw, muscles, pose, held, True, *scratch)
     contact, turn = contact_point(jaw, tuple(pose)), rotation(tuple(pose))
@@ -307,7 +307,7 @@ def opened_slowly(F_o: float, b: float, furthest: float = 14e-3, pieces: int = 6
     from scipy.optimize import root
 
     jaw, muscles, pose = build_jaw(), np.tile([F_o, b], (6, 1)), np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = sensitivity_scratch(), np.empty((5, 5)), np.empty(5)
+    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0], np.empty((5, 5)), np.empty(5)
     settle(jaw, muscles, pose, 0.0, False, *scratch)
     rows = [(pose[0], opening_of(jaw, pose), 0.0)]
     # The teeth part first, by the opening: until then the condyle hardly moves, and may move back.
@@ -423,8 +423,8 @@ def midline_rests(wrenches: np.ndarray) -> np.ndarray:
 
     jaw, log_parameters = build_jaw(), np.log(np.tile([1.2, 7.0], 6))
     pose, units, rows = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.array([1e-3, 1e-3, 0.1, 0.1, 0.1]), []
-    settle(jaw, np.exp(log_parameters).reshape(6, 2), pose, 0.0, False, sensitivity_scratch(), np.empty((5, 5)),
-           np.empty(5))  # fmt: skip
+    muscles, scratch = np.exp(log_parameters).reshape(6, 2), np.zeros(1, dtype=filter_scratch_dtype())[0]
+    settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     for wrench in wrenches:
 
         def left_over(scaled: np.ndarray, wrench: np.ndarray = wrench) -> np.ndarray:

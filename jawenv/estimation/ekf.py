@@ -38,7 +38,7 @@ TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
 # error that lasts for n steps does what white noise of n times its variance does; 400 steps are 4 s.
 CURVATURE_REPEATS = 400.0
 LARGEST_CURVATURE = 1.0  # variance of that noise at most, in squares of a tension: beyond, no expansion holds
-LARGEST_SHIFT = 1.0  # sds that one measurement may move a parameter by
+LARGEST_SHIFT = 3.0  # sds that one measurement may move a parameter by
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
