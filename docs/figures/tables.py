@@ -129,14 +129,13 @@ _CONSTANTS = (
     ("jawenv.envs.beginning", "CREST_SHARE", 1, "1", "soft limit of the condyle, share of the way to the crest", "G"),
     ("jawenv.envs.beginning", "CONDYLE_FREE", 1e3, "mm", "the painless range ends so far before that limit", "G"),
     ("jawenv.envs.plants", "TICK", 1e3, "ms", "sensors, filter, motor commands; the filter's step", "numerical"),
-    ("jawenv.envs.plants", "SUBSTEPS", 1, "1", "Runge–Kutta steps of the true motion per tick", "numerical"),
+    ("jawenv.envs.plants", "SUBSTEPS", 1, "1", "least number of Runge–Kutta steps of the true motion per tick", "numerical"),
     ("jawenv.mechanics.bilateral", "BODY_STEP", 1e3, "ms", "step with two condyles", "numerical"),
     ("jawenv.mechanics.sagittal", "STEP", 1e3, "ms", "step in the plane", "numerical"),
     ("jawenv.mechanics.sagittal", "SEGMENT", 1e3, "mm", "segments of the fossa in the plane", "numerical"),
     ("jawenv.mechanics.sagittal", "ITERATIONS", 1, "1", "of the contact solver", "numerical"),
     ("jawenv.mechanics.sagittal", "OVERLAP_TIME", 1e3, "ms", "decay of overlap in the plane", "numerical"),
     ("jawenv.mechanics.sagittal_shapes", "SLOP", 1, "mm", "overlap that contact rests on", "numerical"),
-    ("jawenv.mechanics.sagittal_shapes", "CUSP", 1, "mm", "radius of a tooth's contact", "numerical"),
     ("jawenv.mechanics.sagittal_shapes", "END", 1, "1", "crests from the roof to the front wall", "numerical"),
 )
 
@@ -160,6 +159,8 @@ def ladder() -> str:
     for model in MODELS.values():
         muscles = model.muscles
         free = ", ".join(s for s, moves in zip(symbols, model.free, strict=True) if moves)
+        if model.estimator == "bilateral":
+            free = free.replace("$y$", "$y$, $z$")
         count = f"{len(muscles.muscle)} → {len(muscles)} → {len(muscles.parameter_names)}"
         rows.append((f"`{model.name}`", free, count, model.plant, model.shows, model.hides))
     head = ("model", "the filter's coordinates", "lines → muscles → parameters", "plant", "shows", "cannot show")

@@ -23,9 +23,12 @@ import numba
 import numpy as np
 
 import jawenv  # noqa: F401  registers the environment
+from jawenv.envs.registration import ENVIRONMENTS
 
 WORLDS = 256
 CONTROL_HZ = 20.0
+OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != "jawenv/Jaw-v0"]
+PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v0",)
 HEAVY = ("torch", "matplotlib", "pymunk")
 IMPORT = f"""
 import sys, time
@@ -113,6 +116,26 @@ def speeds(size: Size) -> list[Row]:
     ]
 
 
+def ladder_speeds(size: Size) -> list[Row]:
+    """Speed of the other environments, alone and in a batch; pymunk's is stepped from Python, a tenth as often."""
+    rows = []
+    for env_id in OTHERS:
+        say(f"speed: {env_id}")
+        alone, vec = gym.make(env_id), gym.make_vec(env_id, num_envs=WORLDS)
+        alone.reset(seed=0)
+        vec.reset(seed=0)
+        share = 10 if env_id in PLANTS_IN_PYTHON else 1
+        run_single(alone, sinusoids(None), 20)
+        run_vector(vec, sinusoids(WORLDS), 2)
+        one = run_single(alone, sinusoids(None), max(size.single_steps // share, 50))
+        many = run_vector(vec, sinusoids(WORLDS), max(size.vector_steps // share, 2))
+        rows += [
+            Row(f"{env_id.partition('/')[2]}, one environment", f"{one:,.0f} steps/s"),
+            Row(f"{env_id.partition('/')[2]}, {WORLDS} worlds", f"{many:,.0f} env-steps/s"),
+        ]
+    return rows
+
+
 def resident_mib() -> float:
     """Memory that this process occupies now, without what a collection or the allocator would give back."""
     gc.collect()
@@ -192,7 +215,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    show(os.getloadavg(), [*speeds(size), *memory(size), *start_up(size)])
+    show(os.getloadavg(), [*speeds(size), *memory(size), *start_up(size), *ladder_speeds(size)])
 
 
 if __name__ == "__main__":
