@@ -1,0 +1,75 @@
+"""Hinge and plane are the midline model with coordinates held: by the constraint forces that hold them."""
+
+import newton_euler as twin
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.errors import InputError
+from jawenv.ladder import MODELS
+from jawenv.mechanics import build_jaw
+
+
+def holding_wrenches(jaw, q, free):
+    """Device wrenches (6,) that push along the held coordinates alone: at the contact point, or as pure moments."""
+    R, slope = twin.rotation(q), twin.fossa(jaw, q[0])[1]
+    pushes = {0: np.array([1.0, 0.0, slope]), 1: np.array([0.0, 1.0, 0.0])}
+    wrenches = []
+    for i in (0, 1):
+        if not free[i]:
+            force = R.T @ pushes[i]
+            wrenches.append(np.concatenate([force, np.cross(-jaw["mouthpiece"], force)]))
+    if not free[3]:
+        wrenches += [np.r_[0, 0, 0, 1.0, 0, 0], np.r_[0, 0, 0, 0, 0, 1.0]]
+    return np.array(wrenches)
+
+
+@pytest.mark.parametrize("name", ["hinge", "sagittal"])
+def test_held_coordinates_do_not_accelerate_and_the_others_as_if_held_by_force(rng, name):
+    model = MODELS[name]
+    held_jaw = build_jaw(model.muscles, free=model.free)
+    free_jaw = build_jaw(model.muscles)
+    # u is x', y', roll, pitch, yaw.
+    moves = np.array([model.free[0], model.free[1], model.free[4], model.free[2], model.free[3]])
+    for _ in range(50):
+        q = np.array([rng.uniform(1e-3, 9e-3) * model.free[0], 0.0, rng.uniform(0.0, 0.5), 0.0, 0.0])
+        u = np.where(moves, rng.uniform(-0.3, 0.3, 5), 0.0)
+        theta = np.log(
+            np.column_stack([rng.uniform(0.5, 5, len(model.muscles)), rng.uniform(4, 12, len(model.muscles))])
+        )
+        wrench = np.concatenate([rng.uniform(-10, 10, 3), rng.uniform(-0.3, 0.3, 3)])
+
+        def accelerate(w, q=q, u=u, theta=theta.ravel()):
+            return np.array(jawenv.acceleration(free_jaw, q, u, theta, w))
+
+        plain, pushes = accelerate(wrench), holding_wrenches(free_jaw, q, model.free)
+        response = np.array([accelerate(wrench + push) - plain for push in pushes]).T
+        strength = np.linalg.solve(response[~moves], -plain[~moves])
+        expected = accelerate(wrench + strength @ pushes)
+        actual = np.array(jawenv.acceleration(held_jaw, q, u, theta.ravel(), wrench))
+        np.testing.assert_array_equal(actual[~moves], 0.0)
+        np.testing.assert_allclose(actual[moves], expected[moves], rtol=1e-8, atol=1e-8 * np.abs(plain).max())
+
+
+def test_the_hinge_is_a_moment_over_an_inertia(rng):
+    """Young (2016), eqs. A.25-A.26, corrected: I theta'' = sum of moments - c theta'."""
+    model = MODELS["hinge"]
+    jaw = build_jaw(model.muscles, free=model.free)
+    line = model.muscles
+    for _ in range(20):
+        angle, rate, F_o, b, pull = rng.uniform(0, 0.5), rng.uniform(-1, 1), rng.uniform(1, 9), rng.uniform(4, 12), 5.0
+        R = twin.rotation(np.array([0, 0, angle, 0, 0]))
+        insertion, mass_centre = R @ line.insertion_m[0], R @ jaw["centre_of_mass"]
+        reach = line.origin_m[0] - insertion
+        tension = F_o * np.exp(b * (np.linalg.norm(reach) / line.l_o_m[0] - 1))
+        moment = np.cross(insertion, tension * reach / np.linalg.norm(reach))[1]
+        moment += np.cross(mass_centre, jaw["mass"] * jaw["gravity"])[1]
+        moment += np.cross(jaw["mouthpiece"], [0.0, 0.0, -pull])[1] - jaw["damping_rotation"] * rate
+        q, u, wrench = [0, 0, angle, 0, 0], [0, 0, 0, rate, 0], [0, 0, -pull, 0, 0, 0]
+        actual = jawenv.acceleration(jaw, q, u, np.log([F_o, b]), wrench)[3]
+        assert actual == pytest.approx(moment / jaw["inertia_contact"][1, 1], rel=1e-10)
+
+
+def test_yaw_and_roll_are_held_together():
+    with pytest.raises(InputError, match="allowed: psi and alpha free both or none"):
+        build_jaw(free=(True, True, True, True, False))
