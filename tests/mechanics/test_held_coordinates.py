@@ -34,19 +34,18 @@ def test_held_coordinates_do_not_accelerate_and_the_others_as_if_held_by_force(r
     for _ in range(50):
         q = np.array([rng.uniform(1e-3, 9e-3) * model.free[0], 0.0, rng.uniform(0.0, 0.5), 0.0, 0.0])
         u = np.where(moves, rng.uniform(-0.3, 0.3, 5), 0.0)
-        theta = np.log(
-            np.column_stack([rng.uniform(0.5, 5, len(model.muscles)), rng.uniform(4, 12, len(model.muscles))])
-        )
+        muscles = rng.uniform([0.5, 4.0], [5.0, 12.0], (len(model.muscles), 2))
+        theta = np.log(muscles).ravel()
         wrench = np.concatenate([rng.uniform(-10, 10, 3), rng.uniform(-0.3, 0.3, 3)])
 
-        def accelerate(w, q=q, u=u, theta=theta.ravel()):
+        def accelerate(w, q=q, u=u, theta=theta):
             return np.array(jawenv.acceleration(free_jaw, q, u, theta, w))
 
         plain, pushes = accelerate(wrench), holding_wrenches(free_jaw, q, model.free)
         response = np.array([accelerate(wrench + push) - plain for push in pushes]).T
         strength = np.linalg.solve(response[~moves], -plain[~moves])
         expected = accelerate(wrench + strength @ pushes)
-        actual = np.array(jawenv.acceleration(held_jaw, q, u, theta.ravel(), wrench))
+        actual = np.array(jawenv.acceleration(held_jaw, q, u, theta, wrench))
         np.testing.assert_array_equal(actual[~moves], 0.0)
         np.testing.assert_allclose(actual[moves], expected[moves], rtol=1e-8, atol=1e-8 * np.abs(plain).max())
 
