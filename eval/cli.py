@@ -53,6 +53,12 @@ def compare_command(
     control: Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")] = "force",
     sensors: Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")] = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    reality: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
+        ),
+    ] = None,
     reference: Annotated[
         str | None,
         typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
@@ -72,7 +78,8 @@ def compare_command(
     from eval.progress import StudyProgress
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted))
+    effects = dict(_effect(text) for text in reality or [])
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects)
     loaded = load_entries(wanted, settings.env_kwargs, settings.env)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
@@ -90,6 +97,14 @@ def compare_command(
             finished=progress.finished,
         )
     _present(study, output, reference, console)
+
+
+def _effect(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise InputError(f"reality: {text!r} given, allowed is FIELD=VALUE with a number, as creep_share=0.3") from None
 
 
 @app.command("report")

@@ -6,7 +6,7 @@ import math
 import platform
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from eval.results import Results
 from jawenv.anatomy import cohort
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
+from jawenv.reality import check_reality
 from jawenv.rollout import DEFAULT_ENV, play
 
 CONTROLS = ("force", "trajectory")
@@ -38,6 +39,7 @@ class Settings:
         sensors: `pose` or `point`.
         episode_s: length of every episode, > 0.
         env: id of the environment; as given, also its short name or its model's.
+        reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
 
     Raises:
         InputError: a value is not allowed.
@@ -50,6 +52,7 @@ class Settings:
     sensors: str = "pose"
     episode_s: float = 30.0
     env: str = DEFAULT_ENV
+    reality: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
@@ -64,16 +67,18 @@ class Settings:
             if value not in allowed:
                 raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
         cohort(self.cohort)
+        check_reality(self.reality)
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
-        return {
+        given = {
             "control": self.control,
             "sensors": self.sensors,
             "cohort": self.cohort,
             "episode_s": self.episode_s,
         }
+        return given | {"reality": self.reality} if self.reality else given
 
 
 def play_entry(entry: Entry, settings: Settings, progress: Progress | None = None) -> Results:

@@ -24,7 +24,7 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
-from jawenv.reality import Reality, perturb_geometry
+from jawenv.reality import Reality, check_reality, perturb_geometry
 
 if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
@@ -109,24 +109,19 @@ class Configuration:
 
     def build_device(self) -> Device:
         """The device with the fields that the user changed."""
-        return Device(**_checked_fields("device", self.device, Device))
+        if self.device is None:
+            return Device()
+        if not isinstance(self.device, dict):
+            raise InputError(f"device is {self.device!r}; allowed: a mapping of its fields")
+        names = [field.name for field in fields(Device)]
+        for name in self.device:
+            if name not in names:
+                raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
+        return Device(**self.device)
 
     def build_reality(self) -> Reality:
         """What the filter does not know, with the fields that the user changed."""
-        return Reality(**_checked_fields("reality", self.reality, Reality))
-
-
-def _checked_fields(name: str, given: Any, kind: type) -> dict[str, float]:
-    """A mapping from the user whose keys are fields of a dataclass; none is no change."""
-    if given is None:
-        return {}
-    if not isinstance(given, dict):
-        raise InputError(f"{name} is {given!r}; allowed: a mapping of its fields")
-    known = [field.name for field in fields(kind)]
-    for key in given:
-        if key not in known:
-            raise InputError(f"{name}.{key} is not a field of {kind.__name__}; allowed: {', '.join(known)}")
-    return given
+        return Reality(**check_reality(self.reality))
 
 
 def configure(arguments: dict[str, Any]) -> Configuration:

@@ -124,3 +124,20 @@ class Reality:
         reality["play_position"] = self.encoder_play_mm / 1e3
         reality["play_angle"] = radians(self.encoder_play_deg)
         return records
+
+
+def check_reality(given: object) -> dict[str, float]:
+    """A mapping of fields from a user, checked; none is no effect.
+
+    Raises:
+        InputError: not a mapping, an unknown field, or a value that is not allowed.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, dict):
+        raise InputError(f"reality is {given!r}; allowed: a mapping of its fields")
+    for name in given:
+        if name not in _ALLOWED:
+            raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(_ALLOWED)}")
+    Reality(**given)
+    return given

@@ -72,6 +72,19 @@ def test_another_seed_is_another_study(tmp_path, plays):
     assert plays == ["hold_still", "hold_still"]
 
 
+def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays, drawn):
+    output = ["--output", str(tmp_path)]
+    assert run("slow_opening", *SHORT, *output) == 0
+    plain = pd.read_parquet(tmp_path / "patients.parquet")
+    assert run("slow_opening", *SHORT, *output, "--reality", "creep_share=0.5", "--reality", "cell_bias_N=0.2") == 0
+    assert plays == ["slow_opening", "slow_opening"]
+    misled = pd.read_parquet(tmp_path / "patients.parquet")
+    truths = [column for column in plain if column.startswith("truth/")]
+    pd.testing.assert_frame_equal(plain[truths], misled[truths])
+    assert (misled["nees"] != plain["nees"]).all()
+    assert "creep_share = 0.5, cell_bias_N = 0.2" in (tmp_path / "report.html").read_text()
+
+
 def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
     original = comparison.play
 
@@ -107,6 +120,9 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
         (["hold_still", "--reference", "chirp"], "reference: 'chirp' given, allowed are hold_still"),
         (["no_such.yaml"], "no_such.yaml"),
         (["no_such.zip"], "no_such.zip"),
+        (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
+        (["hold_still", "--reality", "creep_share"], "reality: 'creep_share' given, allowed is FIELD=VALUE"),
+        (["hold_still", "--reality", "creep_share=2"], "reality.creep_share is 2.0; allowed: a finite number"),
         (["hold_still", "--env", "knee"], "env 'knee': unknown; allowed: jawenv/JawHinge-v0, jawenv/JawSagittal-v0, "),
     ],
 )
