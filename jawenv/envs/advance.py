@@ -12,12 +12,10 @@ from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
 from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
 from jawenv.estimation.ekf import (
-    N_MEASUREMENTS,
     filter_scratch_dtype,
     follow_trend,
     mean_force,
     mean_reading,
-    measure,
     move,
     parameter_variance,
     predict,
@@ -25,6 +23,7 @@ from jawenv.estimation.ekf import (
     update,
     update_covariance,
 )
+from jawenv.estimation.measurement import N_MEASUREMENTS, measure
 from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm

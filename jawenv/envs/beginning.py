@@ -13,7 +13,8 @@ from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
-from jawenv.estimation.ekf import measure, set_muscles, update, update_covariance
+from jawenv.estimation.ekf import set_muscles, update, update_covariance
+from jawenv.estimation.measurement import measure
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle

@@ -15,11 +15,11 @@ from jawenv.estimation.ekf import (
     filter_scratch_dtype,
     follow_trend,
     innovation_variance,
-    measure,
     parameter_variance,
     predict,
     update,
 )
+from jawenv.estimation.measurement import measure
 from jawenv.estimation.sensitivity import propagate
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 

@@ -8,7 +8,8 @@ from scipy.interpolate import lagrange
 
 import jawenv
 from jawenv.estimation.body_sensitivity import BODY_PARTS
-from jawenv.estimation.ekf import filter_scratch_dtype, measure_body, move
+from jawenv.estimation.ekf import filter_scratch_dtype, move
+from jawenv.estimation.measurement import measure_body
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
 

@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_mandible, known_muscle_sets
-from jawenv.estimation.ekf import filter_scratch_dtype, measure
+from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.measurement import measure
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
