@@ -11,6 +11,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jawenv
+from jawenv.compiled import MANY_WORLDS
 
 ID = "jawenv/Jaw-v0"
 THREADS = sorted({1, min(2, numba.config.NUMBA_NUM_THREADS)})
@@ -29,7 +30,7 @@ def threads():
     numba.set_num_threads(before)
 
 
-@pytest.mark.parametrize("number", [2, 5])
+@pytest.mark.parametrize("number", [2, MANY_WORLDS + 3])  # the serial and the parallel form
 @pytest.mark.parametrize("count", THREADS)
 def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number, count, threads):
     threads(count)
