@@ -9,6 +9,8 @@ import newton_euler as twin
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+import jawenv
+
 
 def five(q):
     return q[[0, 1, 3, 4, 5]]
@@ -168,3 +170,13 @@ def acceleration(jaw, log_parameters, q, u, wrench):
         ]
     )
     return np.linalg.solve(matrix, right)
+
+
+def random_motion(jaw, rng):
+    """Log-parameters, q, u and a wrench about the path, either condyle pressed or lifted, on the stops or off."""
+    x = rng.uniform(-1e-3, jaw["crest"] + 1e-3)
+    z = twin.fossa(jaw, x)[0] + rng.uniform(-0.3e-3, 0.3e-3)
+    q = np.array([x, rng.uniform(-2e-3, 2e-3), z, rng.uniform(-0.05, 0.5), *rng.uniform(-0.02, 0.02, 2)])
+    u = np.concatenate([rng.uniform(-0.05, 0.05, 3), rng.uniform(-2, 2, 3)])
+    wrench = np.concatenate([rng.uniform(-20, 20, 3), rng.uniform(-0.5, 0.5, 3)])
+    return jawenv.cohort("trismus").draw_log_parameters(rng), q, u, wrench

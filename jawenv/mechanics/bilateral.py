@@ -1,4 +1,4 @@
-"""The jaw with two condyles: a free rigid body whose condyles press on compliant discs. A plant, not a filter's model.
+"""The jaw with two condyles: a free rigid body whose condyles press on compliant discs.
 
 The midline model (``dynamics``) lets the condyles' midpoint slide on a line that holds it from both sides, so nothing
 resists roll. Here each condyle's centre, at (0, +-half width, 0) in body axes, may press the disc against the fossa or

@@ -26,16 +26,6 @@ NOTHING = (0.0,) * 6
 FLIP_Q, FLIP_U, FLIP_WRENCH = [1, 4, 5], [1, 3, 5], [1, 3, 5]
 
 
-def random_motion(jaw, rng):
-    """Log-parameters, q, u and a wrench about the path, either condyle pressed or lifted, on the stops or off."""
-    x = rng.uniform(-1e-3, jaw["crest"] + 1e-3)
-    z = twin.fossa(jaw, x)[0] + rng.uniform(-0.3e-3, 0.3e-3)
-    q = np.array([x, rng.uniform(-2e-3, 2e-3), z, rng.uniform(-0.05, 0.5), *rng.uniform(-0.02, 0.02, 2)])
-    u = np.concatenate([rng.uniform(-0.05, 0.05, 3), rng.uniform(-2, 2, 3)])
-    wrench = np.concatenate([rng.uniform(-20, 20, 3), rng.uniform(-0.5, 0.5, 3)])
-    return jawenv.cohort("trismus").draw_log_parameters(rng), q, u, wrench
-
-
 def record_muscles(log_parameters):
     return np.exp(log_parameters).reshape(-1, 2)
 
@@ -57,7 +47,7 @@ def test_acceleration_is_that_of_mujocos_free_body(jaw, rng):
     body = two_condyles.FreeBody(jaw)
     lifted = []
     for _ in range(200):
-        log_parameters, q, u, wrench = random_motion(jaw, rng)
+        log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         expected = body.acceleration(jaw, log_parameters, q, u, wrench)
         actual = accelerate(jaw, log_parameters, q, u, wrench)
         for rows in (slice(0, 3), slice(3, 6)):
@@ -68,14 +58,14 @@ def test_acceleration_is_that_of_mujocos_free_body(jaw, rng):
 
 def test_pressure_is_the_disc_of_the_reference(jaw, rng):
     for _ in range(50):
-        _, q, u, _ = random_motion(jaw, rng)
+        _, q, u, _ = two_condyles.random_motion(jaw, rng)
         expected = [two_condyles.disc(jaw, *motion)[1] for motion in two_condyles.condyles(jaw, q, u)]
         np.testing.assert_allclose(condyle_pressures(jaw, tuple(q), tuple(u)), expected, rtol=1e-9, atol=1e-12)
 
 
 def test_power_of_the_device_less_damping_is_the_gain_of_energy(jaw, rng):
     for _ in range(50):
-        log_parameters, q, u, wrench = random_motion(jaw, rng)
+        log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         rates = bilateral_rate(jaw, record_muscles(log_parameters), tuple(q), tuple(u), tuple(wrench))
         q_rate, u_rate = map(np.array, rates)
         step = 1j * twin.DOWN_TO
@@ -177,7 +167,7 @@ def test_equal_sides_rest_in_the_midline_near_the_midline_models_pose(jaw):
 def test_motion_in_midline_coordinates(jaw, rng):
     h = 1e-7
     for _ in range(10):
-        _, q, u, _ = random_motion(jaw, rng)
+        _, q, u, _ = two_condyles.random_motion(jaw, rng)
         coordinates, speeds, lift, rate = midline_motion(jaw, tuple(q), tuple(u))
         np.testing.assert_array_equal(coordinates, q[[0, 1, 3, 4, 5]])
         np.testing.assert_array_equal(speeds, u[[0, 1, 3, 4, 5]])
@@ -191,7 +181,7 @@ def test_held_on_the_path_it_is_the_midline_model(jaw, rng):
     jaw["disc_stiffness"], jaw["disc_damping"] = 1e-12, 0.0
     jaw["damping_sliding"] = 0.0  # at two condyles it resists yaw and roll as well
     for _ in range(50):
-        log_parameters, q, u, wrench = random_motion(jaw, rng)
+        log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         q[0] = rng.uniform(2e-3, jaw["crest"] - 2e-3)
         q[2], slope, curvature = twin.fossa(jaw, q[0])
         u[2] = slope * u[0]

@@ -6,7 +6,6 @@ import pytest
 import two_condyles
 from scipy.interpolate import lagrange
 
-import jawenv
 from jawenv.estimation.body_sensitivity import BODY_PARTS
 from jawenv.estimation.ekf import filter_scratch_dtype, move
 from jawenv.estimation.measurement import measure_body
@@ -26,16 +25,6 @@ def scratch():
     return np.zeros(1, dtype=filter_scratch_dtype(6, 6, 12))[0]
 
 
-def random_motion(jaw, rng):
-    """About the path, either condyle pressed or lifted, on the stops or off."""
-    x = rng.uniform(-1e-3, jaw["crest"] + 1e-3)
-    z = twin.fossa(jaw, x)[0] + rng.uniform(-0.3e-3, 0.3e-3)
-    q = np.array([x, rng.uniform(-2e-3, 2e-3), z, rng.uniform(-0.05, 0.5), *rng.uniform(-0.02, 0.02, 2)])
-    u = np.concatenate([rng.uniform(-0.05, 0.05, 3), rng.uniform(-2, 2, 3)])
-    wrench = np.concatenate([rng.uniform(-20, 20, 3), rng.uniform(-0.5, 0.5, 3)])
-    return jawenv.cohort("trismus").draw_log_parameters(rng), q, u, wrench
-
-
 def muscles_of(log_parameters):
     return np.exp(log_parameters).reshape(-1, 2)
 
@@ -47,7 +36,7 @@ def assert_close(actual, expected, relative):
 def test_linearisation_is_the_exact_derivative(jaw, rng, scratch):
     pressed = 0
     for _ in range(100):
-        log_parameters, q, u, wrench = random_motion(jaw, rng)
+        log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         fields = [scratch[name] for name in ("by_state", "by_input", "stiffness", "pulls")]
         rate = linearise_body(jaw, muscles_of(log_parameters), tuple(q), tuple(u), tuple(wrench), *fields)
         expected = two_condyles.acceleration(jaw, log_parameters, q, u, wrench)
@@ -91,7 +80,7 @@ def step_of_the_model(jaw, mean, samples, trend):
 
 def test_the_filters_step_and_its_derivative(jaw, rng, scratch):
     for _ in range(10):
-        log_parameters, q, u, wrench = random_motion(jaw, rng)
+        log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         mean = np.concatenate([q, 0.1 * u, log_parameters, [0.01]])
         samples, trend = wrench / 5 + rng.normal(size=(3, 6)) * [0.5] * 6, wrench / 5
         expected = step_of_the_model(jaw, mean, samples, trend)
@@ -107,7 +96,7 @@ def test_the_filters_step_and_its_derivative(jaw, rng, scratch):
 def test_what_the_encoders_read(jaw, rng):
     rows, expected = np.empty((12, 12)), np.empty(12)
     for _ in range(20):
-        _, q, u, _ = random_motion(jaw, rng)
+        _, q, u, _ = two_condyles.random_motion(jaw, rng)
 
         def reading(s, jaw=jaw):
             R = twin.rotation(two_condyles.five(s[:6]))

@@ -50,25 +50,6 @@ def test_held_coordinates_do_not_accelerate_and_the_others_as_if_held_by_force(r
         np.testing.assert_allclose(actual[moves], expected[moves], rtol=1e-8, atol=1e-8 * np.abs(plain).max())
 
 
-def test_the_hinge_is_a_moment_over_an_inertia(rng):
-    """Young (2016), eqs. A.25-A.26, corrected: I theta'' = sum of moments - c theta'."""
-    model = MODELS["hinge"]
-    jaw = build_jaw(model.muscles, free=model.free)
-    line = model.muscles
-    for _ in range(20):
-        angle, rate, F_o, b, pull = rng.uniform(0, 0.5), rng.uniform(-1, 1), rng.uniform(1, 9), rng.uniform(4, 12), 5.0
-        R = twin.rotation(np.array([0, 0, angle, 0, 0]))
-        insertion, mass_centre = R @ line.insertion_m[0], R @ jaw["centre_of_mass"]
-        reach = line.origin_m[0] - insertion
-        tension = F_o * np.exp(b * (np.linalg.norm(reach) / line.l_o_m[0] - 1))
-        moment = np.cross(insertion, tension * reach / np.linalg.norm(reach))[1]
-        moment += np.cross(mass_centre, jaw["mass"] * jaw["gravity"])[1]
-        moment += np.cross(jaw["mouthpiece"], [0.0, 0.0, -pull])[1] - jaw["damping_rotation"] * rate
-        q, u, wrench = [0, 0, angle, 0, 0], [0, 0, 0, rate, 0], [0, 0, -pull, 0, 0, 0]
-        actual = jawenv.acceleration(jaw, q, u, np.log([F_o, b]), wrench)[3]
-        assert actual == pytest.approx(moment / jaw["inertia_contact"][1, 1], rel=1e-10)
-
-
 def test_yaw_and_roll_are_held_together():
     with pytest.raises(InputError, match="allowed: psi and alpha free both or none"):
         build_jaw(free=(True, True, True, True, False))

@@ -32,7 +32,7 @@ def paths(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.syspath_prepend(str(folder))
 
 
-def in_order(text: str, *numbers: float) -> None:
+def assert_stated_in_order(text: str, *numbers: float) -> None:
     """The page states these numbers, rounded, one after the other, in the row or sentence that begins with ``text``."""
     assert TEXT.count(text) == 1, text
     rest = TEXT.split(text)[1]
@@ -142,10 +142,10 @@ def test_rest_folds_and_painless_range() -> None:
         fold, other, end = make.first_fold(branch[:, 2]), make.first_fold(branch[:, 1]), make.painless_end(branch)
         rest, x = abs(1e3 * branch[0, 1]), 1e3 * branch[0, 0]
         numbers = (branch[fold, 2], 1e3 * branch[fold, 1], 1e3 * branch[other, 1], 1e3 * branch[end, 1])
-        in_order(f"| `{name}`: {F_o:g} N, 7 |", rest, x, *numbers)
+        assert_stated_in_order(f"| `{name}`: {F_o:g} N, 7 |", rest, x, *numbers)
         assert (branch[0, 1] < 0) == (name != "healthy")
         if name == "trismus":
-            in_order("pulled straight down slides less:", 1e3 * branch[end, 0], 1e3 * branch[end, 1])
+            assert_stated_in_order("pulled straight down slides less:", 1e3 * branch[end, 0], 1e3 * branch[end, 1])
 
 
 def rest_of(jaw, log_parameters):
@@ -163,7 +163,7 @@ def opening_of(jaw, pose):
 def test_without_teeth_the_jaw_closes_too_far(jaw) -> None:
     jaw["tooth_stiffness"] = 1e-6
     poses = [rest_of(jaw, np.log(np.tile([F_o, 7.0], 6))) for F_o in (1.2, 4.0)]
-    in_order("rests with the incisors", *(-1e3 * opening_of(jaw, pose) for pose in poses))
+    assert_stated_in_order("rests with the incisors", *(-1e3 * opening_of(jaw, pose) for pose in poses))
 
 
 def rests_apart(jaw, cohort, number):
@@ -190,11 +190,13 @@ def rests_apart(jaw, cohort, number):
 def test_how_far_apart_the_models_rest(jaw) -> None:
     found = rests_apart(jaw, "one_sided", 200)
     numbers = np.median(found[:, 0]), 90.0, np.percentile(found[:, 0], 90), np.median(found[:, 1])
-    in_order("treatable patients of `one_sided` | – |", *numbers)
-    in_order("one condyle lifted in", 100 * found[:, 2].mean())
+    assert_stated_in_order("treatable patients of `one_sided` | – |", *numbers)
+    assert_stated_in_order("one condyle lifted in", 100 * found[:, 2].mean())
     others = [rests_apart(jaw, name, 200) for name in ("trismus", "severe", "healthy")]
     medians = [np.median(rows[:, 0]) for rows in others]
-    in_order("the same, `trismus`; `severe`; `healthy` | – |", *medians, *(100 * rows[:, 2].mean() for rows in others))
+    assert_stated_in_order(
+        "the same, `trismus`; `severe`; `healthy` | – |", *medians, *(100 * rows[:, 2].mean() for rows in others)
+    )
 
 
 def test_elimination_of_the_normal_force_divides_by_a_large_number_in_therapy() -> None:
@@ -208,13 +210,13 @@ def test_elimination_of_the_normal_force_divides_by_a_large_number_in_therapy() 
         Q = np.eye(3) + m * rho @ np.linalg.solve(s.M[3:, 3:], rho)
         v = s.R @ np.linalg.solve(Q, s.R.T @ [-slope, 0.0, 1.0])
         shares.append(v[0] / np.linalg.norm(v))
-    in_order("harmless in therapy: $v_x \\ge$", min(shares))
+    assert_stated_in_order("harmless in therapy: $v_x \\ge$", min(shares))
 
 
 def test_how_far_the_linearised_law_is_off() -> None:
     for b, strain in ((8, 0.30), (7, 0.182)):
         text = {8: "at $b$ = 8 and 30 % of stretch", 7: "at $b$ = 7 and the masseter's 18 % at 35 mm"}[b]
-        in_order(text, 1 + b * strain, np.exp(b * strain))
+        assert_stated_in_order(text, 1 + b * strain, np.exp(b * strain))
 
 
 def test_one_point_does_not_determine_five_coordinates(jaw, rng) -> None:
@@ -253,7 +255,7 @@ def test_the_hinge_is_one_moment_balance() -> None:
     found = jawenv.acceleration(jaw, [0, 0, theta, 0, 0], [0, 0, 0, rate, 0], np.log([F_o, b]), wrench)
     np.testing.assert_allclose(found, [0, 0, 0, expected, 0], rtol=1e-12)
     printed = abs(np.linalg.norm(origin) - np.linalg.norm(insertion))
-    in_order("of all closers as one line:", 1e3 * printed, 1e3 * l_o)
+    assert_stated_in_order("of all closers as one line:", 1e3 * printed, 1e3 * l_o)
 
 
 def test_the_page_names_no_place_outside_the_repository() -> None:
