@@ -8,7 +8,7 @@ disturbances.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from jawenv.errors import InputError
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
+    from jawenv.estimation.record import Record
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -83,6 +84,7 @@ class Recording:
         terminated: (N,) bool, the episode ended before its time limit.
         parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
         comfort_names: L names of the comfort limits.
+        records: N records of what the devices measured, with `record=True` among the environment's arguments.
 
     Raises:
         InputError: an array has the wrong shape, is not finite, or `time` or `valid` is not as described.
@@ -106,6 +108,7 @@ class Recording:
     terminated: Mask
     parameter_names: tuple[str, ...]
     comfort_names: tuple[str, ...]
+    records: tuple[Record, ...] | None = None
 
     def __post_init__(self) -> None:
         """Check every array against the sizes that `truth`, `time` and the names state."""
@@ -202,12 +205,18 @@ def play(
         observation, info = env.reset(seed=seed, options=options)
         if hasattr(agent, "reset"):
             agent.reset(number, seed)
-        return _record(agent, env, observation, info, progress)
+        recording = _watch(agent, env, observation, info, progress)
+        if not env.unwrapped.configuration.record:
+            return recording
+        from jawenv.envs.recording import record_of
+
+        simulation = env.unwrapped.simulation
+        return replace(recording, records=tuple(record_of(simulation, i) for i in range(number)))
     finally:
         env.close()
 
 
-def _record(
+def _watch(
     agent: Any,
     env: Any,
     observation: npt.NDArray[np.float32],

@@ -11,6 +11,7 @@ from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
 from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
+from jawenv.envs.recording import keep_tick
 from jawenv.estimation.ekf import (
     filter_scratch_dtype,
     follow_trend,
@@ -42,6 +43,7 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
     fields = [
         ("trajectory", "u1"),
         ("bound", "u1"),
+        ("record", "u1"),
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", 6),
@@ -130,8 +132,8 @@ def advance_bound(model, world, settings, scratch):
 
 
 @njit
-def end_tick(device, model, world, settings, scratch):
-    """Load cell, prediction, encoders and update after the motion of a tick."""
+def end_tick(device, model, world, settings, scratch, ticks):
+    """Load cell, prediction, encoders and update after the motion of a tick; kept in ``ticks`` if so set."""
     read_load_cell(device, world, scratch)
     if settings.bound:
         advance_bound(model, world, settings, scratch)
@@ -160,6 +162,8 @@ def end_tick(device, model, world, settings, scratch):
     )
     stay_in_reach(world, settings)
     world.tick += 1
+    if settings.record:
+        keep_tick(model, world, settings, scratch, ticks)
 
 
 @njit
@@ -200,21 +204,21 @@ def clear_step(world):
 
 
 @njit
-def advance_world(device, model, world, action, settings, scratch):
+def advance_world(device, model, world, action, settings, scratch, ticks):
     """Advance one world by one control period."""
     clear_step(world)
     share = 1.0 / settings.ticks_per_step
     for _ in range(settings.ticks_per_step):
         begin_tick(device, model, world, action, settings, scratch)
         acted = true_motion(device, world, scratch, settings)
-        end_tick(device, model, world, settings, scratch)
+        end_tick(device, model, world, settings, scratch, ticks)
         world.governor += share * acted
         take_comfort(world, scratch, share)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
 @world_kernel(place=2)
-def advance(devices, models, worlds, actions, active, all_settings, scratches):
+def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks):
     """Advance every active world by one control period.
 
     Args:
@@ -225,7 +229,9 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches):
         active: (N,) bool; a world that is not active stays as it is.
         all_settings: One record of dtype ``settings_dtype``, in an array.
         scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
+        all_ticks: (N, ticks + 1) records of dtype ``tick_dtype``, or (N, 1) where none are kept.
     """
     for i in prange(worlds.shape[0]):
         if active[i]:
-            advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratches[get_thread_id()])
+            scratch = scratches[get_thread_id()]
+            advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratch, all_ticks[i])

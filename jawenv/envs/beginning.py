@@ -13,6 +13,7 @@ from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
+from jawenv.envs.recording import keep_tick
 from jawenv.estimation.ekf import set_muscles, update, update_covariance
 from jawenv.estimation.measurement import measure
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
@@ -174,7 +175,7 @@ def motion_sd(jaw, i):
 
 
 @njit
-def reset_belief(device, model, world, settings, scratch):
+def reset_belief(device, model, world, settings, scratch, ticks):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
@@ -188,6 +189,8 @@ def reset_belief(device, model, world, settings, scratch):
         sd = motion_sd(model, i)
         world.mean[i] = true_state(model, world, i) + sd * normals[i]
         world.covariance[i, i] = sd * sd
+        if settings.record:
+            ticks[0].believed[i] = world.mean[i]
     for i in range(gain - first):
         world.mean[first + i] = settings.prior_mean[i]
         world.covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
@@ -203,6 +206,8 @@ def reset_belief(device, model, world, settings, scratch):
     world.log_score_prior = world.log_score
     fill_normals((world.key[0], world.key[1]), -2, normals)
     sense(device, world, scratch, settings)
+    if settings.record:
+        keep_tick(model, world, settings, scratch, ticks)
     variances, used = settings.measurement_variance, settings.used
     update(model, world.mean, world.covariance, scratch.measured, variances, used, scratch.filter)
     if settings.bound:
@@ -225,7 +230,7 @@ def begin_reality(world, settings, scratch):
 
 
 @njit
-def begin_world(device, model, world, settings, scratch, beginning):
+def begin_world(device, model, world, settings, scratch, beginning, ticks):
     """Put one world at rest; False when the device cannot treat its patient."""
     set_muscles(world.jaw, world.log_parameters, 0, world.muscles)
     for k in range(N_STATES):
@@ -246,12 +251,12 @@ def begin_world(device, model, world, settings, scratch, beginning):
         world.trend[k] = 0.0
     reset_motors(device, world)
     begin_reality(world, settings, scratch)
-    reset_belief(device, model, world, settings, scratch)
+    reset_belief(device, model, world, settings, scratch, ticks)
     return True
 
 
 @world_kernel(place=2)
-def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted):
+def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     ``accepted`` (N,) becomes False for a chosen world whose jaw has no rest pose in the treatable box or too small a
@@ -261,5 +266,11 @@ def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, 
         if chosen[i]:
             thread = get_thread_id()
             accepted[i] = begin_world(
-                devices[0], models[i], worlds[i], all_settings[0], scratches[thread], beginnings[thread]
+                devices[0],
+                models[i],
+                worlds[i],
+                all_settings[0],
+                scratches[thread],
+                beginnings[thread],
+                all_ticks[i],
             )

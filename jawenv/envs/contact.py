@@ -67,12 +67,12 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, place, velocity,
 
 
 @njit
-def contact_end(devices, models, worlds, i, all_settings, scratches, motion):
+def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, motion):
     """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     take_planar(world, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
     acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
-    end_tick(device, models[i], world, settings, scratch)
+    end_tick(device, models[i], world, settings, scratch, all_ticks[i])
     share = 1.0 / settings.ticks_per_step
     world.governor += share * acted
     take_comfort(world, scratch, share)
@@ -98,12 +98,16 @@ class ContactPlants:
         models: The filter's jaws.
         worlds: The worlds.
         settings: One record of dtype ``settings_dtype``, in an array.
+        ticks: Records of their ticks.
         sizes: Numbers of muscles, lines and states of motion.
     """
 
-    def __init__(self, device: Any, models: Any, worlds: Any, settings: Any, sizes: tuple[int, int, int]) -> None:
+    def __init__(
+        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int]
+    ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
+        self._ticks = ticks
         self._scratches = np.zeros(len(worlds), dtype=scratch_dtype(*sizes))
         self._jaws: list[Any] = [None] * len(worlds)
 
@@ -136,5 +140,5 @@ class ContactPlants:
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)
             jaw.muscles[:] = scratches["effective"][i]
             jaw.advance(TICK, wrench_at)
-            contact_end(device, self._models, worlds, i, settings, scratches, tuple(jaw.state))
+            contact_end(device, self._models, worlds, i, settings, scratches, self._ticks, tuple(jaw.state))
         contact_inform(worlds, i, settings, scratches)

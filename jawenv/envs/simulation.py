@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
 from jawenv.device.device import Device
 from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
-from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
+from jawenv.envs.beginning import BEGINNING_SCRATCH, begin, motion_sd
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
+from jawenv.envs.recording import tick_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.ladder import Estimator, model_named
@@ -52,6 +53,7 @@ class Configuration:
     control_hz: float = 20.0
     comfort_weight: float = 0.0
     track_bound: bool = False
+    record: bool = False
     device: dict[str, float] | None = None
     reality: dict[str, float] | None = None
     model: str = "jaw"
@@ -84,8 +86,9 @@ class Configuration:
             raise InputError(f"control_hz is {self.control_hz!r}; allowed: 100 divided by a whole number")
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s!r}; allowed: at least one control period")
-        if not isinstance(self.track_bound, bool):
-            raise InputError(f"track_bound is {self.track_bound!r}; allowed: true or false")
+        for name in ("track_bound", "record"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"{name} is {getattr(self, name)!r}; allowed: true or false")
 
     @property
     def filter_model(self) -> Estimator:
@@ -167,6 +170,8 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
+        ticks = configuration.steps * configuration.ticks_per_step if configuration.record else 0
+        self.ticks = np.zeros((num_worlds, ticks + 1), dtype=tick_dtype(sizes[2]))
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
@@ -175,7 +180,7 @@ class Simulation:
     def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
         from jawenv.envs.contact import ContactPlants
 
-        return ContactPlants(self.device, self.models, self.worlds, self.settings, sizes)
+        return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
@@ -183,6 +188,7 @@ class Simulation:
         settings = records[0]
         settings["trajectory"] = configuration.control == "trajectory"
         settings["bound"] = configuration.needs_bound
+        settings["record"] = configuration.record
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
@@ -237,6 +243,7 @@ class Simulation:
                 self._scratches,
                 self._beginnings,
                 accepted,
+                self.ticks,
             )
             waiting = waiting & ~accepted
             if not waiting.any():
@@ -282,12 +289,22 @@ class Simulation:
         if self._contact is not None:
             self._contact.advance(actions, active)
         else:
-            advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches)
+            advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches, self.ticks)
         self.look()
 
     def look(self) -> None:
         """Refresh ``observation`` (N, size)."""
         observe(self.device, self.models, self.worlds, self.settings, self._scratches, self.observation)
+
+    @property
+    def tick_s(self) -> float:
+        """Length of a tick, s."""
+        return TICK
+
+    def start_sd(self, index: int) -> NDArray[np.float64]:
+        """(n,) sd of the motion of world ``index`` as it is believed before the first measurement."""
+        size = self.ticks.dtype["state"].shape[0]
+        return np.array([motion_sd(self.models[index], i) for i in range(size)])
 
     def info(self, worlds: Any) -> dict[str, Any]:
         """Fresh info of one of this simulation's worlds, or of an array of them."""

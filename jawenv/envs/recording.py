@@ -1,0 +1,66 @@
+"""Keeping what the device measured, tick by tick, and giving it back as records."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.envs.plants import true_state
+from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.record import Record
+from jawenv.estimation.sensitivity import N_SAMPLES
+
+if TYPE_CHECKING:
+    from jawenv.envs.simulation import Simulation
+
+
+@cache
+def tick_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of what is kept of one tick: readings at its end, load cell and true wrench during it, true motion."""
+    fields = [
+        ("measured", "f8", N_MEASUREMENTS),
+        ("samples", "f8", (N_SAMPLES, 6)),
+        ("wrench", "f8", (N_SAMPLES, 6)),
+        ("state", "f8", (n_states,)),
+        ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
+    ]
+    return np.dtype(fields, align=True)
+
+
+@njit
+def keep_tick(model, world, settings, scratch, ticks):
+    """Write the tick that has just ended into row ``world.tick`` of ``ticks``."""
+    row = ticks[world.tick]
+    for i in range(row.measured.shape[0]):
+        row.measured[i] = scratch.measured[i] if settings.used[i] else np.nan
+    for i in range(row.samples.shape[0]):
+        for k in range(6):
+            row.samples[i, k] = scratch.samples[i, k]
+            row.wrench[i, k] = scratch.wrench[i, k]
+    for i in range(row.state.shape[0]):
+        row.state[i] = true_state(model, world, i)
+
+
+def record_of(simulation: Simulation, index: int) -> Record:
+    """What the device of world ``index`` has measured in its present episode; the simulation must keep ticks."""
+    world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings[0]
+    rows = ticks[: int(world["tick"]) + 1]
+    return Record(
+        time=np.arange(len(rows)) * simulation.tick_s,
+        measured=rows["measured"].copy(),
+        samples=rows["samples"][1:].copy(),
+        start_mean=rows["believed"][0].copy(),
+        start_sd=simulation.start_sd(index),
+        measurement_sd=np.sqrt(settings["measurement_variance"]),
+        wrench_sd=np.sqrt(settings["wrench_variance"]),
+        gain_sd=float(simulation.device[0]["cell_gain"]),
+        jaw=simulation.models[index].copy(),
+        prior=simulation.cohort.prior,
+        parameter_names=simulation.cohort.muscles.parameter_names,
+        truth=world["log_parameters"].copy(),
+        states=rows["state"].copy(),
+        wrenches=rows["wrench"][1:].copy(),
+    )
