@@ -270,7 +270,12 @@ def _names(names: Any) -> tuple[str, ...]:
 
 def _told(info: dict[str, Any]) -> dict[str, Any]:
     """What a recording keeps of a vector environment's info, the comfort limits in the last axis."""
-    return {key: info[key] for key in _KEPT} | {"comfort": np.stack(list(info["comfort"].values()), axis=-1)}
+    untracked = {
+        "bound_sd": np.full_like(info["belief_sd"], np.nan),
+        "information_bound": np.full_like(info["nees"], np.nan),
+    }
+    comfort = np.stack(list(info["comfort"].values()), axis=-1)
+    return {key: info[key] if key in info else untracked[key] for key in _KEPT} | {"comfort": comfort}
 
 
 def _keep(kept: dict[str, Array], step: int, info: dict[str, Any], told: Mask) -> None:

@@ -18,27 +18,34 @@ from jawenv.estimation.ekf import (
     mean_force,
     mean_reading,
     move,
-    parameter_variance,
-    predict,
     predict_covariance,
-    update,
     update_covariance,
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, measure
+from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.sensitivity import N_SAMPLES
+from jawenv.estimation.tension_basis import basis_dtype
+from jawenv.estimation.tension_filter import (
+    EAGER_TICKS,
+    ROUNDS,
+    conclude,
+    predict_motion,
+    tension_scratch_dtype,
+    update_motion,
+)
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
 from jawenv.reality import REALITY
+from jawenv.reality.faults import fail
 from jawenv.reality.sensors import biased, play
 from jawenv.reality.tissue import update_tissue
 
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
-REACH = 5.0
 
 
-def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
+def settings_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
         ("trajectory", "u1"),
@@ -47,21 +54,23 @@ def settings_dtype(n_muscles: int) -> np.dtype[np.void]:
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", 6),
-        ("parameter_rate", "f8"),
-        ("parameter_time", "f8"),
+        ("gain_variance", "f8"),
+        ("basis", basis_dtype(n_muscles, n_nodes)),
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
         ("reality", REALITY),
+        ("channels", "i8"),  # readings in a tick
         ("steps", "i8"),
         ("ticks_per_step", "i8"),
     ]
     return np.dtype(fields, align=True)
 
 
-def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
-        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
+        ("tension", tension_scratch_dtype(n_muscles, n_lines, n_states, n_nodes)),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
@@ -69,6 +78,10 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
         ("acted", "f8"),  # 1 when the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
+        ("usable", "f8", (N_SAMPLES, 6)),  # of these what is believed
+        ("known", "f8", 6),  # variance of the wrench not known
+        ("used", "u1", N_MEASUREMENTS),
+        ("faults", "f8", 20),
         ("fractions", "f8", N_LIMITS),
         ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
         ("right", "f8", (2 * n_muscles,)),
@@ -85,8 +98,6 @@ def read_load_cell(device, world, scratch):
             value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
     biased(world.reality, scratch.samples)
-    for k in range(6):
-        world.reading[k] = mean_reading(scratch.samples, k)
 
 
 @njit
@@ -137,47 +148,47 @@ def end_tick(device, model, world, settings, scratch, ticks):
     read_load_cell(device, world, scratch)
     if settings.bound:
         advance_bound(model, world, settings, scratch)
-    noise = parameter_variance(settings.parameter_rate, settings.parameter_time, world.tick * TICK, TICK)
-    predict(
-        model,
-        world.mean,
-        world.covariance,
-        scratch.samples,
-        world.trend,
-        TICK,
-        settings.wrench_variance,
-        noise,
-        scratch.filter,
-    )
-    follow_trend(world.trend, scratch.samples, TICK)
     sense(device, world, scratch, settings)
-    update(
-        model,
-        world.mean,
-        world.covariance,
+    fail(
+        settings.reality,
+        world.reality,
+        (world.key[0], world.key[1]),
+        world.tick,
         scratch.measured,
-        settings.measurement_variance,
-        settings.used,
-        scratch.filter,
+        scratch.samples,
+        scratch.faults,
     )
-    stay_in_reach(world, settings)
     world.tick += 1
     if settings.record:
         keep_tick(model, world, settings, scratch, ticks)
+    filter_tick(model, world, settings, scratch)
 
 
 @njit
-def stay_in_reach(world, settings):
-    """Keep the estimated parameters within ``REACH`` prior sds of the prior's mean.
+def filter_tick(model, world, settings, scratch):
+    """The filter's part of a tick, given what the sensors read."""
+    for k in range(6):
+        scratch.known[k] = settings.wrench_variance[k]
+    lost = repair_samples(scratch.samples, world.last_sample, world.trend, scratch.known, scratch.usable)
+    for k in range(6):
+        world.reading[k] = mean_reading(scratch.usable, k)
+    gain = settings.gain_variance
+    predict_motion(model, settings.basis, world, scratch.usable, TICK, scratch.known, gain, scratch.tension)
+    follow_trend(world.trend, scratch.usable, TICK)
+    lost += mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
+    world.left_out += lost / (settings.channels * settings.ticks_per_step)
+    variances = settings.measurement_variance
+    update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
+    if world.tick < EAGER_TICKS:
+        conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, gain, scratch.tension, 1)
 
-    A linearised update can throw b so high that the model's tensions overflow, from which no measurement returns.
-    """
-    parameters = settings.prior_mean.shape[0]
-    first = world.mean.shape[0] - 1 - parameters
-    for i in range(parameters):
-        reach = REACH * settings.prior_sd[i]
-        middle = settings.prior_mean[i]
-        world.mean[first + i] = min(max(world.mean[first + i], middle - reach), middle + reach)
+
+@njit
+def end_step(world, settings, scratch):
+    """Belief and its worth at the end of a control period."""
+    gain = settings.gain_variance
+    conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, gain, scratch.tension, ROUNDS)
+    refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
 @njit
@@ -201,6 +212,7 @@ def clear_step(world):
         world.fractions[k] = 0.0
         world.costs[k] = 0.0
     world.governor = 0.0
+    world.left_out = 0.0
 
 
 @njit
@@ -214,7 +226,7 @@ def advance_world(device, model, world, action, settings, scratch, ticks):
         end_tick(device, model, world, settings, scratch, ticks)
         world.governor += share * acted
         take_comfort(world, scratch, share)
-    refresh_information(world, settings, scratch.matrix, scratch.right)
+    end_step(world, settings, scratch)
 
 
 @world_kernel(place=2)

@@ -14,14 +14,17 @@ from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.recording import keep_tick
-from jawenv.estimation.ekf import set_muscles, update, update_covariance
+from jawenv.estimation.ekf import set_muscles, update_covariance
 from jawenv.estimation.measurement import measure
+from jawenv.estimation.readings import mark_usable
+from jawenv.estimation.tension_filter import begin_belief, conclude, update_motion
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 from jawenv.noise import fill_normals
+from jawenv.reality.faults import fail
 from jawenv.reality.state import reset_reality
 
 # The patient's painless range (grade G): what a slow vertical pull of 12 N opens, at most 25 mm above rest, and no more
@@ -175,45 +178,62 @@ def motion_sd(jaw, i):
 
 
 @njit
+def prior_covariance(world, settings, covariance):
+    """The joint prior over motion, log-parameters and gain, for the bound's recursion."""
+    first = world.motion.shape[0]
+    covariance[:, :] = 0.0
+    for i in range(first):
+        covariance[i, i] = world.motion_cov[i, i]
+    for i in range(settings.prior_sd.shape[0]):
+        covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
+    covariance[covariance.shape[0] - 1, covariance.shape[0] - 1] = settings.gain_variance
+
+
+@njit
 def reset_belief(device, model, world, settings, scratch, ticks):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
-    size = world.mean.shape[0]
-    gain = size - 1
-    first = scratch.filter.total.shape[0]
+    size = world.motion.shape[0]
+    begin_belief(settings.basis, world, settings.prior_mean, settings.prior_sd)
+    world.motion_cov[:, :] = 0.0
     for i in range(size):
-        for j in range(size):
-            world.covariance[i, j] = 0.0
-    for i in range(first):
         sd = motion_sd(model, i)
-        world.mean[i] = true_state(model, world, i) + sd * normals[i]
-        world.covariance[i, i] = sd * sd
+        world.motion[i] = true_state(model, world, i) + sd * normals[i]
+        world.motion_cov[i, i] = sd * sd
         if settings.record:
-            ticks[0].believed[i] = world.mean[i]
-    for i in range(gain - first):
-        world.mean[first + i] = settings.prior_mean[i]
-        world.covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
-    world.mean[gain] = 0.0
-    world.cell_gain = device.cell_gain * normals[first]
-    world.covariance[gain, gain] = device.cell_gain * device.cell_gain
-    for i in range(size):
-        for j in range(size):
-            world.bound[i, j] = world.covariance[i, j] if settings.bound else np.nan
-    world.log_det_prior = cholesky_parameters(world.covariance, scratch.matrix)
+            ticks[0].believed[i] = world.motion[i]
+    world.cell_gain = device.cell_gain * normals[size]
+    world.bound[:, :] = np.nan
+    if settings.bound:
+        prior_covariance(world, settings, world.bound)
+    world.log_det_prior = cholesky_parameters(world.belief_cov, 0, scratch.matrix)
     world.log_det_bound = np.nan
     refresh_information(world, settings, scratch.matrix, scratch.right)
     world.log_score_prior = world.log_score
     fill_normals((world.key[0], world.key[1]), -2, normals)
     sense(device, world, scratch, settings)
+    fail(
+        settings.reality,
+        world.reality,
+        (world.key[0], world.key[1]),
+        -2,
+        scratch.measured,
+        scratch.samples,
+        scratch.faults,
+    )
     if settings.record:
         keep_tick(model, world, settings, scratch, ticks)
-    variances, used = settings.measurement_variance, settings.used
-    update(model, world.mean, world.covariance, scratch.measured, variances, used, scratch.filter)
+    world.last_measured[:] = np.nan
+    world.last_sample[:] = np.nan
+    mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
+    variances = settings.measurement_variance
+    update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
+    conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch.tension, 1)
     if settings.bound:
-        for i in range(first):
+        for i in range(size):
             scratch.filter.state[i] = true_state(model, world, i)
-        update_covariance(model, scratch.filter.state, world.bound, variances, used, scratch.filter)
+        update_covariance(model, scratch.filter.state, world.bound, variances, settings.used, scratch.filter)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
@@ -248,7 +268,6 @@ def begin_world(device, model, world, settings, scratch, beginning, ticks):
     clear_step(world)
     for k in range(6):
         world.reading[k] = 0.0
-        world.trend[k] = 0.0
     reset_motors(device, world)
     begin_reality(world, settings, scratch)
     reset_belief(device, model, world, settings, scratch, ticks)

@@ -15,11 +15,10 @@ from jawenv.compiled import njit
 
 
 @njit
-def cholesky_parameters(covariance, lower):
-    """Cholesky factor of the parameters' block into ``lower``; returns its log-determinant, NaN if not PD."""
+def cholesky_parameters(covariance, first, lower):
+    """Cholesky factor of the parameters' block, which begins at ``first``; its log-determinant, NaN if not PD."""
     log_det = 0.0
     size = lower.shape[0]
-    first = covariance.shape[0] - 1 - size
     for j in range(size):
         pivot = covariance[first + j, first + j]
         for k in range(j):
@@ -41,12 +40,11 @@ def cholesky_parameters(covariance, lower):
 def refresh_information(world, settings, lower, whitened):
     """Set log-determinants, NEES and log score of ``world`` from its belief, bound and truth."""
     if settings.bound:
-        world.log_det_bound = cholesky_parameters(world.bound, lower)
-    world.log_det = cholesky_parameters(world.covariance, lower)
+        world.log_det_bound = cholesky_parameters(world.bound, world.motion.shape[0], lower)
+    world.log_det = cholesky_parameters(world.belief_cov, 0, lower)
     nees = 0.0
-    first = world.mean.shape[0] - 1 - whitened.shape[0]
     for i in range(whitened.shape[0]):
-        value = world.log_parameters[i] - world.mean[first + i]
+        value = world.log_parameters[i] - world.belief_mean[i]
         for k in range(i):
             value -= lower[i, k] * whitened[k]
         whitened[i] = value / lower[i, i]

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from jawenv.compiled import njit
 from jawenv.device.motors import device_wrench
-from jawenv.envs.advance import begin_tick, clear_step, end_tick, scratch_dtype, take_comfort
-from jawenv.envs.belief import refresh_information
+from jawenv.envs.advance import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
 from jawenv.envs.plants import TICK, end_motion, keep_sample, lift_of, plus_wrench
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
@@ -86,8 +85,8 @@ def contact_clear(worlds, i):
 
 @njit
 def contact_inform(worlds, i, all_settings, scratches):
-    """Refresh the information of world i at a step's end."""
-    refresh_information(worlds[i], all_settings[0], scratches[i].matrix, scratches[i].right)
+    """Belief of world i, and what it is worth, at a step's end."""
+    end_step(worlds[i], all_settings[0], scratches[i])
 
 
 class ContactPlants:
@@ -99,11 +98,11 @@ class ContactPlants:
         worlds: The worlds.
         settings: One record of dtype ``settings_dtype``, in an array.
         ticks: Records of their ticks.
-        sizes: Numbers of muscles, lines and states of motion.
+        sizes: Numbers of muscles, lines, states of motion and nodes of the basis.
     """
 
     def __init__(
-        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int]
+        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int, int]
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings

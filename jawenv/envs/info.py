@@ -20,16 +20,16 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
     natural logs; ``information_claimed`` and ``information_true`` (log score, of which the mean over patients counts),
     nats since the prior; ``information_bound`` and ``bound_sd`` (12) only ``with_bound``; ``nees``;
     ``cost`` and ``cost_<limit>`` (mean over the step); ``comfort`` {limit: largest used fraction of the soft limit
-    during the step}; ``violation``; ``governor`` (share of the step in which it acted); ``jaw_state`` (10: true q, u);
-    ``time`` (s).
+    during the step}; ``violation``; ``governor`` (share of the step in which it acted);
+    ``left_out`` (share of the step's readings that were missing or frozen, and not believed);
+    ``jaw_state`` (10: true q, u); ``time`` (s).
     """
-    parameters = slice(-1 - len(parameter_names), -1)
-    covariance = worlds["covariance"][..., parameters, parameters].copy()
+    covariance = worlds["belief_cov"].copy()
     fractions, costs = worlds["fractions"].copy(), worlds["costs"].copy()
     prior, score = worlds["log_det_prior"], worlds["log_score"]
     info = {
         "parameter_names": parameter_names,
-        "belief_mean": worlds["mean"][..., parameters].copy(),
+        "belief_mean": worlds["belief_mean"].copy(),
         "belief_cov": covariance,
         "belief_sd": np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)),
         "truth": worlds["log_parameters"].copy(),
@@ -40,12 +40,14 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
         "comfort": {name: fractions[..., i] for i, name in enumerate(COMFORT_LIMITS)},
         "violation": worlds["violated"] != 0,
         "governor": worlds["governor"] + 0.0,
+        "left_out": worlds["left_out"] + 0.0,
         "jaw_state": worlds["state"].copy(),
         "time": worlds["tick"] * TICK,
     }
     for i, key in enumerate(_COST_KEYS):
         info[key] = costs[..., i]
     if with_bound:
+        parameters = slice(-1 - len(parameter_names), -1)
         info["bound_sd"] = np.sqrt(np.diagonal(worlds["bound"], axis1=-2, axis2=-1)[..., parameters])
         info["information_bound"] = 0.5 * (prior - worlds["log_det_bound"])
     return info

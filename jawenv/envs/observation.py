@@ -107,13 +107,12 @@ def filtered_motion(model, mean):
 def observe_world(device, model, world, settings, scratch, row):
     """Fill one row of the observation."""
     parameters = settings.prior_mean.shape[0]
-    first = world.mean.shape[0] - 1 - parameters
     for i in range(parameters):
-        sd = sqrt(max(world.covariance[first + i, first + i], 1e-300))
-        row[i] = bounded((world.mean[first + i] - settings.prior_mean[i]) / settings.prior_sd[i])
+        sd = sqrt(max(world.belief_cov[i, i], 1e-300))
+        row[i] = bounded((world.belief_mean[i] - settings.prior_mean[i]) / settings.prior_sd[i])
         row[parameters + i] = bounded(log10(sd / settings.prior_sd[i]))
     seen = row[2 * parameters :]
-    q, u, lift = filtered_motion(model, world.mean)
+    q, u, lift = filtered_motion(model, world.motion)
     for i in range(5):
         seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         seen[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
@@ -134,9 +133,8 @@ def observe_world(device, model, world, settings, scratch, row):
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(model, world.mean, first, scratch.filter.muscles)
-    gain = world.mean[world.mean.shape[0] - 1]
-    force = (1.0 + gain) * sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
+    set_muscles(model, world.belief_mean, 0, scratch.filter.muscles)
+    force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.filter.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])

@@ -20,9 +20,10 @@ from jawenv.envs.plants import TICK
 from jawenv.envs.recording import tick_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
+from jawenv.estimation.tension_basis import build_basis, nodes_needed
 from jawenv.ladder import Estimator, model_named
 from jawenv.mechanics.bilateral import N_BODY
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
 from jawenv.reality import Reality, check_reality, perturb_geometry
@@ -34,9 +35,6 @@ Control = Literal["force", "trajectory"]
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score"]
 
-# The filter's parameter noise: sd per square root of a second at the start, and the time constant of its decay.
-PARAMETER_RATE = 0.03
-PARAMETER_TIME = 5.0
 REDRAWS = 200
 LARGEST = 1e6  # of the numeric arguments
 
@@ -156,11 +154,12 @@ class Simulation:
         self.cohort: Cohort = cohort(configuration.cohort, muscles)
         self.device = configuration.build_device().records()
         self.reality = configuration.build_reality()
-        self.settings = self._build_settings()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
-        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
+        self._n_nodes = nodes_needed(self.cohort.prior)
+        self.settings = self._build_settings()
+        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, self._n_nodes
         self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
         self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
         self._gravity = default_mandible().gravity
@@ -177,14 +176,14 @@ class Simulation:
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
 
-    def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
+    def _contact_plants(self, sizes: tuple[int, int, int, int]) -> ContactPlants:
         from jawenv.envs.contact import ContactPlants
 
         return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
 
     def _build_settings(self) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
-        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles)))
+        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), self._n_nodes))
         settings = records[0]
         settings["trajectory"] = configuration.control == "trajectory"
         settings["bound"] = configuration.needs_bound
@@ -198,8 +197,9 @@ class Simulation:
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
         settings["wrench_variance"] = np.repeat([unmodelled[0] + cell_force, unmodelled[1] + cell_moment], 3)
-        settings["parameter_rate"] = PARAMETER_RATE
-        settings["parameter_time"] = PARAMETER_TIME
+        settings["gain_variance"] = float(device["cell_gain"]) ** 2
+        settings["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
+        settings["channels"] = int(settings["used"].sum()) + N_WRENCH
         settings["prior_mean"] = self.cohort.prior.mean
         settings["prior_sd"] = self.cohort.prior.sd
         settings["reality"] = self.reality.records()[0]

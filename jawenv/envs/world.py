@@ -9,6 +9,8 @@ import numpy as np
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.ekf import filter_size
+from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.tension_filter import belief_fields
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
@@ -28,7 +30,7 @@ MOTORS = np.dtype(
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of one world.
 
     The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
@@ -52,10 +54,11 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("mean", "f8", (n_filter,)),
-        ("covariance", "f8", (n_filter, n_filter)),
+        ("left_out", "f8"),  # share of the last step's readings that were not believed
+        *belief_fields(n_muscles, n_states, n_nodes),
         ("reading", "f8", 6),  # load cell, body axes
-        ("trend", "f8", 6),  # the load cell's recent mean
+        ("last_measured", "f8", N_MEASUREMENTS),
+        ("last_sample", "f8", 6),
         ("log_det_prior", "f8"),
         ("log_det", "f8"),
         ("log_det_bound", "f8"),

@@ -163,7 +163,7 @@ def fill_body_inputs(jaw, muscles, body_to_head, inverse, rho, pulls, by_input):
     for i in range(6):
         for j in range(of_wrench):
             by_input[i, j] = 0.0
-    for line in range(muscles.shape[0]):
+    for line in range(muscles.shape[0] if of_wrench > 0 else 0):
         push = apply_transposed(body_to_head, (pulls[line, 0], pulls[line, 1], pulls[line, 2]))
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
         fill_column(jaw, body_to_head, inverse, rho, push, turn, ZERO, ZERO, by_input, of_wrench)

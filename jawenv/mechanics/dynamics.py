@@ -207,12 +207,15 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
 
 @njit
 def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
-    """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6)."""
+    """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6).
+
+    Those of the wrench alone where ``by_input`` has six columns.
+    """
     of_wrench = by_input.shape[1] - N_WRENCH
     for i in range(5):
         for j in range(of_wrench):
             by_input[i, j] = 0.0
-    for line in range(muscles.shape[0]):
+    for line in range(muscles.shape[0] if of_wrench > 0 else 0):
         pull = (pulls[line, 0], pulls[line, 1], pulls[line, 2])
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
         column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)

@@ -54,6 +54,8 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("insertion", "f8", (n_lines, 3)),
         ("l_o", "f8", (n_lines,)),
         ("mobility", "f8", (n_lines,)),  # 1/kg, of the free mandible along a line, jaw closed
+        ("tooth_mobility", "f8", (N_TEETH,)),  # 1/kg, of the same, straight down at a tooth
+        ("condyle_mobility", "f8"),  # 1/kg, of the same, forward at the condyles
         ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
     ]
     return np.dtype(fields, align=True)
@@ -128,18 +130,19 @@ def build_jaw(
     jaw["origin"] = muscles.origin_m
     jaw["insertion"] = muscles.insertion_m
     jaw["l_o"] = muscles.l_o_m
-    jaw["mobility"] = mobility(mandible, muscles)
+    along = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
+    jaw["mobility"] = mobility(mandible, muscles.insertion_m, along)
+    jaw["tooth_mobility"] = mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0]))
+    jaw["condyle_mobility"] = mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0]))
     jaw["muscle"] = muscles.muscle
     return jaw
 
 
-def mobility(mandible: Mandible, muscles: MuscleSet) -> NDArray[np.float64]:
-    """Acceleration (m/s2) of each insertion along its line for 1 N along it, if the closed mandible were free."""
-    along = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
-    turn = np.cross(muscles.insertion_m - mandible.centre_of_mass_m, along)
-    result: NDArray[np.float64] = 1.0 / mandible.mass_kg + np.sum(
-        turn * np.linalg.solve(mandible.inertia_kg_m2, turn.T).T, axis=1
-    )
+def mobility(mandible: Mandible, points: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Acceleration (m/s2) of points (..., 3) along unit vectors for 1 N along them, were the closed mandible free."""
+    turn = np.cross(points - mandible.centre_of_mass_m, along)
+    solved = turn @ np.linalg.inv(mandible.inertia_kg_m2).T
+    result: NDArray[np.float64] = 1.0 / mandible.mass_kg + np.sum(turn * solved, axis=-1)
     return result
 
 

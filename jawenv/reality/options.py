@@ -7,6 +7,7 @@ from math import isfinite, radians
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from jawenv.errors import InputError
 
@@ -23,6 +24,8 @@ REALITY = np.dtype(
         ("cell_bias_moment", "f8"),
         ("play_position", "f8"),  # whole width of the dead band
         ("play_angle", "f8"),
+        ("lost_below", "f8"),  # standard normals below it lose a reading
+        ("frozen_above", "f8"),  # above it repeat the last one
     ],
     align=True,
 )
@@ -42,6 +45,8 @@ _ALLOWED = {
     "cell_bias_N_m": (0.0, 1.0, True),
     "encoder_play_mm": (0.0, 10.0, True),
     "encoder_play_deg": (0.0, 10.0, True),
+    "lost_share": (0.0, 0.49, True),
+    "frozen_share": (0.0, 0.49, True),
 }
 
 
@@ -79,6 +84,8 @@ class Reality:
         encoder_play_mm: Width of the dead band (backlash) of each reading of position: 0.2 to 0.5 mm, linkage and
             mouthpiece on its gum (G).
         encoder_play_deg: The same for angles: 0.2 to 0.5 degrees, that play at 6 cm (G).
+        lost_share: Share of the readings, of each encoder and each component of the load cell, that are lost (G).
+        frozen_share: Share that repeat the last reading (G).
     """
 
     reflex_gain: float = 0.0
@@ -94,6 +101,8 @@ class Reality:
     cell_bias_N_m: float = 0.0
     encoder_play_mm: float = 0.0
     encoder_play_deg: float = 0.0
+    lost_share: float = 0.0
+    frozen_share: float = 0.0
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -123,6 +132,8 @@ class Reality:
         reality["cell_bias_moment"] = self.cell_bias_N_m
         reality["play_position"] = self.encoder_play_mm / 1e3
         reality["play_angle"] = radians(self.encoder_play_deg)
+        reality["lost_below"] = ndtri(self.lost_share)
+        reality["frozen_above"] = -ndtri(self.frozen_share)
         return records
 
 

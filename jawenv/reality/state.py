@@ -25,6 +25,7 @@ def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
         ("rest_length", "f8", (n_lines,)),
         ("bias", "f8", 6),  # of the load cell, body axes
         ("play", "f8", 6),  # what the encoders show of the mouthpiece's place and angles
+        ("shown", "f8", 18),  # the last reading of each encoder and each component of the load cell
     ]
     return np.dtype(fields, align=True)
 
@@ -54,3 +55,5 @@ def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
     for k in range(6):
         state.bias[k] = (reality.cell_bias_force if k < 3 else reality.cell_bias_moment) * normals[k]
         state.play[k] = measured[k]
+    for k in range(18):
+        state.shown[k] = 0.0

@@ -1,0 +1,100 @@
+"""The environments' own filter, run over a record."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.errors import InputError
+from jawenv.estimation.ekf import follow_trend
+from jawenv.estimation.estimator import Estimate
+from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.readings import mark_usable, repair_samples
+from jawenv.estimation.record import Record
+from jawenv.estimation.tension_basis import build_basis, nodes_needed
+from jawenv.estimation.tension_filter import (
+    EAGER_TICKS,
+    ROUNDS,
+    begin_belief,
+    belief_fields,
+    conclude,
+    predict_motion,
+    tension_scratch_dtype,
+    update_motion,
+)
+
+_SETTINGS = [
+    ("dt", "f8"),
+    ("gain_variance", "f8"),
+    ("measurement_variance", "f8", N_MEASUREMENTS),
+    ("wrench_variance", "f8", 6),
+]
+
+
+class TensionFilter:
+    """The filter of the environments: see ``tension_filter``.
+
+    Args:
+        every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
+
+    Raises:
+        InputError: ``every`` is less than 1.
+    """
+
+    name = "tension filter"
+
+    def __init__(self, *, every: int = 5) -> None:
+        """Check the argument."""
+        if every < 1:
+            raise InputError(f"every: {every} given, allowed is 1 or more")
+        self.every = every
+
+    def estimate(self, record: Record) -> Estimate:
+        """The belief at the start and after every ``every`` ticks."""
+        states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+        nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
+        basis = build_basis(record.jaw, record.prior, nodes)[0]
+        belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
+        scratch = np.zeros(1, dtype=tension_scratch_dtype(muscles, lines, states, nodes))[0]
+        settings = np.zeros(
+            1,
+            dtype=np.dtype(
+                [*_SETTINGS, ("prior_mean", "f8", 2 * muscles), ("prior_sd", "f8", 2 * muscles)], align=True
+            ),
+        )[0]
+        settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
+        settings["measurement_variance"], settings["wrench_variance"] = record.measurement_sd**2, record.wrench_sd**2
+        settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
+        belief["motion"] = record.start_mean
+        belief["motion_cov"] = np.diag(record.start_sd**2)
+        begin_belief(basis, belief, record.prior.mean, record.prior.sd)
+        times = record.time[:: self.every]
+        mean, cov = np.empty((len(times), 2 * muscles)), np.empty((len(times), 2 * muscles, 2 * muscles))
+        filter_record(
+            record.jaw, basis, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
+        )
+        return Estimate(self.name, times, mean, cov)
+
+
+@njit
+def filter_record(jaw, basis, belief, measured, samples, settings, scratch, every, means, covs):
+    """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples; a belief every ``every`` ticks."""
+    prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
+    last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(6)
+    used, allowed = np.empty(measured.shape[1], np.uint8), np.ones(measured.shape[1], np.uint8)
+    usable = np.empty(samples.shape[1:])
+    for tick in range(measured.shape[0]):
+        if tick > 0:
+            known[:] = settings.wrench_variance
+            repair_samples(samples[tick - 1], last_sample, belief.trend, known, usable)
+            predict_motion(jaw, basis, belief, usable, settings.dt, known, gain_variance, scratch)
+            follow_trend(belief.trend, usable, settings.dt)
+        mark_usable(measured[tick], last, allowed, used)
+        update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)
+        if tick < EAGER_TICKS:
+            conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, 1)
+        if tick > 0 and tick % every == 0:
+            conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, ROUNDS)
+        if tick % every == 0:
+            means[tick // every] = belief.belief_mean
+            covs[tick // every] = belief.belief_cov

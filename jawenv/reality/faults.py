@@ -1,0 +1,37 @@
+"""Sensors that fail for a tick: readings that are lost, and readings that stay what they were."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.noise import fill_normals
+
+N_CHANNELS = 18  # 12 encoders, 6 components of the load cell
+FAULT_TICKS = 2**40  # the faults' random numbers are those of ticks that no episode reaches
+
+
+@njit
+def fail(reality, state, key, tick, measured, samples, faults):
+    """Let encoders (12) and load cell (3, 6) fail, in place; ``faults`` (20) is working memory.
+
+    Each channel has one standard normal per tick: its lower tail loses the reading, its upper tail repeats the last.
+    """
+    if reality.lost_below == -np.inf and reality.frozen_above == np.inf:
+        return
+    fill_normals(key, tick + FAULT_TICKS, faults)
+    for k in range(N_CHANNELS):
+        lost, frozen = faults[k] < reality.lost_below, faults[k] > reality.frozen_above
+        if k < 12:
+            if frozen:
+                measured[k] = state.shown[k]
+            state.shown[k] = measured[k]
+            if lost:
+                measured[k] = np.nan
+        else:
+            for i in range(samples.shape[0]):
+                if frozen:
+                    samples[i, k - 12] = state.shown[k]
+                state.shown[k] = samples[i, k - 12]
+                if lost:
+                    samples[i, k - 12] = np.nan
