@@ -54,7 +54,7 @@ class LinearLeastSquares:
         )
         jacobian = columns.reshape(len(columns), -1, columns.shape[-1]).transpose(0, 2, 1)
         matrix, right = jacobian.reshape(-1, jacobian.shape[2]), weighted.needed.ravel()
-        solution: Array = np.linalg.lstsq(matrix, right, rcond=None)[0]
+        solution = np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
         residual = (right - matrix @ solution).reshape(weighted.needed.shape)
         return solution, regression_covariance(jacobian, residual, weighted.by_gain, gain_sd)
 

@@ -150,8 +150,8 @@ def balance(jaw: Any, states: Array, accelerations: Array, wrenches: Array) -> t
     number, lines = len(states), len(jaw["l_o"])
     needed, by_wrench = np.empty((number, N_COORDINATES)), np.empty((number, N_COORDINATES, N_WRENCH))
     pull, strain = np.empty((number, lines, N_COORDINATES)), np.empty((number, lines))
-    arrays = [np.ascontiguousarray(array) for array in (states, accelerations, wrenches)]
-    fill_balance(jaw, np.zeros((lines, 2)), *arrays, needed, by_wrench, pull, strain)
+    moving, turning, acting = (np.ascontiguousarray(array) for array in (states, accelerations, wrenches))
+    fill_balance(jaw, np.zeros((lines, 2)), moving, turning, acting, needed, by_wrench, pull, strain)
     return needed, by_wrench, pull, strain
 
 

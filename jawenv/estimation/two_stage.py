@@ -107,7 +107,7 @@ class TwoStageLogLinear:
             matrix = np.broadcast_to(strain[:, None, :], shape).astype(np.complex128)
             right = np.log(balance.needed + np.finfo(np.float64).tiny + 0j) - logs.sum(axis=1)
         flat = matrix.reshape(-1, balance.muscles)
-        solution = np.linalg.lstsq(flat, right.ravel(), rcond=None)[0].real
+        solution = np.asarray(np.linalg.lstsq(flat, right.ravel(), rcond=None)[0].real, dtype=np.float64)
         residual = right - np.einsum("nrm,m->nr", matrix, solution)
         noise = np.mean(np.abs(residual) ** 2)
         return solution, noise * scaled_inverse((flat.conj().T @ flat).real)
@@ -118,7 +118,7 @@ def constant_forces(balance: Balance, gain_sd: float) -> tuple[Array, Array]:
     weighted = balance.whitened(balance.noise)
     jacobian = weighted.of_muscles(weighted.pull).transpose(0, 2, 1)
     flat, right = jacobian.reshape(-1, balance.muscles), weighted.needed.ravel()
-    solution: Array = np.linalg.lstsq(flat, right, rcond=None)[0]
+    solution = np.asarray(np.linalg.lstsq(flat, right, rcond=None)[0], dtype=np.float64)
     residual = (right - flat @ solution).reshape(weighted.needed.shape)
     return solution, regression_covariance(jacobian, residual, weighted.by_gain, gain_sd)
 
