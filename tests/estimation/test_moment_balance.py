@@ -48,19 +48,6 @@ def test_needed_is_what_the_muscles_exert(jaw, rng):
         np.testing.assert_allclose(needed[n], expected, rtol=1e-8, atol=1e-9 * np.abs(turned[n]).max())
 
 
-def test_moment_arms_from_the_origin_would_be_wrong(jaw, rng):
-    """The correction that matters: with the muscles' moments about the head's origin the condyle's slide is lost."""
-    states, turned, wrenches, truth = scenes(jaw, rng)
-    needed, _, _, _ = balance(jaw, states, turned, wrenches)
-    for row, state in zip(needed, states, strict=True):
-        q = state[:5]
-        R, contact = twin.rotation(q), twin.contact(jaw, q)
-        lines = jaw["origin"] - contact - jaw["insertion"] @ R.T
-        force = twin.tensions(jaw, truth, q) @ (lines / np.linalg.norm(lines, axis=1)[:, None])
-        about_origin = row[2:] + R.T @ np.cross(contact, force)
-        assert np.linalg.norm(about_origin - row[2:]) > 0.02 * np.linalg.norm(row[2:]) * np.linalg.norm(contact) / 0.012
-
-
 def test_derivative_by_the_wrench(jaw, rng):
     states, turned, wrenches, _ = scenes(jaw, rng, 5)
     needed, by_wrench, _, _ = balance(jaw, states, turned, wrenches)

@@ -26,10 +26,15 @@ def test_one_muscle_with_known_f_o_is_exact(F_o, b, seed):
     assert covariance[0, 0] < 1e-12 * b * b
 
 
-@given(F_o=some.floats(0.5, 5.0), b=some.floats(3.0, 9.0), seed=some.integers(0, 100))
-def test_the_printed_product_is_wrong_even_for_one_muscle(F_o, b, seed):
-    found, _ = TwoStageLogLinear("product").exponents(made_balance([F_o], np.array([b]), seed), np.array([F_o]))
-    assert not abs(found[0] - b) < 0.1 * b
+@pytest.mark.parametrize("b", [4.0, 6.0, 8.0])
+def test_the_printed_product_is_wrong_even_for_one_muscle(b):
+    """But by coincidence: of 30 random maneuvers a few come within a tenth."""
+    off = [
+        TwoStageLogLinear("product").exponents(made_balance([1.3], np.array([b]), seed), np.array([1.3]))[0][0] / b
+        - 1.0
+        for seed in range(30)
+    ]
+    assert np.mean(np.abs(off) > 0.1) > 0.8
 
 
 @pytest.mark.parametrize("form", ["difference", "product"])
