@@ -7,11 +7,12 @@ shrinks the prior's sd along that direction to 1 / sqrt(1 + s^2) of it. Without 
 second would decide the rank. The load cell's gain is taken as right and the unmodelled wrench as none, as usual for
 observability; what noise costs is the bound's business.
 
-Young (2016, section 5.4) checks the rank of the observability matrix H, H F, H F^2, ... at points of the maneuver. With
-F frozen at one moment the p parameters act through the accelerations alone, five or six numbers, so that its rank
-cannot exceed n + 5 or n + 6, whatever the sensors: it is the motion that makes the rest observable. Hence both here:
-``frozen_rank`` as in the thesis, and the Gramian over windows (Chen 1999, Linear System Theory and Design, section 6.6)
-with F as it changes.
+Young (2016, section 5.4) checks the rank of the observability matrix H, H A, H A^2, ... at points of the maneuver. With
+A frozen at one moment the p parameters act through the accelerations alone, n / 2 numbers, so that its rank cannot
+exceed 3 n / 2, whatever the sensors: it is the motion that makes the rest observable. Hence both here: ``frozen_rank``
+as in the thesis, and the Gramian over windows (Chen 1999, Linear System Theory and Design, section 6.6) with the
+derivative as it changes, as singular values of its square root. Noise-free, a numerical rank is soon full: read it with
+the singular values, of which those below 1 say little.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class Observability:
         states: free numbers of motion and parameters: the largest possible rank.
         singular_values: (W, states) of the scaled rows of each window, largest first.
         growing_rank: (W,) rank of all rows from the record's start to the end of each window.
-        frozen_rank: (W,) rank of the observability matrix with F frozen at the start of each window.
+        frozen_rank: (W,) rank of the observability matrix with A frozen at the start of each window.
     """
 
     start: Array
@@ -124,16 +125,39 @@ def reduced(rows: Array) -> Array:
     return np.linalg.qr(rows, mode="r")
 
 
-def frozen(by_state: Array, by_parameter: Array, rows: Array, scale: Array) -> int:
-    """Rank of H, H F, H F^2, ... up to the number of states less one, scaled by ``scale`` (m,)."""
-    size = len(scale)
-    carried, blocks = np.eye(len(by_state), size), []
+@njit
+def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
+    """Derivative (n, n + p) of the motion's rate by motion and parameters at one moment, into ``rates``.
+
+    ``moving`` (n) is a copy of ``state`` to work in. It is what a step of no length leaves in ``scratch.slope``.
+    """
+    moving[:] = state
+    move(jaw, muscles, moving, wrench, trend, 0.0, 0.0, scratch)
+    for i in range(rates.shape[0]):
+        for j in range(rates.shape[1]):
+            rates[i, j] = scratch.slope[i, j]
+
+
+def frozen_rank(path: Path, rows: Array, tick: int, scale: Array) -> int:
+    """Rank of H, H A, H A^2, ... with A frozen at the start of a tick, columns scaled by ``scale`` (m,)."""
+    size, n_states = len(scale), path.states.shape[1]
+    joint, trend = np.zeros((size, size)), np.zeros(path.wrench_variance.shape[0])
+    rates = np.empty((n_states, size))
+    rates_at(
+        path.jaw, path.muscles, path.states[tick], path.wrenches[tick], trend, np.empty(n_states), rates, path.scratch
+    )
+    # In units of the states' prior sds, and of a time in which all powers of A are of one size.
+    unit = np.where(scale > 0.0, scale, 1.0)
+    joint[:n_states] = rates * scale / unit[:n_states, None]
+    joint /= np.linalg.norm(joint, 2)
+    block = np.hstack([rows, np.zeros((len(rows), size - n_states))]) * scale
+    blocks = []
     for _ in range(size):
-        block = rows @ carried * scale
-        # Rows of unit size: only directions count for the rank, and F^k shrinks them by many orders.
+        # Rows of length 1: only their directions count.
         length = np.linalg.norm(block, axis=1, keepdims=True)
-        blocks.append(block / np.where(length > 0.0, length, 1.0))
-        carried = step_back(carried, by_state, by_parameter)
+        block = block / np.where(length > 0.0, length, 1.0)
+        blocks.append(block)
+        block = block @ joint
     return rank_of(np.linalg.svd(np.vstack(blocks)[:, scale > 0.0], compute_uv=False))
 
 
@@ -178,7 +202,7 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
         values.append(singular_values(triangle, int(free.sum())))
         so_far = reduced(np.vstack([so_far, (np.vstack([*blocks_from_start, last @ from_start]) * scale)[:, free]]))
         growing.append(rank_of(singular_values(so_far, int(free.sum()))))
-        at_once.append(frozen(by_state[start], by_parameter[start], rows[start], scale))
+        at_once.append(frozen_rank(path, rows[start], int(start), scale))
     return Observability(
         start=record.time[starts],
         window_s=ticks_each * record.dt,

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from jawenv.errors import InputError
 
-KEPT_SHARE = 0.85  # of a direction's squared length that its words must speak of
+KEPT_SHARE = 0.75  # of a direction's squared length that its words must speak of
 KIND, MUSCLE, SIDE = range(3)
 Label = tuple[str, str, str]  # kind, muscle, side; empty where the model tells none
 
@@ -58,7 +58,7 @@ def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
     number = int(np.searchsorted(shares, KEPT_SHARE)) + 1
     smallest = abs(weights[order[number - 1]]) * (1.0 - 1e-6)
     kept = [int(i) for i in order if abs(weights[i]) >= smallest]
-    sign = np.sign(weights[kept[0]])
+    sign = np.sign(weights[min(kept)])  # F_o before b and left before right, whichever sign came out of a solver
     every = [label_of(name) for name in names]
     some = [every[i] for i in sorted(kept) if np.sign(weights[i]) == sign]
     others = [every[i] for i in sorted(kept) if np.sign(weights[i]) != sign]
@@ -112,20 +112,38 @@ def _phrase(some: Sequence[Label], others: Sequence[Label], every: Sequence[Labe
 
 
 def _listed(some: Sequence[Label], others: Sequence[Label], every: Sequence[Label]) -> str:
-    """Every part by itself; the kind first if all share it."""
-    kinds = _values([*some, *others], KIND)
-    texts = [_products(group, every, with_kind=len(kinds) > 1) for group in (some, others) if group]
-    body = " against ".join(texts)
-    return body if len(kinds) > 1 else f"{kinds[0]}: {body}"
-
-
-def _products(labels: Sequence[Label], every: Sequence[Label], with_kind: bool) -> str:
-    """One sign's parts: the sides of a muscle together, the muscles by name."""
-    groups: dict[tuple[str, str], list[str]] = {}
-    for kind, muscle, side in labels:
-        groups.setdefault((kind, muscle), []).append(side)
+    """Every part by itself; kind and sides once if all parts share them."""
+    groups = [_items(group) for group in (some, others) if group]
+    items = [item for group in groups for item in group]
+    kinds, sides = {item[KIND] for item in items}, {item[SIDE] for item in items}
     texts = []
-    for (kind, muscle), sides in groups.items():
-        words = (kind if with_kind else "", muscle, _part(sides, SIDE, every))
-        texts.append(" ".join(word for word in words if word))
-    return _joined(texts)
+    for group in groups:
+        words = [
+            (
+                f"{_joined(kind)} of " if len(kinds) > 1 and any(muscles) else _joined(kind) * (len(kinds) > 1),
+                _joined(muscles),
+                f" {_part(side, SIDE, every)}" if len(sides) > 1 else "",
+            )
+            for kind, muscles, side in group
+        ]
+        texts.append(_joined(["".join(word) for word in words]))
+    front = f"{_joined(next(iter(kinds)))}: " if len(kinds) == 1 else ""
+    back = f", {_part(next(iter(sides)), SIDE, every)}" if len(sides) == 1 and any(next(iter(sides))) else ""
+    return front + " against ".join(texts) + back
+
+
+def _items(labels: Sequence[Label]) -> list[tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]]:
+    """One sign's parts as few products of kinds, muscles and sides: sides are put together first, then kinds."""
+    items = [((kind,), (muscle,), (side,)) for kind, muscle, side in labels]
+    for place in (SIDE, KIND, MUSCLE):
+        merged: dict[tuple[tuple[str, ...], ...], list[str]] = {}
+        for item in items:
+            rest = tuple(values for i, values in enumerate(item) if i != place)
+            merged.setdefault(rest, []).extend(item[place])
+        items = []
+        for rest, values in merged.items():
+            first, second = rest
+            parts = [first, second]
+            parts.insert(place, tuple(values))
+            items.append((parts[0], parts[1], parts[2]))
+    return items
