@@ -2,11 +2,10 @@
 
     python examples/optimise_maneuver.py --output my_maneuver.yaml
 
-The D criterion: half the fall of log det of the posterior Cramer-Rao bound, in nats at the end of the episode, mean over
-patients (Pintelon & Schoukens 2012, System Identification, section 5.4.2), less what discomfort costs. Each channel is
-the sum of two sines on multiples of 1/30 Hz, whose frequencies, phases, ratio and peak are searched by differential
-evolution (Storn & Price 1997). About a second per evaluation and eight patients on one core; the same seed gives the
-same file.
+The D criterion (Goodwin & Payne 1977, chapter 6): half the fall of log det of the posterior Cramer-Rao bound, in nats
+at the end of 30 s, mean over patients, less what discomfort costs. Each channel is the sum of two sines on multiples of
+1/30 Hz, whose frequencies, phases, ratio and peak are searched by differential evolution (Storn & Price 1997). About a
+second per evaluation with eight patients on one core; the same seed gives the same file.
 """
 
 import argparse

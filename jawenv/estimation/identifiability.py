@@ -1,7 +1,7 @@
 """What a record can tell about its parameters, and what it cannot: information, least-known combinations, collinearity.
 
-All of it follows from the bound along the record's motion, so that it is about the maneuver and the device and not about
-any estimator. Parameters are natural logs: a direction's sd of 0.05 is 5 %.
+All of it follows from the bound along the record's motion: it is about the maneuver and the device, and not about any
+estimator. Parameters are natural logs: a direction's sd of 0.05 is 5 %.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ class Identifiability:
     @cached_property
     def spectrum(self) -> Array:
         """(p,) eigenvalues of the data's information, largest first; 1 / sqrt of one is the data's own sd."""
-        return np.linalg.eigvalsh(self.information)[::-1]
+        return np.asarray(np.linalg.eigvalsh(self.information)[::-1], dtype=np.float64)
 
     @cached_property
     def directions(self) -> Array:
@@ -163,9 +163,8 @@ class Identifiability:
     def pair_collinearity(self) -> Array:
         """(p, p) collinearity index of every two parameters; 1 on the diagonal."""
         table = np.ones_like(self.information)
-        subsets, indices = collinearity_of_size(self.information, 2) if len(table) > 1 else ([], [])
-        for (i, j), index in zip(subsets, indices, strict=True):
-            table[i, j] = table[j, i] = index
+        for i, j in combinations(range(len(table)), 2):
+            table[i, j] = table[j, i] = collinearity(self.information, [i, j])
         return table
 
     def least_known(self, number: int = 1) -> list[Combination]:
@@ -201,10 +200,7 @@ class Identifiability:
             f"{self.duration_s:g} s, {size} parameters: {nats:.1f} nats at most",
             f"worst parameter: {self.parameter_names[worst]}, sd {self.sd[worst]:.1%}",
             "least-known combinations:",
-            *(
-                f"  {one.words}: sd {one.sd:.1%} (prior {one.prior_sd:.0%})"
-                for one in self.least_known(min(3, size))
-            ),
+            *(f"  {one.words}: sd {one.sd:.1%} (prior {one.prior_sd:.0%})" for one in self.least_known(min(3, size))),
             f"directions of which the data say more than the prior: {known} of {size}",
             f"collinearity index of all: {self.collinearity:.1f}",
         ]

@@ -62,7 +62,7 @@ class Observability:
     @property
     def well_known(self) -> NDArray[np.intp]:
         """(W,) number of directions of which a window says more than the prior: singular values above 1."""
-        return (self.singular_values > 1.0).sum(axis=1)
+        return np.asarray((self.singular_values > 1.0).sum(axis=1), dtype=np.intp)
 
 
 @njit
@@ -93,7 +93,7 @@ def linearise_path(
 
 
 def derivatives(path: Path) -> tuple[Array, Array, Array]:
-    """(T, n, n) and (T, n, p) derivatives of each tick's step by motion and parameters, (T + 1, 12, n) whitened rows."""
+    """Derivatives of each tick's step by motion (T, n, n) and parameters (T, n, p), whitened rows (T + 1, 12, n)."""
     ticks, n_states = len(path.wrenches), path.states.shape[1]
     parameters = path.covariance.shape[0] - n_states - 1
     by_state, by_parameter = np.empty((ticks, n_states, n_states)), np.empty((ticks, n_states, parameters))
@@ -122,7 +122,7 @@ def rank_of(singular_values: Array) -> int:
 
 def reduced(rows: Array) -> Array:
     """A square triangle with the same singular values as ``rows`` (k, m)."""
-    return np.linalg.qr(rows, mode="r")
+    return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
 
 @njit
@@ -158,7 +158,7 @@ def frozen_rank(path: Path, rows: Array, tick: int, scale: Array) -> int:
         block = block / np.where(length > 0.0, length, 1.0)
         blocks.append(block)
         block = block @ joint
-    return rank_of(np.linalg.svd(np.vstack(blocks)[:, scale > 0.0], compute_uv=False))
+    return rank_of(singular_values(np.vstack(blocks)[:, scale > 0.0], int((scale > 0.0).sum())))
 
 
 def step_back(carried: Array, by_state: Array, by_parameter: Array) -> Array:
@@ -185,7 +185,7 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
         raise InputError(f"window_s: {window_s} given, allowed are {record.dt:g} to {ticks * record.dt:g} s")
     path = path_of(record, parameters)
     by_state, by_parameter, rows = derivatives(path)
-    scale = np.sqrt(np.diag(path.covariance))[:-1]
+    scale = np.asarray(np.sqrt(np.diag(path.covariance))[:-1], dtype=np.float64)
     free, n_states = scale > 0.0, path.states.shape[1]
     starts = np.arange(0, ticks - ticks_each + 1, ticks_each)
     values, growing, at_once = [], [], []

@@ -16,6 +16,7 @@ from jawenv.errors import InputError
 KEPT_SHARE = 0.75  # of a direction's squared length that its words must speak of
 KIND, MUSCLE, SIDE = range(3)
 Label = tuple[str, str, str]  # kind, muscle, side; empty where the model tells none
+Item = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]  # all combinations of some kinds, muscles and sides
 
 
 def label_of(name: str) -> Label:
@@ -132,9 +133,9 @@ def _listed(some: Sequence[Label], others: Sequence[Label], every: Sequence[Labe
     return front + " against ".join(texts) + back
 
 
-def _items(labels: Sequence[Label]) -> list[tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]]:
+def _items(labels: Sequence[Label]) -> list[Item]:
     """One sign's parts as few products of kinds, muscles and sides: sides are put together first, then kinds."""
-    items = [((kind,), (muscle,), (side,)) for kind, muscle, side in labels]
+    items: list[Item] = [((kind,), (muscle,), (side,)) for kind, muscle, side in labels]
     for place in (SIDE, KIND, MUSCLE):
         merged: dict[tuple[tuple[str, ...], ...], list[str]] = {}
         for item in items:

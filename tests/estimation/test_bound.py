@@ -1,4 +1,4 @@
-"""The bound along a record: the environment's numbers, and the joint problem written out whole by an independent model."""
+"""The bound along a record: the environment's numbers, and the joint problem written out by an independent model."""
 
 from dataclasses import replace
 from functools import cache
@@ -111,9 +111,7 @@ def parameter_information(record):
     chosen = np.arange(N, first)
     rest = np.delete(np.arange(len(prior)), chosen)
     across = information[np.ix_(chosen, rest)]
-    schur = information[np.ix_(chosen, chosen)] - across @ np.linalg.solve(
-        information[np.ix_(rest, rest)], across.T
-    )
+    schur = information[np.ix_(chosen, chosen)] - across @ np.linalg.solve(information[np.ix_(rest, rest)], across.T)
     return schur / np.outer(record.prior.sd, record.prior.sd)
 
 
