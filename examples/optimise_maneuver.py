@@ -3,9 +3,9 @@
     python examples/optimise_maneuver.py --output my_maneuver.yaml
 
 The D criterion (Goodwin & Payne 1977, chapter 6): half the fall of log det of the posterior Cramer-Rao bound, in nats
-at the end of 30 s, mean over patients, less what discomfort costs. Each channel is the sum of two sines on multiples of
-1/30 Hz, whose frequencies, phases, ratio and peak are searched by differential evolution (Storn & Price 1997). About a
-second per evaluation with eight patients on one core; the same seed gives the same file.
+at the end of an episode, mean over patients, less what discomfort costs. Each channel is the sum of two sines on
+multiples of 1/30 Hz, whose frequencies, phases, ratio and peak are searched by differential evolution (Storn & Price
+1997). About a second per evaluation with eight patients on one core; the same seed gives the same file.
 """
 
 import argparse
@@ -96,11 +96,12 @@ def fastest_mm_s(maneuver: Maneuver) -> float:
     return float(np.linalg.norm(rate * RANGE_MM, axis=1).max())
 
 
-def loss(numbers: NDArray, patients: int) -> float:
+def loss(numbers: NDArray, patients: int, episode_s: float) -> float:
     """Minus the mean information of the bound (nats), and what discomfort is worth."""
     maneuver = Maneuver.model_validate(content(numbers))
     too_fast = max(0.0, fastest_mm_s(maneuver) - SPEED_MM_S)
-    score = jawenv.score(jawenv.play(Player(maneuver), patients=patients, seed=TRAIN_SEED))
+    settings = {"episode_s": episode_s}
+    score = jawenv.score(jawenv.play(Player(maneuver), patients=patients, seed=TRAIN_SEED, env_kwargs=settings))
     return float(
         -np.mean(score.information_bound)
         + PER_DISCOMFORT_S * np.mean(score.discomfort_s)
@@ -110,7 +111,7 @@ def loss(numbers: NDArray, patients: int) -> float:
     )
 
 
-def search(patients: int, evaluations: int, seed: int) -> NDArray:
+def search(patients: int, evaluations: int, seed: int, episode_s: float) -> NDArray:
     """The best numbers found."""
     low, high, start = (np.concatenate(list(table.values())) for table in (LOW, HIGH, START))
     generator = np.random.default_rng(seed)
@@ -124,7 +125,7 @@ def search(patients: int, evaluations: int, seed: int) -> NDArray:
 
     def judge(numbers: NDArray) -> float:
         nonlocal done, best
-        value = loss(numbers, patients)
+        value = loss(numbers, patients, episode_s)
         done, best = done + 1, min(best, value)
         if done % 10 == 0:
             print(f"{done} of about {evaluations}: best {-best:.2f} nats after penalties", file=sys.stderr, flush=True)
@@ -135,7 +136,7 @@ def search(patients: int, evaluations: int, seed: int) -> NDArray:
         list(zip(low, high, strict=True)),
         init=first,
         integrality=whole,
-        maxiter=max(evaluations // members - 1, 1),
+        maxiter=max(evaluations // members - 1, 0),
         mutation=(0.3, 0.8),
         recombination=0.6,
         tol=0.0,
@@ -145,12 +146,13 @@ def search(patients: int, evaluations: int, seed: int) -> NDArray:
     return np.asarray(found.x)
 
 
-def compare(path: Path, patients: int) -> None:
+def compare(path: Path, patients: int, episode_s: float) -> None:
     """Print the file beside the hand-made maneuvers, on patients that the search has not seen."""
     print(f"{patients} patients, seeds {TEST_SEED} and on, force control; means over the patients\n")
     print("maneuver                           bound, nats   true, nats   discomfort, s   violated   governor")
     for spec in [str(path), *(name for name in names() if name != path.stem)]:
-        score = jawenv.score(jawenv.play(load_agent(spec), patients=patients, seed=TEST_SEED))
+        settings = {"episode_s": episode_s}
+        score = jawenv.score(jawenv.play(load_agent(spec), patients=patients, seed=TEST_SEED, env_kwargs=settings))
         row = (score.information_bound, score.information_true, score.discomfort_s, score.violated, score.governor)
         bound, true, discomfort, violated, governor = (float(np.mean(value)) for value in row)
         name = Path(spec).stem
@@ -161,8 +163,9 @@ def main() -> None:
     """Read the command line, search, write the file and compare it."""
     parser = argparse.ArgumentParser(description="Search the maneuver with the most information by the bound.")
     parser.add_argument("--patients", type=int, default=8, help="patients that each candidate is played on")
-    parser.add_argument("--evaluations", type=int, default=500, help="candidates to play, about")
+    parser.add_argument("--evaluations", type=int, default=500, help="candidates to play, about; 25 or more are")
     parser.add_argument("--seed", type=int, default=0, help="of the search")
+    parser.add_argument("--episode-s", type=float, default=30.0)
     parser.add_argument("--test-patients", type=int, default=32, help="other patients, for the comparison; 0 for none")
     parser.add_argument("--output", type=Path, required=True, help="maneuver file to write (.yaml)")
     given = parser.parse_args()
@@ -172,17 +175,17 @@ def main() -> None:
     if given.output.suffix != ".yaml" or not given.output.parent.is_dir():
         raise jawenv.InputError(f"output: {given.output} given, allowed is a .yaml file in a folder that exists")
 
-    best = search(given.patients, given.evaluations, given.seed)
+    best = search(given.patients, given.evaluations, given.seed, given.episode_s)
     command = (
         f"python examples/optimise_maneuver.py --patients {given.patients} --evaluations {given.evaluations} "
-        f"--seed {given.seed}"
+        f"--seed {given.seed} --episode-s {given.episode_s:g}"
     )
     comment = f"# Found, not made by hand, by\n# {command}\n"
     text = yaml.safe_dump(content(best), sort_keys=False, width=110, default_flow_style=None)
     given.output.write_text(comment + text, encoding="utf-8")
     print(f"written: {given.output}", file=sys.stderr)
     if given.test_patients:
-        compare(given.output, given.test_patients)
+        compare(given.output, given.test_patients, given.episode_s)
 
 
 if __name__ == "__main__":
