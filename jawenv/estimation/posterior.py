@@ -23,8 +23,8 @@ from jawenv.compiled import njit
 from jawenv.estimation.tension_basis import expand_coefficients
 
 LONGEST_STEP = 1.0  # prior sds that the mean moves by at once: beyond, no expansion holds
-NEGLIGIBLE = 1e-4  # of the information, that Omega takes away
-CONVERGED = 1e-2  # sds of the belief
+NEGLIGIBLE = 1e-2  # of the information, that Omega takes away
+CONVERGED = 0.1  # sds of the belief: what the next round would still move is its square
 
 
 def posterior_fields(n_muscles: int, n_nodes: int):
@@ -181,8 +181,9 @@ def set_precision(mean, prior_mean, prior_sd, nominal, scratch):
 
 @njit
 def invert_positive(matrix, inverse):
-    """Inverse of a symmetric positive definite matrix, whose lower half is overwritten by its Cholesky factor's
-    inverse; False if it is not positive definite.
+    """Inverse of a symmetric positive definite matrix; False if it is not positive definite.
+
+    The lower half of ``matrix`` is overwritten by the inverse of its Cholesky factor.
     """
     size = matrix.shape[0]
     for j in range(size):

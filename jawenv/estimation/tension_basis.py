@@ -26,7 +26,7 @@ from jawenv.anatomy import Prior
 from jawenv.compiled import njit
 from jawenv.mechanics.kinematics import contact_point, rotation
 
-# A pose in the middle of what jaws do: 4 mm of sliding, 0.13 rad (8 degrees) of opening. Strains are counted from there.
+# A pose in the middle of what jaws do: 4 mm of sliding, 8 degrees of opening. Strains are counted from there.
 MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)
 STRAIN = 0.08  # from there, as maneuvers go
 LIKELY = np.linspace(-1.5, 1.5, 13)  # sds of log b over which the remainder is averaged
