@@ -1,9 +1,9 @@
 """filterpy's extended and unscented Kalman filters on the same model: references that others have written and tested.
 
 Both have the state of ``ekf``: motion, natural-log parameters, gain error of the load cell. The noise of the motion is
-G W G^T, with the wrench's variance W and its effect G taken at the mean. Considering the gain error after Schmidt (1966)
-takes no other filter: of the optimal update, the mean and variance of what is considered are put back. Its covariance
-with everything else, and everything else's mean and covariance, are the same in both.
+G W G^T, with the wrench's variance W and its effect G taken at the mean. Considering the gain error (Schmidt 1966)
+takes no other filter: after the optimal update, the mean and variance of what is considered are put back. Its
+covariance with everything else, and everything else's mean and covariance, are the same in both.
 """
 
 from __future__ import annotations

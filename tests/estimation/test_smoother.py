@@ -1,4 +1,4 @@
-"""The iterated smoother against dense least squares on an independent model, and against filters where all is linear."""
+"""The iterated smoother against dense least squares on an independent model, and a filter where all is linear."""
 
 from dataclasses import replace
 
