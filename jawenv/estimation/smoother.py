@@ -69,7 +69,10 @@ class IteratedSmoother:
 
     The load cell's gain error is considered: the most probable path is that for a gain error of 0, and what one of
     ``record.gain_sd`` would do to it is added to the covariance. Estimating it would learn from readings that answer
-    to the motion (see ``ekf``): on twenty patients and 30 s, errors were a tenth larger with it, and beyond the claimed.
+    to the motion (see ``ekf``): with twenty patients and 30 s, that made the errors a tenth larger.
+
+    The covariance is that of the tangents at the mode. Where a record says little, in the first seconds of a slow
+    maneuver, the posterior is not normal, and errors are larger than it claims.
 
     Args:
         max_iterations: of Gauss-Newton.
