@@ -24,6 +24,10 @@ import numpy as np
 
 import jawenv
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.estimation.estimator import Estimator
+from jawenv.estimation.extended_kalman import ExtendedKalman
+from jawenv.estimation.filterpy_filters import FilterpyExtendedKalman
+from jawenv.estimation.record import Record
 from jawenv.rollout import DEFAULT_ENV
 
 WORLDS = 256
@@ -137,15 +141,37 @@ def ladder_speeds(size: Size) -> list[Row]:
     return rows
 
 
-class Sway:
-    """A slow motion of all motors, as an agent."""
+class Sinusoids:
+    """The motor commands of the other measurements, as an agent."""
 
-    def __init__(self) -> None:
-        self.step = 0
+    def reset(self, num_envs: int, seed: int) -> None:
+        self.step, self.action = 0, sinusoids(num_envs)
 
-    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+    def predict(self, observation: np.ndarray, **_: object) -> tuple[np.ndarray, None]:
         self.step += 1
-        return sinusoids(len(observation))(self.step), state
+        return self.action(self.step), None
+
+
+def seconds_for(estimator: Estimator, record: Record) -> float:
+    start = time.perf_counter()
+    estimator.estimate(record)
+    return time.perf_counter() - start
+
+
+def filter_speeds(size: Size) -> list[Row]:
+    """The compiled plain filter beside filterpy's, which gives the same numbers, on one recorded episode."""
+    say("speed: filters over a record")
+    played = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True, "episode_s": 10.0})
+    record = played.records[0]
+    ours, peer = ExtendedKalman(), FilterpyExtendedKalman()
+    times = np.array([(seconds_for(ours, record), seconds_for(peer, record)) for _ in range(size.repeats + 1)])[1:]
+    mine, theirs = np.median(times, axis=0)
+    ratio = float(np.median(times[:, 1] / times[:, 0]))
+    return [
+        Row("filterpy's extended Kalman filter, 10 s of record", f"{1e3 * theirs:.0f} ms"),
+        Row("ExtendedKalman on the same", f"{1e3 * mine:.1f} ms"),
+        Row("  over filterpy's, median of paired ratios", f"{ratio:.0f} x", ">= 30 x", ratio >= 30.0),
+    ]
 
 
 def bound_speed(size: Size) -> list[Row]:
@@ -153,7 +179,7 @@ def bound_speed(size: Size) -> list[Row]:
     rows = []
     for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v0"):
         say(f"bound: {env_id}")
-        record = jawenv.play(Sway(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
+        record = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
         jawenv.bound_along(record, every=5)
         times, busy = [], []
         for _ in range(size.repeats):
@@ -249,7 +275,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    parts = (speeds, bound_speed, memory, start_up, ladder_speeds)
+    parts = (speeds, filter_speeds, bound_speed, memory, start_up, ladder_speeds)
     show(os.getloadavg(), [row for part in parts for row in part(size)])
 
 
