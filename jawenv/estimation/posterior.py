@@ -61,15 +61,9 @@ def without_gain(information, score, gain_variance, scratch):
 
 @njit
 def set_omega(covariance, scratch):
-    """Omega and the shift of the mean of c, 1/2 trace(H_k P), from the belief's covariance."""
+    """Omega from the belief's covariance and the mean second derivatives."""
     twice = scratch.by_log_twice
     muscles, nodes = twice.shape[0], twice.shape[1]
-    for i in range(muscles):
-        p00, p01, p11 = covariance[2 * i, 2 * i], covariance[2 * i, 2 * i + 1], covariance[2 * i + 1, 2 * i + 1]
-        for k in range(nodes):
-            scratch.shift[i * nodes + k] = (
-                0.5 * twice[i, k, 0] * p00 + twice[i, k, 1] * p01 + 0.5 * twice[i, k, 2] * p11
-            )
     for i in range(muscles):
         for j in range(i + 1):
             a, b = covariance[2 * i, 2 * j], covariance[2 * i, 2 * j + 1]
@@ -147,7 +141,7 @@ def set_precision(mean, prior_mean, prior_sd, nominal, scratch):
     size = muscles * nodes
     for i in range(muscles):
         for k in range(nodes):
-            scratch.shift[i * nodes + k] += scratch.coefficients[i, k] - nominal[i, k]
+            scratch.shift[i * nodes + k] = scratch.coefficients[i, k] - nominal[i, k]
     for a in range(size):
         value = effective[a, size]
         for b in range(size):
@@ -224,7 +218,7 @@ def believe(basis, information, score, nominal, gain_variance, prior_mean, prior
     parameters = mean.shape[0]
     for _ in range(rounds):
         without_gain(information, score, gain_variance, scratch)
-        expand_coefficients(basis, mean, scratch.coefficients, scratch.by_log, scratch.by_log_twice)
+        expand_coefficients(basis, mean, covariance, scratch.coefficients, scratch.by_log, scratch.by_log_twice)
         set_omega(covariance, scratch)
         set_effective(scratch)
         set_precision(mean, prior_mean, prior_sd, nominal, scratch)

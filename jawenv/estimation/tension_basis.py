@@ -110,20 +110,23 @@ def set_coefficients(basis, log_parameters, coefficients):
 
 
 @njit
-def expand_coefficients(basis, log_parameters, coefficients, by_log, by_log_twice):
-    """As ``set_coefficients``, with the derivatives by (log F_o, log b).
+def expand_coefficients(basis, log_parameters, covariance, coefficients, by_log, by_log_twice):
+    """Means of c, of its gradient and of its second derivatives by (log F_o, log b), over a normal belief.
 
-    ``by_log`` (muscles, K, 2) receives the first derivatives, ``by_log_twice`` (muscles, K, 3) the second: by
-    log F_o twice, by both, by log b twice.
+    ``coefficients`` (muscles, K), ``by_log`` (muscles, K, 2) and ``by_log_twice`` (muscles, K, 3; by log F_o twice, by
+    both, by log b twice) receive them. Weighting a normal density of covariance P by F_o = exp(log F_o), to which c is
+    proportional, moves its mean by P's first column: exact in log F_o, and to second order in log b for the mean of c.
     """
     for i in range(coefficients.shape[0]):
-        b, centre = exp(log_parameters[2 * i + 1]), basis.centre[i]
-        factor = exp(log_parameters[2 * i] + b * centre)
+        f, e = 2 * i, 2 * i + 1
+        spread = covariance[e, e]
+        b, centre = exp(log_parameters[e] + covariance[f, e]), basis.centre[i]
+        factor = exp(log_parameters[f] + 0.5 * covariance[f, f] + b * centre)
         for k in range(coefficients.shape[1]):
             value, slope, curvature = polynomial_value(basis.polynomials[i, k], b)
             first = centre * value + slope
             second = centre * (first + slope) + curvature
-            coefficients[i, k] = factor * value
-            by_log[i, k, 0], by_log[i, k, 1] = factor * value, factor * b * first
             by_log_twice[i, k, 0], by_log_twice[i, k, 1] = factor * value, factor * b * first
             by_log_twice[i, k, 2] = factor * b * (first + b * second)
+            coefficients[i, k] = factor * value + 0.5 * spread * by_log_twice[i, k, 2]
+            by_log[i, k, 0], by_log[i, k, 1] = factor * value, factor * b * first
