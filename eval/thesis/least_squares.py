@@ -116,7 +116,7 @@ def judge_full(table: pd.DataFrame) -> Finding:
         f"{int(close.sum())} of {len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd "
         f"is {words.percent((each['sd'] / each['truth']).max(), 0)} %. By the mean, {wrong} of {len(force)} muscles are "
         f"taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N); by a single draw "
-        f"{words.percent(singly.value)} % ({words.interval(rows.statistics_scaled(singly))}).",
+        f"{words.percent(singly.value)} % ({words.interval(words.scaled(singly, 100.0))}).",
         "reproduced" if good else "partly" if wrong == 0 else "not reproduced",
         "The sd captures the truth and no muscle is taken for what it is not."
         if good
