@@ -45,6 +45,7 @@ class Item:
         judge: the finding, from the rows of all draws.
         figure: of the rows of all draws.
         caption: below the figure.
+        same_draws_as: key of the item whose draws these are; its own where empty.
     """
 
     key: str
@@ -56,3 +57,9 @@ class Item:
     judge: Callable[[pd.DataFrame], Finding]
     figure: Callable[[pd.DataFrame], Figure]
     caption: str
+    same_draws_as: str = ""
+
+    @property
+    def drawn_as(self) -> str:
+        """Key of the item whose draws these are."""
+        return self.same_draws_as or self.key

@@ -66,20 +66,30 @@ def judge_sides(table: pd.DataFrame) -> Finding:
         error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
         nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
         told.append(
-            f"{_TOLD[case]}: error {words.percent(error.value)} % ({words.interval(words.scaled(error, 100))}), worst sd "
+            f"{_TOLD[case]}: error {words.percent(error.value)} % ({words.interval(words.scaled(error, 100))}), worst "
+            "sd "
             f"{words.percent(sd.value)} %, all four within 3σ in {words.percent(inside.value, 0)} % of the draws "
             f"({words.interval(words.scaled(inside, 100), 0)}), median NEES {words.number(nees.value)} of 4"
         )
         numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
         verdicts[case] = error.value < KNOWN and inside.high >= THREE_SIGMA**4
     good = verdicts["linear"] or verdicts["log"]
-    verdict = "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
+    verdict = (
+        "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
+    )
     return Finding(
         "Estimated as " + "; as ".join(told) + ".",
         verdict,
         f"Converges to within {words.percent(KNOWN, 0)} %"
-        + (" and stays within 3σ." if verdicts["linear"] else "; as F_o and b themselves the errors leave 3σ too often."
-           if numbers["rmse/linear"] < KNOWN else " in logs only." if verdicts["log"] else ": not so."),
+        + (
+            " and stays within 3σ."
+            if verdicts["linear"]
+            else "; as F_o and b themselves the errors leave 3σ too often."
+            if numbers["rmse/linear"] < KNOWN
+            else " in logs only."
+            if verdicts["log"]
+            else ": not so."
+        ),
         numbers,
     )
 
@@ -114,14 +124,20 @@ def judge_full(table: pd.DataFrame) -> Finding:
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
     return Finding(
         f"Median error of the 12 parameters after the maneuver: {words.percent(error['linear'].value)} % "
-        f"({words.interval(words.scaled(error['linear'], 100))}) as F_o and b themselves, {words.percent(error['log'].value)} % "
+        f"({words.interval(words.scaled(error['linear'], 100))}) as F_o and b themselves, "
+        f"{words.percent(error['log'].value)} % "
         f"({words.interval(words.scaled(error['log'], 100))}) in logs. Half of the parameters are known to 10 % after "
         f"{words.number(slow.value)} s ({words.interval(slow)}), of the two-sided model's four after "
         f"{words.number(fast.value)} s ({words.interval(fast)}).",
         "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",
         ("Twelve are tracked" if tracked else "Twelve are not tracked")
         + (", more slowly than four." if slower else ", not more slowly than four."),
-        {"rmse/linear": error["linear"].value, "rmse/log": error["log"].value, "slow_s": slow.value, "fast_s": fast.value},
+        {
+            "rmse/linear": error["linear"].value,
+            "rmse/log": error["log"].value,
+            "slow_s": slow.value,
+            "fast_s": fast.value,
+        },
     )
 
 
@@ -136,7 +152,9 @@ def judge_noise(table: pd.DataFrame) -> Finding:
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in NOISES}
     nees = {
-        case: statistics.quantile(rows.of_case(end, case).groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
+        case: statistics.quantile(
+            rows.of_case(end, case).groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5
+        )
         for case in NOISES
     }
     prior = float(table.groupby("draw")["sd"].max().median())
@@ -144,7 +162,8 @@ def judge_noise(table: pd.DataFrame) -> Finding:
     fails = without.value > 0.5 * prior
     worse = without.low > with_noise.high
     listed = "; ".join(
-        f"{case}: error {words.percent(error[case].value)} % ({words.interval(words.scaled(error[case], 100))}), median NEES "
+        f"{case}: error {words.percent(error[case].value)} % ({words.interval(words.scaled(error[case], 100))}), "
+        "median NEES "
         f"{words.number(nees[case].value)} of 12"
         for case in NOISES
     )
@@ -187,14 +206,16 @@ SIDES = Item(
     draw_sides,
     judge_sides,
     figure_sides,
-    "Above: one draw, estimate and 3σ against the truth, as Fig. 6.9. Below: errors of all draws (grey, up to 40) against "
+    "Above: one draw, estimate and 3σ against the truth, as Fig. 6.9. Below: errors of all draws (grey, up to 40) "
+    "against "
     "the median 3σ, as Fig. 6.10.",
 )
 FULL = Item(
     "ekf_full",
     "12 parameters by extended Kalman filter",
     "Fig. 6.11; section 6.5.2",
-    f"“It is possible to track the 12 muscle parameters”; it “does not converge as quickly” as with two sides. {NO_NUMBER}",
+    "“It is possible to track the 12 muscle parameters”; it “does not converge as quickly” as with two sides. "
+    f"{NO_NUMBER}",
     _SETTING + " Cohort “trismus”.",
     draw_full,
     judge_full,
@@ -210,6 +231,7 @@ NOISE = Item(
     draw_noise,
     judge_noise,
     figure_noise,
-    "Median over the draws: error (line) and sd that the filter claims (dashes). Where the error is above the dashes the "
+    "Median over the draws: error (line) and sd that the filter claims (dashes). Where the error is above the dashes "
+    "the "
     "filter is too sure of itself.",
 )

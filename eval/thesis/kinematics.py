@@ -28,7 +28,9 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
         point = np.full(12, np.nan)
         point[:3], point[6:9] = noisy.measured[k, :3], noisy.measured[k, 6:9]
         one = {"time_s": clean.time[k], "theta_deg": np.degrees(clean.states[k, 2])}
-        one |= {f"true_{axis}_mm": value for axis, value in zip("xyz", _condyle(clean.jaw, clean.states[k]), strict=True)}
+        one |= {
+            f"true_{axis}_mm": value for axis, value in zip("xyz", _condyle(clean.jaw, clean.states[k]), strict=True)
+        }
         for name, reading in (("pose", noisy.measured[k]), ("point", point)):
             found = defaults.motion_of_reading(clean.jaw, reading, clean.measurement_sd)
             one |= {f"{name}_{axis}_mm": v for axis, v in zip("xyz", _condyle(clean.jaw, found), strict=True)}
@@ -61,8 +63,10 @@ def judge(table: pd.DataFrame) -> Finding:
     said = f"{words.number(pose.value, 2)} mm ({words.interval(pose, 2)})"
     also = f"{words.number(point.value, 2)} mm ({words.interval(point, 2)})"
     return Finding(
-        f"The condyle is found within {said}, root mean square, from the six numbers of the mouthpiece's pose; from its "
-        f"place alone, as the thesis has it, within {also}. Fully open it has moved {words.number(forward)} mm forward and "
+        f"The condyle is found within {said}, root mean square, from the six numbers of the mouthpiece's pose; from "
+        "its "
+        f"place alone, as the thesis has it, within {also}. Fully open it has moved {words.number(forward)} mm "
+        "forward and "
         f"{words.number(down)} mm down.",
         verdict,
         "Follows the path where the pose is measured"

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import drawing, words
+from eval import words
 from eval.thesis import rows
 from eval.thesis.histograms import histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Finding, Item
@@ -19,7 +19,9 @@ CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"
 
 
 def of_parameters(table: pd.DataFrame) -> pd.DataFrame:
-    """Per parameter, in F_o (N) and b: truth, mean and sd over the draws, bias in sds, share of draws without a value."""
+    """Per parameter, in F_o (N) and b: truth, mean and sd over the draws, bias in sds, share of draws without a "
+    "value.
+    """
     found = []
     for name in dict.fromkeys(table["parameter"]):
         one = table[table["parameter"] == name]
@@ -57,7 +59,8 @@ def judge_linear(table: pd.DataFrame) -> Finding:
     worst = b.loc[b["bias_sds"].abs().idxmax()]
     biased = bool((b["bias_sds"].abs() > 3.0).any())
     listed = ", ".join(
-        f"{words.muscle(one.parameter)} {words.number(one.mean)} ± {words.number(one.sd, 2)} for {words.number(one.truth, 0)}"
+        f"{words.muscle(one.parameter)} {words.number(one.mean)} ± {words.number(one.sd, 2)} for "
+        f"{words.number(one.truth, 0)}"
         for one in b.itertuples()
     )
     return Finding(
@@ -83,7 +86,8 @@ def judge_plane(table: pd.DataFrame) -> Finding:
     each = of_parameters(table)
     close = each["bias"].abs() <= CLOSE
     listed = ", ".join(
-        f"{_symbol(one.parameter)} {words.number(one.mean, 2)} ± {words.number(one.sd, 2)} for {words.number(one.truth, 2)}"
+        f"{_symbol(one.parameter)} {words.number(one.mean, 2)} ± {words.number(one.sd, 2)} for "
+        f"{words.number(one.truth, 2)}"
         for one in each.itertuples()
     )
     return Finding(
@@ -113,8 +117,10 @@ def judge_full(table: pd.DataFrame) -> Finding:
     good = bool(inside.all()) and wrong == 0
     return Finding(
         f"{int(inside.sum())} of {len(each)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, "
-        f"{int(close.sum())} of {len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd "
-        f"is {words.percent((each['sd'] / each['truth']).max(), 0)} %. By the mean, {wrong} of {len(force)} muscles are "
+        f"{int(close.sum())} of {len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest "
+        "relative sd "
+        f"is {words.percent((each['sd'] / each['truth']).max(), 0)} %. By the mean, {wrong} of {len(force)} muscles "
+        "are "
         f"taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N); by a single draw "
         f"{words.percent(singly.value)} % ({words.interval(words.scaled(singly, 100.0))}).",
         "reproduced" if good else "partly" if wrong == 0 else "not reproduced",
@@ -146,15 +152,18 @@ def _symbol(parameter: str) -> str:
 
 
 _PLANE = (
-    "Midline model held in the plane, the three pairs of muscles, F_o and b as in Fig. 6.4 with the second pair the other "
-    "way round than printed; two openings to 25° in 20 s with the condyle led off its slide by 1.5 mm; noise of our device."
+    "Midline model held in the plane, the three pairs of muscles, F_o and b as in Fig. 6.4 with the second pair the "
+    "other "
+    "way round than printed; two openings to 25° in 20 s with the condyle led off its slide by 1.5 mm; noise of our "
+    "device."
 )
 
 LINEAR = Item(
     "linear",
     "Linear least squares, 3 muscles",
     "Fig. 6.3; section 6.2",
-    "The standard deviation of b is small while its mean has a large bias, “much larger than 3σ”. The histograms' numbers "
+    "The standard deviation of b is small while its mean has a large bias, “much larger than 3σ”. The histograms' "
+    "numbers "
     "are not given in the text.",
     _PLANE,
     draw_linear,
@@ -166,7 +175,8 @@ PLANE = Item(
     "nonlinear_plane",
     "Nonlinear least squares, 3 muscles",
     "Fig. 6.4; section 6.3.1",
-    "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness parameters”: F_o "
+    "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness parameters”: "
+    "F_o "
     "0.25, b 8; F_o 6, b 0.25 (printed; we take 0.25 and 6); F_o 0.4, b 6. The noise is not given.",
     _PLANE,
     draw_plane,
@@ -178,9 +188,11 @@ FULL = Item(
     "nonlinear_full",
     "Nonlinear least squares, 12 parameters",
     "Figs. 6.5, 6.6; section 6.4",
-    "“The mean is relatively close to the actual value and the standard deviation captures the true value”, with no false "
+    "“The mean is relatively close to the actual value and the standard deviation captures the true value”, with no "
+    "false "
     f"indication of a healthy or a sick muscle. {NO_NUMBER}",
-    "Six muscles, the left masseter stiff (F_o 3 N, b 12), the others normal (0.4 N, 7); opening to 20° with swings of 4° "
+    "Six muscles, the left masseter stiff (F_o 3 N, b 12), the others normal (0.4 N, 7); opening to 20° with swings "
+    "of 4° "
     "to the sides, 20 s; search from the middle of the prior “wide”.",
     draw_full,
     judge_full,
@@ -197,6 +209,8 @@ PHYSICIAN = Item(
     draw_full,
     judge_full,
     physician_view,
-    "Left and right: mean and one sd of every muscle over the draws, with the truth. Beside: the 95 % ellipse of F_o and "
+    "Left and right: mean and one sd of every muscle over the draws, with the truth. Beside: the 95 % ellipse of F_o "
+    "and "
     "b of each muscle.",
+    same_draws_as="nonlinear_full",
 )

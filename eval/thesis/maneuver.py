@@ -54,9 +54,12 @@ def judge(table: pd.DataFrame) -> Finding:
         return f"{words.percent(found.value)} % ({words.interval(words.scaled(found, 100))})"
 
     return Finding(
-        f"Error of b after 5° of opening {told(b[SMALL, False])}, after 20° {told(b[LARGE, False])}; before anything is "
-        f"measured the sd is {words.percent(prior_b, 0)} %. With swings {told(b[SMALL, True])} and {told(b[LARGE, True])}. "
-        f"Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % before. Of all 12 after 20°: straight "
+        f"Error of b after 5° of opening {told(b[SMALL, False])}, after 20° {told(b[LARGE, False])}; before anything "
+        "is "
+        f"measured the sd is {words.percent(prior_b, 0)} %. With swings {told(b[SMALL, True])} and "
+        f"{told(b[LARGE, True])}. "
+        f"Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % before. Of all 12 after 20°: "
+        "straight "
         f"{told(both[False])}, with swings {told(both[True])}.",
         "reproduced" if poor and helps else "partly" if poor or helps else "not reproduced",
         ("Small openings leave b poorly known" if poor else "Small openings tell b as well as large ones")
@@ -103,9 +106,11 @@ ITEM = Item(
     "maneuver",
     "What the maneuver decides",
     "Section 7.1",
-    "Maneuvers of less than 10° of opening give poor estimates of b, while F_o is easy to predict there; with more muscles, "
+    "Maneuvers of less than 10° of opening give poor estimates of b, while F_o is easy to predict there; with more "
+    "muscles, "
     f"moving the jaw left and right lets the algorithms converge sooner. {NO_NUMBER}",
-    "One patient with the medians of cohort “trismus”, openings of 5° to 20° beyond rest in 20 s, straight and with swings "
+    "One patient with the medians of cohort “trismus”, openings of 5° to 20° beyond rest in 20 s, straight and with "
+    "swings "
     "of 4° to the sides; extended Kalman filter in logs.",
     draw,
     judge,

@@ -109,10 +109,12 @@ ITEM = Item(
     "Lower sampling rates",
     "Section 7.3.2",
     f"The algorithms work at a high sampling rate and have to be tuned for lower, realistic ones. {NO_NUMBER}",
-    "The 12-parameter patient and maneuver of the least squares, every rate simulated for itself; what is not modelled is "
+    "The 12-parameter patient and maneuver of the least squares, every rate simulated for itself; what is not "
+    "modelled is "
     "new every 10 ms, so its mean over a longer tick is smaller; extended Kalman filter in logs, untuned.",
     draw,
     judge,
     figure,
-    "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot diverges.",
+    "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot "
+    "diverges.",
 )

@@ -72,7 +72,9 @@ def errors_with_bounds(table: pd.DataFrame, cases: Mapping[str, str]) -> Figure:
 
 def _errors(axes: Axes, one: pd.DataFrame) -> None:
     for _, single in list(one.groupby("draw"))[:DRAWN]:
-        axes.plot(single["time_s"], single["estimate"] - single["truth"], color=drawing.REFERENCE, linewidth=0.6, alpha=0.7)
+        axes.plot(
+            single["time_s"], single["estimate"] - single["truth"], color=drawing.REFERENCE, linewidth=0.6, alpha=0.7
+        )
     bound = 3.0 * one.groupby("time_s")["sd"].median()
     for sign in (-1.0, 1.0):
         axes.plot(bound.index, sign * bound, color=COLOURS[0], linewidth=1.5)

@@ -64,7 +64,8 @@ def judge(table: pd.DataFrame) -> Finding:
 
     return Finding(
         f"Three muscles, median error of b: {told(numbers['b/three muscles, two stages'])}; without any noise "
-        f"{told(numbers[f'b/three muscles, {PURE}'])}; nonlinear least squares on the same data {told(other)}. One muscle: "
+        f"{told(numbers[f'b/three muscles, {PURE}'])}; nonlinear least squares on the same data {told(other)}. One "
+        "muscle: "
         f"{told(numbers['b/one muscle, two stages'])}, without noise {told(single)} (F_o "
         f"{told(numbers[f'F_o/one muscle, {PURE}'])}).",
         "reproduced" if fails else "not reproduced",

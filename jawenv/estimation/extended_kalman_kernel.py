@@ -67,7 +67,20 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 @njit
 def filter_record(
-    jaw, means, covariance, measured, samples, dt, variances, wrench_variance, noise, linear, floor, kept, kept_cov, scratch
+    jaw,
+    means,
+    covariance,
+    measured,
+    samples,
+    dt,
+    variances,
+    wrench_variance,
+    noise,
+    linear,
+    floor,
+    kept,
+    kept_cov,
+    scratch,
 ):
     """Filter a record of T ticks.
 
