@@ -177,6 +177,7 @@ def _about(entries: Sequence[Entry], settings: Settings, command: str) -> dict[s
 
 
 def versions() -> dict[str, str]:
+    """Python, the machine, and the packages that decide results."""
     found = {"python": platform.python_version(), "machine": platform.platform()}
     for package in _PACKAGES:
         try:

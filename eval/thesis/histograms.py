@@ -26,9 +26,9 @@ def histograms(table: pd.DataFrame, columns: int) -> Figure:
 
 
 def _histogram(axes: Axes, one: pd.DataFrame, name: str) -> None:
-    values = np.exp(one["estimate"].to_numpy())
+    values = one["value"].to_numpy()
     values = values[np.isfinite(values)]
-    truth = float(np.exp(one["truth"].iloc[0]))
+    truth = float(one["true_value"].iloc[0])
     force = name.startswith("log_F_o")
     if len(values):
         low, high = np.quantile(values, [0.01, 0.99])
@@ -55,7 +55,7 @@ def physician_view(table: pd.DataFrame) -> Figure:
     }
     truth = {
         symbol: [
-            float(np.exp(table.loc[table["parameter"] == f"{symbol}/{muscle.replace(' ', '_')}", "truth"].iloc[0]))
+            float(table.loc[table["parameter"] == f"{symbol}/{muscle.replace(' ', '_')}", "true_value"].iloc[0])
             for muscle in muscles
         ]
         for symbol in values
@@ -83,7 +83,7 @@ def physician_view(table: pd.DataFrame) -> Figure:
 
 def _of(table: pd.DataFrame, symbol: str, muscle: str) -> np.ndarray:
     name = f"{symbol}/{muscle.replace(' ', '_')}"
-    return np.exp(table.loc[table["parameter"] == name].sort_values("draw")["estimate"].to_numpy())
+    return table.loc[table["parameter"] == name].sort_values("draw")["value"].to_numpy()
 
 
 def _ellipse(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str) -> None:

@@ -61,9 +61,15 @@ def judge(table: pd.DataFrame) -> Finding:
         f"Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % before. Of all 12 after 20°: "
         "straight "
         f"{told(both[False])}, with swings {told(both[True])}.",
-        "reproduced" if poor and helps else "partly" if poor or helps else "not reproduced",
+        "reproduced" if poor and unknown and helps else "partly" if poor or helps else "not reproduced",
         ("Small openings leave b poorly known" if poor else "Small openings tell b as well as large ones")
-        + (", about as before the maneuver" if poor and unknown else "")
+        + (
+            ""
+            if not poor
+            else ", little better than before the maneuver"
+            if unknown
+            else ", but far better than before"
+        )
         + ("; swings to the side help." if helps else "; swings to the side do not help measurably."),
         {
             "b_small": b[SMALL, False].value,
@@ -109,7 +115,8 @@ ITEM = Item(
     "Maneuvers of less than 10° of opening give poor estimates of b, while F_o is easy to predict there; with more "
     "muscles, "
     f"moving the jaw left and right lets the algorithms converge sooner. {NO_NUMBER}",
-    "One patient with the medians of cohort “trismus”, openings of 5° to 20° beyond rest in 20 s, straight and with "
+    "One patient of cohort “trismus”, believed to be of the far wider “wide”; openings of 5° to 20° beyond rest in 20 "
+    "s, straight and with "
     "swings "
     "of 4° to the sides; extended Kalman filter in logs.",
     draw,

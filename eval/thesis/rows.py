@@ -17,7 +17,10 @@ Array = NDArray[np.float64]
 
 
 def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -> pd.DataFrame:
-    """Rows of the last ``times`` kept times, evenly spread; natural logs. NEES of all parameters is in each."""
+    """Rows of the last ``times`` kept times, evenly spread; NEES of all parameters is in each.
+
+    ``truth``, ``estimate`` and ``sd`` are of natural logs; ``true_value`` and ``value`` are F_o (N) and b themselves.
+    """
     picked = np.unique(np.linspace(0, len(estimate.time) - 1, times).astype(int)) if times > 1 else [-1]
     assert record.truth is not None, "a simulated record has its truth"
     error = estimate.mean[picked] - record.truth
@@ -30,6 +33,8 @@ def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -
             "truth": np.tile(record.truth, shape[0]),
             "estimate": estimate.mean[picked].ravel(),
             "sd": estimate.sd[picked].ravel(),
+            "true_value": np.exp(np.tile(record.truth, shape[0])),
+            "value": np.exp(estimate.mean[picked].ravel()),
             "nees": np.repeat([nees(e, c) for e, c in zip(error, estimate.cov[picked], strict=True)], shape[1]),
         }
     )

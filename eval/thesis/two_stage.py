@@ -12,7 +12,7 @@ from eval import drawing, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item
 from eval.thesis.prescribed import with_noise
-from eval.thesis.settings import DEVICE, hinge_record, plane_record
+from eval.thesis.settings import SENSORS, hinge_record, plane_record
 from jawenv.estimation.least_squares import NonlinearLeastSquares
 from jawenv.estimation.record import Record
 from jawenv.estimation.two_stage import TwoStageLogLinear
@@ -28,7 +28,7 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     del quick
     found = []
     for muscles, clean in RECORDS.items():
-        record = with_noise(clean(), DEVICE, rng)
+        record = with_noise(clean(), SENSORS, rng)
         for method, estimator in METHODS.items():
             found.append(rows.of_estimate(estimator.estimate(record), record, f"{muscles}, {method}"))
         found.append(rows.of_estimate(METHODS["two stages"].estimate(_pure(clean())), clean(), f"{muscles}, {PURE}"))
@@ -43,7 +43,7 @@ def _pure(record: Record) -> Record:
 def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
     """Median over draws and muscles of |estimate / truth - 1|; infinite where most have no value."""
     one = rows.kind(rows.of_case(table, case), symbol)
-    error = np.abs(np.exp(one["estimate"] - one["truth"]) - 1.0).fillna(np.inf)
+    error = (one["value"] / one["true_value"] - 1.0).abs().fillna(np.inf)
     return float(np.median(error))
 
 
@@ -94,7 +94,7 @@ def figure(table: pd.DataFrame) -> Figure:
         ):
             for place, case in enumerate(cases):
                 one = rows.kind(rows.of_case(table, case), symbol)
-                ratio = np.exp(one["estimate"] - one["truth"]).to_numpy()
+                ratio = (one["value"] / one["true_value"]).to_numpy()
                 ratio = ratio[np.isfinite(ratio)]
                 offsets = place + 0.32 * np.linspace(-1, 1, len(ratio)) if len(ratio) else []
                 axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)
