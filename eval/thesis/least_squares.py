@@ -162,6 +162,26 @@ def judge_full(table: pd.DataFrame) -> Finding:
     )
 
 
+def judge_physician(table: pd.DataFrame) -> Finding:
+    """Whether the stiff muscle, and no other, would be taken for stiff."""
+    found = judge_full(table)
+    wrong, singly = found.numbers["wrong_by_mean"], found.numbers["wrong_by_draw"]
+    one = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
+    limit = np.log(FIBROSED_F_O_N)
+    far = ((one["estimate"] - limit).abs() > one["estimate"].groupby(one["parameter"]).transform("std")).mean()
+    return Finding(
+        f"F_o of all six muscles lies on the right side of {FIBROSED_F_O_N:g} N in {words.percent(1.0 - singly)} % of "
+        "the "
+        f"single estimates, and further than one sd from it in {words.percent(far)} %; the mean of the draws is wrong "
+        f"for {wrong:.0f} of 6 muscles.",
+        "reproduced" if wrong == 0 and singly < 0.05 else "partly" if wrong == 0 else "not reproduced",
+        "The stiff muscle, and no other, is seen as stiff."
+        if wrong == 0
+        else "Some muscle is taken for what it is not.",
+        {"wrong_by_mean": wrong, "wrong_by_draw": singly, "beyond_one_sd": float(far)},
+    )
+
+
 def figure_linear(table: pd.DataFrame) -> Figure:
     """Histograms of six parameters."""
     return histograms(table, columns=6)
@@ -241,7 +261,7 @@ PHYSICIAN = Item(
     f"{NO_NUMBER}",
     "The same patient and maneuver as for the 12 parameters.",
     draw_full,
-    judge_full,
+    judge_physician,
     figure_physician,
     "Left and right: mean and one sd of every muscle over the draws, with the truth. Beside: the 95 % ellipse of F_o "
     "and "

@@ -30,7 +30,7 @@ PLANE = (True, False, True, False, False)
 REST = 3.0  # degrees of opening in which every motion begins and ends
 THESIS_PLANE = ((0.25, 8.0), (0.25, 6.0), (0.4, 6.0))
 """F_o (N) and b of Fig. 6.4's three muscles; the second pair is printed the other way round, 6 and 0.25."""
-PATIENT = 7  # seed of the patient of section 7.1
+PATIENT = 7  # seed of the patient of sections 7.1 and 7.3.2
 STIFF, NORMAL = (3.0, 12.0), (0.4, 7.0)
 
 
@@ -75,10 +75,16 @@ def full_truth() -> Array:
 
 
 @cache
-def full_record(dt: float = TICK, seconds: float = 20.0) -> Record:
+def full_record() -> Record:
     """Six muscles, opening with swings to the side and the condyle led off its natural slide."""
-    motion = full_motion(20.0, True, seconds)
-    return _of_muscles(known_muscle_sets()["whole"], full_truth(), motion, ALL_FREE, "wide", dt)
+    return _of_muscles(known_muscle_sets()["whole"], full_truth(), full_motion(20.0, True), ALL_FREE, "wide")
+
+
+@cache
+def sampled_record(dt: float) -> Record:
+    """The same motion of a patient of cohort ``trismus``, sampled every ``dt`` seconds."""
+    truth = cohort("trismus").draw_log_parameters(np.random.default_rng(PATIENT))
+    return _of_muscles(known_muscle_sets()["whole"], truth, full_motion(20.0, True), ALL_FREE, "trismus", dt)
 
 
 def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> Motion:

@@ -51,11 +51,11 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
     for j in range(size):
         scratch.shift[j] = 0.0
     for i in range(N_MEASUREMENTS):
-        innovation = measured[i] - scratch.expected[i]
         if measured[i] != measured[i]:
             continue
         row = scratch.rows[i]
         variance = innovation_variance(covariance, row, variances[i], scratch.gain)
+        innovation = measured[i] - scratch.expected[i]
         for k in range(row.shape[0]):
             innovation -= row[k] * scratch.shift[k]
         reduce_covariance(covariance, scratch.gain, variance)
@@ -67,6 +67,7 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 @njit
 def filter_record(
+<<<<<<< HEAD
     jaw,
     means,
     covariance,
@@ -82,6 +83,11 @@ def filter_record(
     kept_cov,
     scratch,
 ):
+=======
+    jaw, means, covariance, measured, samples, dt, variances, wrench_variance, noise, linear, floor,
+    kept, kept_cov, scratch,
+):  # fmt: skip
+>>>>>>> refs
     """Filter a record of T ticks.
 
     Args:
@@ -110,8 +116,8 @@ def filter_record(
             for j in range(means.shape[1]):
                 means[k, j] = means[k - 1, j]
             predict_plain(
-                jaw, means[k], covariance, samples[k - 1], trend, dt, wrench_variance, noise[k - 1], linear, floor, logs,
-                scratch,
+                jaw, means[k], covariance, samples[k - 1], trend, dt, wrench_variance, noise[k - 1],
+                linear, floor, logs, scratch,
             )  # fmt: skip
             follow_trend(trend, samples[k - 1], dt)
         update_plain(jaw, means[k], covariance, measured[k], variances, scratch)

@@ -1,0 +1,187 @@
+"""The iterated smoother against dense least squares on an independent model, and a filter where all is linear."""
+
+from dataclasses import replace
+
+import newton_euler as twin
+import numpy as np
+import pytest
+from recorded import recording
+from test_filter_step import model_step
+
+from jawenv.errors import InputError
+from jawenv.estimation import smoother
+from jawenv.estimation.estimator import Estimate
+from jawenv.estimation.extended_kalman import ExtendedKalman
+from jawenv.estimation.smoother import IteratedSmoother
+
+QUIET = {
+    "encoder_position": 1e-6,
+    "encoder_angle": 2e-5,
+    "encoder_velocity": 1e-5,
+    "encoder_rate": 2e-4,
+    "cell_force": 5e-4,
+    "cell_moment": 2e-5,
+    "unmodelled_force": 1e-3,
+    "unmodelled_moment": 3e-5,
+    "cell_gain": 0.0,
+}
+
+
+@pytest.fixture(scope="module")
+def record():
+    return recording().records[0]
+
+
+class Dense:
+    """All residuals of a record, in sds, as a function of all unknowns; complex-safe.
+
+    Unknowns: first motion (10), log-parameters (12), wrench of every tick (6 each), and last the gain error.
+    """
+
+    def __init__(self, record):
+        self.record, self.ticks = record, len(record.samples)
+        mean = np.einsum("i,tik->tk", [1 / 6, 4 / 6, 1 / 6], record.samples)
+        follow = 1.0 - np.exp(-record.dt / 0.05)
+        self.trends = np.zeros((self.ticks, 6))
+        for k in range(1, self.ticks):
+            self.trends[k] = self.trends[k - 1] + follow * (mean[k - 1] - self.trends[k - 1])
+        self.wrench_sd = np.sqrt(record.wrench_sd**2 + (record.gain_sd * (mean - self.trends)) ** 2)
+
+    def residuals(self, unknowns):
+        record = self.record
+        motion, parameters, gain = unknowns[:10], unknowns[10:22], unknowns[-1]
+        wrenches = unknowns[22:-1].reshape(self.ticks, 6)
+        parts = [(motion - record.start_mean) / record.start_sd, (parameters - record.prior.mean) / record.prior.sd]
+        parts.append((wrenches / self.wrench_sd).ravel())
+        for k in range(self.ticks + 1):
+            parts.append((twin.measurement(record.jaw, motion) - record.measured[k]) / record.measurement_sd)
+            if k < self.ticks:
+                mean = np.concatenate([motion, parameters, [gain]])
+                motion, _ = model_step(record.jaw, mean, record.samples[k], self.trends[k], wrenches[k])
+        return np.concatenate(parts)
+
+    def at(self, path):
+        return np.concatenate([path.states[0], path.parameters, path.wrenches.ravel(), [0.0]])
+
+
+def test_the_solution_is_the_minimum_of_the_independent_cost_and_its_covariance_that_of_dense_least_squares(record):
+    short = replace(record.until(0.15), gain_sd=0.05)
+    result = IteratedSmoother(tolerance=1e-7).smooth(short)
+    dense = Dense(short)
+    unknowns = dense.at(result.path)
+    residuals = dense.residuals(unknowns).real
+    assert result.converged
+    assert result.path.cost == pytest.approx(0.5 * residuals @ residuals, rel=1e-9)
+    jacobian = twin.derivative(dense.residuals, unknowns)
+    by_unknowns, by_gain = jacobian[:, :-1], jacobian[:, -1]
+    inverse = np.linalg.inv(by_unknowns.T @ by_unknowns)
+    # In posterior sds: how much the cost would change, and how far the minimum of the tangent problem is.
+    gradient, sd = by_unknowns.T @ residuals, np.sqrt(np.diag(inverse))
+    assert np.abs(gradient * sd).max() < 1e-4
+    first = dense.at(smoother._Problem(short).first_path())
+    away = twin.derivative(dense.residuals, first)[:, :-1].T @ dense.residuals(first).real
+    assert np.abs(away * sd).max() > 1.0, "the start is not the minimum"
+    considered = -inverse @ by_unknowns.T @ by_gain
+    cov = (inverse + 0.05**2 * np.outer(considered, considered))[10:22, 10:22]
+    sd = np.sqrt(np.diag(cov))
+    assert np.abs((result.cov - cov) / np.outer(sd, sd)).max() < 1e-5
+    assert (sd < 0.999 * short.prior.sd).any(), "the record teaches something"
+
+
+def test_readings_that_are_missing_do_not_count(record, rng):
+    measured = np.where(rng.random((16, 12)) < 0.4, np.nan, record.measured[:16])
+    holey = replace(record.until(0.15), measured=measured)
+    result, dense = IteratedSmoother(tolerance=1e-6).smooth(holey), Dense(holey)
+    values = dense.residuals(dense.at(result.path)).real
+    assert np.isnan(values).sum() == np.isnan(measured).sum() > 50
+    assert result.path.cost == pytest.approx(0.5 * np.nansum(values**2), rel=1e-9)
+
+
+def test_the_cost_falls_with_every_step_and_the_start_does_not_matter(monkeypatch):
+    """From the filter's end and from the prior alone: the same minimum."""
+    for record in recording().records:
+        near = IteratedSmoother().smooth(record)
+        with monkeypatch.context() as patched:
+            prior = Estimate("prior", np.zeros(1), record.prior.mean[None], np.diag(record.prior.sd**2)[None])
+            patched.setattr(ExtendedKalman, "estimate", lambda self, record, prior=prior: prior)
+            far = IteratedSmoother().smooth(record)
+        for result in (near, far):
+            assert result.converged
+            assert (np.diff(result.costs) < 0.0).all()
+        assert far.costs[0] > near.costs[0]
+        assert (np.abs(far.path.parameters - near.path.parameters) < 1e-2 * np.sqrt(np.diag(near.cov))).all()
+
+
+def test_where_all_is_linear_the_filter_ends_where_the_smoother_does():
+    """Noise a hundredth of the device's and a prior as narrow: the record still moves every belief by much."""
+    record, rng = recording(device=tuple(QUIET.items())).records[0], np.random.default_rng(3)
+    sd = 0.01 * record.start_sd
+    record = replace(
+        record,
+        start_sd=sd,
+        start_mean=record.states[0] + sd * rng.normal(size=10),
+        prior=replace(record.prior, mean=record.truth + 2e-3 * rng.normal(size=12), sd=np.full(12, 2e-3)),
+    )
+    filtered = ExtendedKalman(parameter_rate=0.0).estimate(record)
+    smoothed = IteratedSmoother().estimate(record)
+    sd = smoothed.sd[-1]
+    assert np.median(sd) < 0.5 * 2e-3
+    assert (np.abs(smoothed.mean[-1] - filtered.mean[-1]) / sd).max() < 0.1
+    np.testing.assert_allclose(filtered.cov[-1] / np.outer(sd, sd), smoothed.cov[-1] / np.outer(sd, sd), atol=0.03)
+
+
+def test_errors_are_as_large_as_claimed_and_smaller_than_the_filters():
+    """Eight patients, three seconds: the mean of NEES/12 over 96 squares has an sd of 0.14."""
+    records = recording(patients=8).records
+    errors, scaled = [], []
+    for record in records:
+        pair = [method.estimate(record) for method in (IteratedSmoother(), ExtendedKalman())]
+        off = [estimate.mean[-1] - record.truth for estimate in pair]
+        errors.append([np.mean(error**2) for error in off])
+        scaled.append(off[0] @ np.linalg.solve(pair[0].cov[-1], off[0]) / 12)
+    assert 0.5 < np.mean(scaled) < 1.5
+    smoothed, filtered = np.mean(errors, axis=0)
+    assert smoothed < filtered
+
+
+@pytest.mark.parametrize("model", ["hinge", "bilateral"])
+def test_other_models_of_the_ladder(model):
+    """Held coordinates, which are known and stay; twelve states on stiff discs."""
+    record = recording(model, patients=1, seconds=0.5).records[0]
+    result = IteratedSmoother().smooth(record)
+    assert result.converged
+    assert (np.diff(result.costs) < 0.0).all()
+    held = record.start_sd == 0.0
+    assert held.sum() == (8 if model == "hinge" else 0)
+    np.testing.assert_array_equal(result.path.states[:, held], 0.0)
+    assert (np.sqrt(np.diag(result.cov)) < record.prior.sd).all()
+
+
+def test_each_time_has_the_estimate_of_the_record_until_then(record):
+    both = IteratedSmoother(times=(0.5, 1.0)).estimate(record)
+    np.testing.assert_allclose(both.time, [0.5, 1.0])
+    for i, seconds in enumerate((0.5, 1.0)):
+        alone = IteratedSmoother().estimate(record.until(seconds))
+        np.testing.assert_array_equal(both.mean[i], alone.mean[0])
+        np.testing.assert_array_equal(both.cov[i], alone.cov[0])
+
+
+def test_the_truth_is_not_read(record):
+    blind = replace(record.until(0.5), truth=None, states=None, wrenches=None)
+    seeing = IteratedSmoother().estimate(record.until(0.5))
+    np.testing.assert_array_equal(IteratedSmoother().estimate(blind).mean, seeing.mean)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"max_iterations": 0}, "max_iterations is 0"),
+        ({"tolerance": 0.0}, "tolerance is 0.0"),
+        ({"times": ()}, "times is ()"),
+        ({"times": (2.0, 1.0)}, "times is (2.0, 1.0)"),
+    ],
+)
+def test_what_is_not_allowed_is_named(arguments, said):
+    with pytest.raises(InputError) as refused:
+        IteratedSmoother(**arguments)
+    assert said in str(refused.value)
