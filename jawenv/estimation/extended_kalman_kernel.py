@@ -67,27 +67,9 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 @njit
 def filter_record(
-<<<<<<< HEAD
-    jaw,
-    means,
-    covariance,
-    measured,
-    samples,
-    dt,
-    variances,
-    wrench_variance,
-    noise,
-    linear,
-    floor,
-    kept,
-    kept_cov,
-    scratch,
-):
-=======
     jaw, means, covariance, measured, samples, dt, variances, wrench_variance, noise, linear, floor,
     kept, kept_cov, scratch,
 ):  # fmt: skip
->>>>>>> refs
     """Filter a record of T ticks.
 
     Args:
