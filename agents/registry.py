@@ -17,7 +17,7 @@ MANEUVER_SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 
 
 def names() -> tuple[str, ...]:
-    """The hand-made maneuvers that come with the project, in alphabetical order."""
+    """The maneuvers that come with the project, in alphabetical order."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.estimation.bound import bound_along
+    from jawenv.estimation.identifiability import identifiability
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.metrics.score import score
     from jawenv.rollout import information_bound, play
@@ -28,7 +30,9 @@ _HOMES = {
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
     "acceleration": "jawenv.mechanics",
+    "bound_along": "jawenv.estimation.bound",
     "cohort": "jawenv.anatomy",
+    "identifiability": "jawenv.estimation.identifiability",
     "information_bound": "jawenv.rollout",
     "play": "jawenv.rollout",
     "score": "jawenv.metrics",
@@ -48,7 +52,9 @@ __all__ = [
     "InputError",
     "Patient",
     "acceleration",
+    "bound_along",
     "cohort",
+    "identifiability",
     "information_bound",
     "play",
     "score",

@@ -37,10 +37,11 @@ def test_every_file_loads_under_its_own_name(name: str) -> None:
     assert speed.max() < 25.0, "mm/s, well below the soft limit of 40"
 
 
-def test_the_hand_made_maneuvers() -> None:
+def test_the_maneuvers_that_come_along() -> None:
     assert set(names()) == {
         "chirp",
         "hold_still",
+        "information_optimal",
         "multisine",
         "opening_with_swings",
         "opening_with_swings_and_fore_aft",

@@ -22,8 +22,9 @@ import gymnasium as gym
 import numba
 import numpy as np
 
-import jawenv  # noqa: F401  registers the environment
+import jawenv
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.rollout import DEFAULT_ENV
 
 WORLDS = 256
 CONTROL_HZ = 20.0
@@ -136,6 +137,39 @@ def ladder_speeds(size: Size) -> list[Row]:
     return rows
 
 
+class Sway:
+    """A slow motion of all motors, as an agent."""
+
+    def __init__(self) -> None:
+        self.step = 0
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        self.step += 1
+        return sinusoids(len(observation))(self.step), state
+
+
+def bound_speed(size: Size) -> list[Row]:
+    """The bound along a record of 30 s, 3000 ticks; the first call compiles."""
+    rows = []
+    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v0"):
+        say(f"bound: {env_id}")
+        record = jawenv.play(Sway(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
+        jawenv.bound_along(record, every=5)
+        times, busy = [], []
+        for _ in range(size.repeats):
+            start, processor_s = time.perf_counter(), time.process_time()
+            jawenv.bound_along(record, every=5)
+            times.append(1e3 * (time.perf_counter() - start))
+            busy.append(1e3 * (time.process_time() - processor_s))
+        what, reference = f"bound along {len(record.time) - 1} ticks of {env_id}", env_id == DEFAULT_ENV
+        met = median(times) <= 50.0 if reference else None
+        rows += [
+            Row(what, f"{median(times):.0f} ms", "<= 50 ms" if reference else "", met),
+            Row("  processor time of that", f"{median(busy):.0f} ms"),
+        ]
+    return rows
+
+
 def resident_mib() -> float:
     """Memory that this process occupies now, without what a collection or the allocator would give back."""
     gc.collect()
@@ -215,7 +249,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure speed, growth of memory and start-up of jawenv.")
     parser.add_argument("--quick", action="store_true", help="small numbers, to see that it runs")
     size = QUICK if parser.parse_args().quick else FULL
-    show(os.getloadavg(), [*speeds(size), *memory(size), *start_up(size), *ladder_speeds(size)])
+    parts = (speeds, bound_speed, memory, start_up, ladder_speeds)
+    show(os.getloadavg(), [row for part in parts for row in part(size)])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,206 @@
+"""The bound along a record: the environment's numbers, and the joint problem written out by an independent model."""
+
+from dataclasses import replace
+from functools import cache
+
+import newton_euler as twin
+import numpy as np
+import pytest
+from scipy.interpolate import lagrange
+
+import jawenv
+from agents import load_agent
+from jawenv.errors import InputError
+from jawenv.estimation.bound import bound_along
+from jawenv.estimation.ekf import TREND_TIME
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
+
+N, P = 10, 12  # motion and parameters of the reference model
+SHORT = 0.2  # s; complex steps through every tick take their time
+
+
+@cache
+def played(env_id, episode_s=2.0):
+    """Two patients of a rung, with the bound that the environment tracked."""
+    agent = load_agent("opening_with_swings_and_fore_aft", env_id=env_id)
+    settings = {"record": True, "track_bound": True, "episode_s": episode_s}
+    return jawenv.play(agent, patients=2, seed=5_000, env_kwargs=settings, env_id=env_id)
+
+
+def a_record():
+    return played("jawenv/Jaw-v0").records[0]
+
+
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v0", "jawenv/JawHinge-v0", "jawenv/JawBilateral-v0"])
+def test_it_is_what_the_environment_tracks(env_id):
+    recording = played(env_id)
+    for i, record in enumerate(recording.records):
+        bound = bound_along(record, every=5)
+        np.testing.assert_allclose(bound.time, recording.time, atol=1e-9)
+        np.testing.assert_allclose(bound.sd, recording.bound_sd[i], rtol=1e-9)
+        np.testing.assert_allclose(bound.information, recording.information_bound[i], atol=1e-8)
+
+
+def step(record, tick, values):
+    """The independent model's step from ``values``: motion, parameters, gain, unmodelled wrench."""
+    jaw, motion = record.jaw, values[:N]
+    parabola = [lagrange([0.0, 0.5, 1.0], record.wrenches[tick][:, k]) for k in range(6)]
+    lines = np.exp(values[N : N + P].real).reshape(6, 2)
+    parts = parts_needed(fastest_rate(jaw, lines, tuple(motion[:5].real)), record.dt, 1)
+    for part in range(parts):
+
+        def rate(since, state, part=part):
+            share = part / parts + since / record.dt
+            wrench = np.array([through(share) for through in parabola]) + values[N + P] * trend_at(tick)
+            return twin.state_rate(jaw, values[N : N + P], state, wrench + values[N + P + 1 :])
+
+        motion, _ = twin.runge_kutta(rate, motion, record.dt / parts)
+    return motion
+
+
+@cache
+def trend_at(tick):
+    """Exponential mean of the load cell's readings before a tick, each by Simpson's rule."""
+    trend = np.zeros(6)
+    for samples in short_record().samples[:tick]:
+        trend += (1.0 - np.exp(-short_record().dt / TREND_TIME)) * (np.array([1, 4, 1]) @ samples / 6.0 - trend)
+    return trend
+
+
+@cache
+def short_record():
+    return a_record().until(SHORT)
+
+
+@cache
+def jacobians():
+    """(T, 10, 29) by motion, parameters, gain and unmodelled wrench, and (T + 1, 12, 10) of the encoders."""
+    record = short_record()
+    steps = [
+        twin.derivative(
+            lambda v, tick=tick: step(record, tick, v),
+            np.concatenate([record.states[tick], record.truth, np.zeros(7)]),
+        )
+        for tick in range(len(record.samples))
+    ]
+    rows = [twin.derivative(lambda s: twin.measurement(record.jaw, s), state) for state in record.states]
+    return np.array(steps), np.array(rows)
+
+
+def parameter_information(record):
+    """Schur complement of the parameters in the information matrix of the whole path, load-cell gain known.
+
+    The unknowns are the first motion, the parameters and the unmodelled wrench of every tick, by which all motions are
+    given: the process noise has rank six in ten dimensions, and information about the motions themselves has no matrix.
+    """
+    steps, rows = jacobians()
+    ticks, first = len(steps), N + P
+    prior = np.concatenate([record.start_sd, record.prior.sd, np.tile(record.wrench_sd, ticks)])
+    information = np.diag(1.0 / prior**2)
+    by_all = np.eye(N, len(prior))
+    for tick in range(ticks + 1):
+        seen = np.isfinite(record.measured[tick])
+        row = (rows[tick] @ by_all / record.measurement_sd[:, None])[seen]
+        information += row.T @ row
+        if tick < ticks:
+            by_all = steps[tick][:, :N] @ by_all
+            by_all[:, N:first] += steps[tick][:, N:first]
+            by_all[:, first + 6 * tick : first + 6 * tick + 6] += steps[tick][:, first + 1 :]
+    # In units of the prior's sds, so that the factor is well conditioned.
+    information *= np.outer(prior, prior)
+    chosen = np.arange(N, first)
+    rest = np.delete(np.arange(len(prior)), chosen)
+    across = information[np.ix_(chosen, rest)]
+    schur = information[np.ix_(chosen, chosen)] - across @ np.linalg.solve(information[np.ix_(rest, rest)], across.T)
+    return schur / np.outer(record.prior.sd, record.prior.sd)
+
+
+def test_it_is_the_joint_problem_written_out_whole():
+    record = replace(short_record(), gain_sd=0.0)
+    expected = np.linalg.inv(parameter_information(record))
+    sd = np.sqrt(np.diag(expected))
+    actual = bound_along(record).cov[-1]
+    assert np.abs((actual - expected) / np.outer(sd, sd)).max() < 1e-7
+    assert (sd < 0.97 * record.prior.sd).any(), "the record does say something"
+
+
+def test_readings_that_are_missing_are_left_out_of_it():
+    """Every second tick without angles: the same as the whole problem without those rows."""
+    record = short_record()
+    measured = record.measured.copy()
+    measured[::2, 3:6] = np.nan
+    gappy = replace(record, gain_sd=0.0, measured=measured)
+    expected = np.sqrt(np.diag(np.linalg.inv(parameter_information(gappy))))
+    np.testing.assert_allclose(bound_along(gappy).sd[-1], expected, rtol=1e-7)
+    assert (bound_along(gappy).sd[-1] > bound_along(replace(record, gain_sd=0.0)).sd[-1]).all()
+
+
+def test_the_gain_error_is_considered_as_schmidt_does():
+    """Joseph's form with a gain row of zeros, in dense matrices from the independent model's derivatives."""
+    record = replace(short_record(), gain_sd=0.05)
+    steps, rows = jacobians()
+    size = N + P + 1
+    covariance = np.diag(np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]]) ** 2)
+    R, W = np.diag(record.measurement_sd**2), np.diag(record.wrench_sd**2)
+    for tick in range(len(rows)):
+        if tick > 0:
+            F = np.eye(size)
+            F[:N] = steps[tick - 1][:, :size]
+            G = np.zeros((size, 6))
+            G[:N] = steps[tick - 1][:, size:]
+            covariance = F @ covariance @ F.T + G @ W @ G.T
+        H = np.hstack([rows[tick], np.zeros((12, P + 1))])
+        K = covariance @ H.T @ np.linalg.inv(H @ covariance @ H.T + R)
+        K[-1] = 0.0
+        rest = np.eye(size) - K @ H
+        covariance = rest @ covariance @ rest.T + K @ R @ K.T
+    sd = np.sqrt(np.diag(covariance))[N : N + P]
+    actual = bound_along(record).cov[-1]
+    assert np.abs((actual - covariance[N : N + P, N : N + P]) / np.outer(sd, sd)).max() < 1e-7
+    assert (bound_along(replace(record, gain_sd=0.0)).sd[-1] < sd - 1e-9).any(), "not knowing the gain costs something"
+
+
+def test_knowledge_only_grows():
+    bound = bound_along(a_record())
+    assert bound.cov.shape == (201, 12, 12) and (np.diff(bound.sd, axis=0) <= 1e-12).all()
+    assert (np.diff(bound.information) >= -1e-9).all() and bound.information[-1] > 10.0
+
+
+def test_without_a_reading_it_is_the_prior():
+    record = a_record()
+    blind = replace(record, measured=np.full_like(record.measured, np.nan))
+    np.testing.assert_allclose(bound_along(blind).cov[-1], np.diag(record.prior.sd**2), rtol=1e-12)
+
+
+def test_the_last_tick_is_always_kept():
+    record = a_record()
+    np.testing.assert_allclose(bound_along(record, every=150).time, [0.0, 1.5, 2.0])
+    np.testing.assert_array_equal(bound_along(record, every=1000).cov[-1], bound_along(record).cov[-1])
+
+
+def test_a_record_of_a_device_takes_parameters_and_a_motion_from_elsewhere():
+    record = a_record()
+    mine = replace(record, truth=None, wrenches=None)
+    with pytest.raises(InputError, match=r"^parameters: None given for a record without truth, allowed are 12"):
+        bound_along(mine)
+    of_samples = bound_along(mine, record.truth).sd[-1]
+    np.testing.assert_allclose(of_samples, bound_along(record).sd[-1], rtol=0.05)
+    stiffer = bound_along(record, record.truth + 0.5).sd[-1]
+    assert np.abs(stiffer / bound_along(record).sd[-1] - 1.0).max() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "message"),
+    [
+        ({"states": None}, {}, "^record: states is None, allowed is"),
+        ({}, {"every": 0}, "^every: 0 given, allowed is a whole number"),
+        ({}, {"every": 2.5}, "^every: 2.5 given, allowed is a whole number"),
+        ({}, {"parameters": np.zeros(3)}, "^parameters: .* given, allowed are 12 finite"),
+        ({}, {"parameters": np.full(12, np.nan)}, "^parameters: .* given, allowed are 12 finite"),
+        ({"states": np.full((201, 10), np.nan)}, {}, "^record: states, wrenches or samples are not finite"),
+    ],
+)
+def test_what_has_no_bound_is_named(change, arguments, message):
+    with pytest.raises(InputError, match=message) as caught:
+        bound_along(replace(a_record(), **change), **arguments)
+    assert "\n" not in str(caught.value)
