@@ -100,7 +100,8 @@ def motion_from_pose(
         score = np.einsum("nmi,nm->ni", whitened, (measured - expected) / measurement_sd)
         states[:, free] += np.linalg.solve(information, score[:, :, None])[:, :, 0]
     covariance = np.zeros((len(measured), N_STATES, N_STATES))
-    covariance[:, np.ix_(free, free)[0], np.ix_(free, free)[1]] = np.linalg.inv(information)
+    down, across = np.ix_(free, free)
+    covariance[:, down, across] = np.linalg.inv(information)
     return states, covariance
 
 

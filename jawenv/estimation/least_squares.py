@@ -92,6 +92,11 @@ class NonlinearLeastSquares:
     within ``REACH`` prior sds, from several starts. A first search weighs the rows by the noise that the unknown
     wrench makes; a second by the residuals' own covariance (Zellner 1962), as errors of the condyle's place weigh too.
 
+    Lengths come from measured places, and the unmodelled force that is the noise has moved the jaw: the regressors are
+    noisy, and correlated with the noise. Where a maneuver excites all muscles apart this hardly matters. Where nearly
+    parallel ones hardly move apart, as in a slow opening, the estimate of their difference is biased by many of the
+    claimed sds; a filter, for which both are part of the model, is not.
+
     Attributes:
         rows: of the balance: the three moments (Young) or all five.
         starts: how many starts; the first is the prior's mean, the others are drawn from the prior.

@@ -169,6 +169,10 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     """
     if rows not in ("moment", "all"):
         raise InputError(f"rows is {rows!r}, allowed are 'moment', 'all'")
+    if not (np.isfinite(record.measured).all() and np.isfinite(record.samples).all()):
+        raise InputError(
+            "record holds a value that was not read, allowed are pose and rates at all times, and wrenches"
+        )
     ticks = len(record.samples)
     window = max(3, 2 * round(smoothing_s / record.dt / 2) + 1) if np.isfinite(smoothing_s) else ticks + 1
     if window > ticks:
