@@ -12,7 +12,7 @@ import jawenv
 from agents import load_agent
 from eval import statistics, words
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
 from jawenv.estimation.extended_kalman import ExtendedKalman
 from jawenv.estimation.record import Record
@@ -58,23 +58,23 @@ def _inside(table: pd.DataFrame, sigmas: float) -> pd.Series:
 
 def judge_sides(table: pd.DataFrame) -> Finding:
     """Converging: sds fall; accurate: errors within 3 sigma at the end of nearly all draws."""
-    told, numbers = [], {}
-    verdicts = {}
+    told: list[str] = []
+    numbers: dict[str, float] = {}
+    verdicts: dict[str, bool] = {}
     for case in ("linear", "log"):
         end = rows.last(rows.of_case(table, case))
         inside = rows.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy())
         error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
         nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
         told.append(
-            f"{_TOLD[case]}: error {words.percent(error.value)} % ({words.interval(words.scaled(error, 100))}), worst "
-            "sd "
-            f"{words.percent(sd.value)} %, all four within 3σ in {words.percent(inside.value, 0)} % of the draws "
-            f"({words.interval(words.scaled(inside, 100), 0)}), median NEES {words.number(nees.value)} of 4"
+            f"{_TOLD[case]}: error {words.percent(error.value)} % ({words.interval(words.scaled(error, 100))}), "
+            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {words.percent(inside.value, 0)} % of the "
+            f"draws ({words.interval(words.scaled(inside, 100), 0)}), median NEES {words.number(nees.value)} of 4"
         )
         numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
         verdicts[case] = error.value < KNOWN and inside.high >= THREE_SIGMA**4
     good = verdicts["linear"] or verdicts["log"]
-    verdict = (
+    verdict: Verdict = (
         "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
     )
     return Finding(

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from eval import drawing, statistics, words
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
 from jawenv.estimation import record_defaults as defaults
@@ -58,8 +58,9 @@ def _aside_range() -> np.ndarray:
 
 def _errors(table: pd.DataFrame, name: str) -> np.ndarray:
     """Root mean square error of the condyle's place in each draw, mm."""
-    squares = sum((table[f"{name}_{axis}_mm"] - table[f"true_{axis}_mm"]) ** 2 for axis in "xyz")
-    return np.sqrt(squares.groupby(table["draw"]).mean()).to_numpy()
+    found, true = (table[[f"{one}_{axis}_mm" for axis in "xyz"]].to_numpy() for one in (name, "true"))
+    squares = pd.Series(((found - true) ** 2).sum(axis=1)).groupby(table["draw"].to_numpy()).mean()
+    return np.sqrt(squares.to_numpy())
 
 
 def judge(table: pd.DataFrame) -> Finding:
@@ -71,7 +72,7 @@ def judge(table: pd.DataFrame) -> Finding:
     found = pose.value < CLOSE_MM and forward > 0.0 and down > 0.0
     aside = _aside_range()
     alone = float(np.ptp(aside)) < 2.0 * CLOSE_MM
-    verdict = "reproduced" if found and alone else "partly" if found else "not reproduced"
+    verdict: Verdict = "reproduced" if found and alone else "partly" if found else "not reproduced"
     said = f"{words.number(pose.value, 2)} mm ({words.interval(pose, 2)})"
     also = f"{words.number(point.value, 2)} mm ({words.interval(point, 2)})"
     return Finding(

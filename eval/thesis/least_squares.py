@@ -7,11 +7,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from eval import words
+from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Finding, Item
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
+from eval.thesis.spread import spreads
 from jawenv.estimation.least_squares import LinearLeastSquares, NonlinearLeastSquares
 from jawenv.estimation.moment_balance import balance_of
 from jawenv.estimation.record import Record
@@ -19,31 +21,6 @@ from jawenv.metrics import FIBROSED_F_O_N
 
 NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}
 CLOSE = 0.1  # a mean this near to the truth, relative, is "close to the actual"
-
-
-def of_parameters(table: pd.DataFrame) -> pd.DataFrame:
-    """Per parameter, in F_o (N) and b: truth, mean and sd over the draws, bias, also in sds."""
-    found = []
-    for name in dict.fromkeys(table["parameter"]):
-        one = table[table["parameter"] == name]
-        values = one["value"].to_numpy()
-        known = values[np.isfinite(values)]
-        truth = float(one["true_value"].iloc[0])
-        mean = float(known.mean()) if len(known) else float("nan")
-        sd = float(known.std(ddof=1)) if len(known) > 1 else float("nan")
-        found.append(
-            {
-                "parameter": name,
-                "truth": truth,
-                "mean": mean,
-                "sd": sd,
-                "bias": mean / truth - 1.0,
-                "bias_sds": (mean - truth) / sd if sd > 0 else float("nan"),
-                "missing": 1.0 - len(known) / len(values),
-                "inside": abs(mean - truth) <= sd,
-            }
-        )
-    return pd.DataFrame(found)
 
 
 def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
@@ -57,7 +34,7 @@ def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
         {
             "case": "linear",
             "parameter": record.parameter_names,
-            "true_value": np.exp(record.truth),
+            "true_value": np.exp(rows.truth_of(record)),
             "value": values,
         }
     )
@@ -65,24 +42,19 @@ def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 def judge_linear(table: pd.DataFrame) -> Finding:
     """A bias of b beyond three of its sds, which are small."""
-    each = of_parameters(table)
-    b = rows.kind(each, "log_b")
-    worst = b.loc[b["bias_sds"].abs().idxmax()]
+    exponents = [one for one in spreads(table) if not one.is_force]
+    known = [one for one in exponents if np.isfinite(one.bias_sds)]
+    worst = max((abs(one.bias_sds) for one in known), default=float("nan"))
+    biased = worst > 3.0
     negative = float((rows.kind(table, "log_F_o")["value"] < 0.0).mean())
-    biased = bool((b["bias_sds"].abs() > 3.0).any())
-    listed = ", ".join(
-        f"{words.muscle(one.parameter)} {words.number(one.mean)} ± {words.number(one.sd, 2)} for "
-        f"{words.number(one.truth, 0)}"
-        for one in b.itertuples()
-    )
     return Finding(
-        f"b: {listed} (mean ± sd over {table['draw'].nunique()} draws). The largest bias is "
-        f"{words.number(worst['bias_sds'], 0)} sds. {words.percent(negative, 0)} % of the F_o come out negative.",
+        f"{', '.join(one.told() for one in exponents)} (mean ± sd over {table['draw'].nunique()} draws). The largest "
+        f"bias is {words.number(worst, 0)} sds. {words.percent(negative, 0)} % of the F_o come out negative.",
         "reproduced" if biased else "not reproduced",
         "A bias of more than 3 sds in b, from the expansion about zero stretch."
         if biased
         else "No b is off by more than 3 of its sds.",
-        {f"b_bias_sds/{words.muscle(one.parameter)}": one.bias_sds for one in b.itertuples()},
+        {f"b_bias_sds/{words.muscle(one.parameter)}": one.bias_sds for one in known} | {"negative_F_o": negative},
     )
 
 
@@ -102,23 +74,24 @@ def draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 def judge_plane(table: pd.DataFrame) -> Finding:
     """Means close to the truth with the noise of the sensors."""
-    each = of_parameters(rows.of_case(table, "sensors"))
-    other = of_parameters(rows.of_case(table, "sensors and forces"))
-    close, inside = each["bias"].abs() <= CLOSE, each["inside"]
-    listed = ", ".join(
-        f"{_symbol(one.parameter)} {words.number(one.mean, 2)} ± {words.number(one.sd, 2)} for "
-        f"{words.number(one.true, 2)}"
-        for one in each.rename(columns={"truth": "true"}).itertuples()
-    )
+    each = spreads(rows.of_case(table, "sensors"))
+    other = spreads(rows.of_case(table, "sensors and forces"))
+    close, inside = sum(abs(one.bias) <= CLOSE for one in each), sum(one.inside for one in each)
     return Finding(
-        f"{listed} (mean ± sd over {table['draw'].nunique()} draws, noise of the sensors). With forces that no model "
-        f"explains on top, the largest bias is {words.percent(other['bias'].abs().max(), 0)} % and the largest sd "
-        f"{words.percent((other['sd'] / other['truth']).max(), 0)} %.",
-        "reproduced" if close.all() else "partly" if inside.all() or close.mean() >= 0.5 else "not reproduced",
-        f"{int(close.sum())} of {len(close)} means lie within {words.percent(CLOSE, 0)} % of the truth, and "
-        f"{int(inside.sum())} truths within one sd of the mean.",
-        {f"bias/{one.parameter}": one.bias for one in each.itertuples()}
-        | {f"bias_with_forces/{one.parameter}": one.bias for one in other.itertuples()},
+        f"{', '.join(one.told() for one in each)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
+        "sensors). "
+        f"With forces that no model explains on top, the largest bias is "
+        f"{words.percent(max(abs(one.bias) for one in other), 0)} % and the largest sd "
+        f"{words.percent(max(one.relative_sd for one in other), 0)} %.",
+        "reproduced"
+        if close == len(each)
+        else "partly"
+        if inside == len(each) or 2 * close >= len(each)
+        else "not reproduced",
+        f"{close} of {len(each)} means lie within {words.percent(CLOSE, 0)} % of the truth, and {inside} truths within "
+        "one sd of the mean.",
+        {f"bias/{one.parameter}": one.bias for one in each}
+        | {f"bias_with_forces/{one.parameter}": one.bias for one in other},
     )
 
 
@@ -129,56 +102,50 @@ def draw_full(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 def judge_full(table: pd.DataFrame) -> Finding:
     """Mean near, truth within one sd of the mean, and no muscle taken for what it is not."""
-    other = of_parameters(rows.of_case(table, "sensors and forces"))
-    table = rows.of_case(table, "sensors")
-    each = of_parameters(table)
-    inside, close = each["inside"], each["bias"].abs() <= CLOSE
-    force = rows.kind(each, "log_F_o")
-    wrong = ((force["truth"] > FIBROSED_F_O_N) != (force["mean"] > FIBROSED_F_O_N)).sum()
-    stiff = rows.kind(table, "log_F_o")
-    limit = np.log(FIBROSED_F_O_N)
-    singly = rows.share(((stiff["truth"] > limit) != (stiff["estimate"] > limit)).to_numpy())
-    good = bool(inside.all()) and wrong == 0
+    other = spreads(rows.of_case(table, "sensors and forces"))
+    each = spreads(rows.of_case(table, "sensors"))
+    inside, close = sum(one.inside for one in each), sum(abs(one.bias) <= CLOSE for one in each)
+    wrong, singly = wrongly_taken(table)
     return Finding(
-        f"{int(inside.sum())} of {len(each)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, "
-        f"{int(close.sum())} of {len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest "
-        "relative sd "
-        f"is {words.percent((each['sd'] / each['truth']).max(), 0)} %. By the mean, {wrong} of {len(force)} muscles "
-        "are "
-        f"taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N); by a single draw "
-        f"{words.percent(singly.value)} % ({words.interval(words.scaled(singly, 100.0))}). With forces that no model "
-        "explains on top, the largest relative sd is "
-        f"{words.percent((other['sd'] / other['truth']).max(), 0)} %.",
-        "reproduced" if good else "partly" if wrong == 0 else "not reproduced",
-        "The sd captures the truth and no muscle is taken for what it is not."
-        if good
-        else "Not every truth lies within one sd of the mean.",
+        f"{inside} of {len(each)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
+        f"{len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
+        f"{words.percent(max(one.relative_sd for one in each), 0)} %; with forces that no model explains on top of the "
+        f"sensors' noise it is {words.percent(max(one.relative_sd for one in other), 0)} %. By the mean, {wrong} of "
+        f"{len(each) // 2} muscles are taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N).",
+        "reproduced" if inside == len(each) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
+        ("The sd captures every truth" if inside == len(each) else "Not every truth lies within one sd of the mean")
+        + (", and no muscle" if wrong == 0 else ", and a muscle")
+        + " is taken for what it is not.",
         {
-            "inside_one_sd": float(inside.mean()),
-            "largest_bias": float(each["bias"].abs().max()),
+            "inside_one_sd": inside / len(each),
+            "largest_bias": max(abs(one.bias) for one in each),
             "wrong_by_mean": float(wrong),
             "wrong_by_draw": singly.value,
         },
     )
 
 
+def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
+    """Muscles whose mean F_o lies on the wrong side of the limit, and the share of single estimates that do."""
+    one = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
+    truly = one["true_value"] > FIBROSED_F_O_N
+    singly = rows.share((truly != (one["value"] > FIBROSED_F_O_N)).to_numpy())
+    wrong = sum((s.truth > FIBROSED_F_O_N) != (s.mean > FIBROSED_F_O_N) for s in spreads(one))
+    return wrong, singly
+
+
 def judge_physician(table: pd.DataFrame) -> Finding:
     """Whether the stiff muscle, and no other, would be taken for stiff."""
-    found = judge_full(table)
-    wrong, singly = found.numbers["wrong_by_mean"], found.numbers["wrong_by_draw"]
-    one = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
-    limit = np.log(FIBROSED_F_O_N)
-    far = ((one["estimate"] - limit).abs() > one["estimate"].groupby(one["parameter"]).transform("std")).mean()
+    wrong, singly = wrongly_taken(table)
+    right = words.scaled(Interval(1.0 - singly.value, 1.0 - singly.high, 1.0 - singly.low), 100.0)
     return Finding(
-        f"F_o of all six muscles lies on the right side of {FIBROSED_F_O_N:g} N in {words.percent(1.0 - singly)} % of "
-        "the "
-        f"single estimates, and further than one sd from it in {words.percent(far)} %; the mean of the draws is wrong "
-        f"for {wrong:.0f} of 6 muscles.",
-        "reproduced" if wrong == 0 and singly < 0.05 else "partly" if wrong == 0 else "not reproduced",
+        f"F_o lies on the right side of {FIBROSED_F_O_N:g} N in {words.number(right.value)} % of the single estimates "
+        f"({words.interval(right)}); the mean of the draws is wrong for {wrong} of 6 muscles.",
+        "reproduced" if wrong == 0 and singly.value < 0.05 else "partly" if wrong == 0 else "not reproduced",
         "The stiff muscle, and no other, is seen as stiff."
         if wrong == 0
         else "Some muscle is taken for what it is not.",
-        {"wrong_by_mean": wrong, "wrong_by_draw": singly, "beyond_one_sd": float(far)},
+        {"wrong_by_mean": float(wrong), "wrong_by_draw": singly.value},
     )
 
 
@@ -195,11 +162,6 @@ def figure_nonlinear(table: pd.DataFrame) -> Figure:
 def figure_physician(table: pd.DataFrame) -> Figure:
     """What a physician would be shown."""
     return physician_view(rows.of_case(table, "sensors"))
-
-
-def _symbol(parameter: str) -> str:
-    symbol = "F_o" if parameter.startswith("log_F_o") else "b"
-    return f"{symbol} {words.muscle(parameter)}"
 
 
 _PLANE = (

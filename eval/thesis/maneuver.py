@@ -17,7 +17,10 @@ from jawenv.estimation.least_squares import NonlinearLeastSquares
 
 OPENINGS = (5.0, 10.0, 20.0)
 SMALL, LARGE = 5.0, 20.0
-METHODS = {"least squares": NonlinearLeastSquares(starts=1, use_prior=True), "filter": ExtendedKalman("log")}
+METHODS: dict[str, Estimator] = {
+    "least squares": NonlinearLeastSquares(starts=1, use_prior=True),
+    "filter": ExtendedKalman("log"),
+}
 
 LINES: tuple[tuple[bool, str, str, str], ...] = (
     (False, "least squares", "#e08a2c", "-"),

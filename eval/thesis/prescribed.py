@@ -111,11 +111,12 @@ def lead(
         device: whose noise the estimators are told.
     """
     ticks = round(motion.duration / dt)
-    time = dt * np.arange(ticks + 1)
+    half: Array = 0.5 * dt * np.arange(2.0 * ticks + 1.0)
+    time = half[::2].copy()
     q, u = motion.speeds(time)
     states = np.hstack([q, u])
     muscles = np.exp(log_parameters.reshape(-1, 2))[jaw["muscle"]]
-    wrench = wrench_of(jaw, muscles, motion, 0.5 * dt * np.arange(2 * ticks + 1))
+    wrench = wrench_of(jaw, muscles, motion, half)
     wrenches = np.stack([wrench[:-2:2], wrench[1::2], wrench[2::2]], axis=1)
     rows, measured = np.zeros((N_MEASUREMENTS, states.shape[1])), np.zeros((ticks + 1, N_MEASUREMENTS))
     for k in range(ticks + 1):

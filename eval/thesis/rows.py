@@ -22,22 +22,28 @@ def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -
     ``truth``, ``estimate`` and ``sd`` are of natural logs; ``true_value`` and ``value`` are F_o (N) and b themselves.
     """
     picked = np.unique(np.linspace(0, len(estimate.time) - 1, times).astype(int)) if times > 1 else [-1]
-    assert record.truth is not None, "a simulated record has its truth"
-    error = estimate.mean[picked] - record.truth
+    truth = truth_of(record)
+    error = estimate.mean[picked] - truth
     shape = error.shape
     return pd.DataFrame(
         {
             "case": case,
             "time_s": np.repeat(estimate.time[picked], shape[1]),
             "parameter": np.tile(record.parameter_names, shape[0]),
-            "truth": np.tile(record.truth, shape[0]),
+            "truth": np.tile(truth, shape[0]),
             "estimate": estimate.mean[picked].ravel(),
             "sd": estimate.sd[picked].ravel(),
-            "true_value": np.exp(np.tile(record.truth, shape[0])),
+            "true_value": np.exp(np.tile(truth, shape[0])),
             "value": np.exp(estimate.mean[picked].ravel()),
             "nees": np.repeat([nees(e, c) for e, c in zip(error, estimate.cov[picked], strict=True)], shape[1]),
         }
     )
+
+
+def truth_of(record: Record) -> Array:
+    """(p,) true natural-log parameters of a simulated record."""
+    assert record.truth is not None, "a simulated record has its truth"
+    return record.truth
 
 
 def nees(error: Array, cov: Array) -> float:
@@ -69,8 +75,8 @@ def kind(table: pd.DataFrame, symbol: str) -> pd.DataFrame:
 def rmse(table: pd.DataFrame) -> Interval:
     """Root mean square error of the logs over parameters, median over draws; infinite where an estimate is missing."""
     squares = (table["estimate"] - table["truth"]) ** 2
-    per_draw = np.sqrt(squares.groupby(table["draw"]).apply(lambda one: one.mean(skipna=False)))
-    return statistics.quantile(per_draw.fillna(np.inf).to_numpy(), 0.5)
+    mean = squares.fillna(np.inf).groupby(table["draw"]).mean()
+    return statistics.quantile(np.sqrt(mean.to_numpy()), 0.5)
 
 
 def share(hits: Sequence[bool] | NDArray[np.bool_]) -> Interval:

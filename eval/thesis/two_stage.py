@@ -40,8 +40,7 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 def _second_stage(record: Record, case: str) -> pd.DataFrame:
     """B by the second stage alone, given the true F_o and no noise: what is wrong then is its formula."""
-    assert record.truth is not None, "a simulated record has its truth"
-    values = np.exp(record.truth)
+    values = np.exp(rows.truth_of(record))
     b, _ = TWO_STAGES.exponents(balance_of(record, rows=TWO_STAGES.rows), values[0::2])
     names = [name for name in record.parameter_names if name.startswith("log_b")]
     return pd.DataFrame({"case": case, "parameter": names, "true_value": values[1::2], "value": b})
@@ -100,7 +99,7 @@ def figure(table: pd.DataFrame) -> Figure:
                 one = rows.kind(rows.of_case(table, case), symbol)
                 ratio = (one["value"] / one["true_value"]).to_numpy()
                 ratio = ratio[np.isfinite(ratio)]
-                offsets = place + 0.32 * np.linspace(-1, 1, len(ratio)) if len(ratio) else []
+                offsets = place + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
                 axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)
             axes.axvline(1.0, color="#c25b4e", linewidth=1.4)
             axes.set_xscale("log")
