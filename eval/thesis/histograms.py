@@ -31,20 +31,20 @@ def _histogram(axes: Axes, one: pd.DataFrame, name: str) -> None:
     truth = float(one["true_value"].iloc[0])
     force = name.startswith("log_F_o")
     if len(values):
-        low, high = np.quantile(values, [0.01, 0.99])
+        low, high = np.quantile(values, [0.02, 0.98])
         shown = values[(values >= low) & (values <= high)]
         axes.hist(shown, bins=min(24, max(5, len(values) // 8)), color=FORCE if force else EXPONENT, alpha=0.75)
         axes.axvline(float(values.mean()), color=drawing.INK, linestyle=(0, (4, 2)), linewidth=1.1)
     axes.axvline(truth, color="#c25b4e", linewidth=1.6)
-    axes.set_title(f"{'F_o, N' if force else 'b'}  {_short(name)}", fontsize=8)
+    axes.set_title(f"{'F_o, N' if force else 'b'}  {_short(name)}", fontsize=7.3)
     axes.set_yticks([])
     axes.grid(axis="y", visible=False)
     axes.spines["left"].set_visible(False)
-    axes.locator_params(axis="x", nbins=4)
+    axes.locator_params(axis="x", nbins=3)
 
 
 def _short(parameter: str) -> str:
-    return words.muscle(parameter).replace("medial pterygoid", "med. pteryg.")
+    return words.muscle(parameter).replace("medial pterygoid", "m. pteryg.")
 
 
 def physician_view(table: pd.DataFrame) -> Figure:

@@ -67,9 +67,9 @@ def judge_sides(table: pd.DataFrame) -> Finding:
         error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
         nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
         told.append(
-            f"{_TOLD[case]}: error {words.percent(error.value)} % ({words.interval(words.scaled(error, 100))}), "
-            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {words.percent(inside.value, 0)} % of the "
-            f"draws ({words.interval(words.scaled(inside, 100), 0)}), median NEES {words.number(nees.value)} of 4"
+            f"{_TOLD[case]}: error {rows.told(error)}, "
+            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {rows.told(inside, digits=0)} of the draws, "
+            f"median NEES {words.number(nees.value)} of 4"
         )
         numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
         verdicts[case] = error.value < KNOWN and inside.high >= THREE_SIGMA**4
@@ -123,12 +123,10 @@ def judge_full(table: pd.DataFrame) -> Finding:
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
     return Finding(
-        f"Median error of the 12 parameters after the maneuver: {words.percent(error['linear'].value)} % "
-        f"({words.interval(words.scaled(error['linear'], 100))}) as F_o and b themselves, "
-        f"{words.percent(error['log'].value)} % "
-        f"({words.interval(words.scaled(error['log'], 100))}) in logs. Half of the parameters are known to 10 % after "
-        f"{words.number(slow.value)} s ({words.interval(slow)}), of the two-sided model's four after "
-        f"{words.number(fast.value)} s ({words.interval(fast)}).",
+        f"Median error of the 12 parameters after the maneuver: {rows.told(error['linear'])} as F_o and b themselves, "
+        f"{rows.told(error['log'])} in logs. Half of the parameters are known to 10 % after "
+        f"{rows.told(slow, 1.0, ' s')}, of the two-sided model's four after "
+        f"{rows.told(fast, 1.0, ' s')}.",
         "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",
         ("Twelve are tracked" if tracked else "Twelve are not tracked")
         + (", more slowly than four." if slower else ", not more slowly than four."),
@@ -162,10 +160,7 @@ def judge_noise(table: pd.DataFrame) -> Finding:
     fails = without.value > 0.5 * prior
     worse = without.low > with_noise.high
     listed = "; ".join(
-        f"{case}: error {words.percent(error[case].value)} % ({words.interval(words.scaled(error[case], 100))}), "
-        "median NEES "
-        f"{words.number(nees[case].value)} of 12"
-        for case in NOISES
+        f"{case}: error {rows.told(error[case])}, median NEES {words.number(nees[case].value)} of 12" for case in NOISES
     )
     overconfident = nees["none, F_o and b"].low > nees["constant, F_o and b"].high
     return Finding(

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from eval import drawing, statistics, words
+from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
@@ -73,8 +74,7 @@ def judge(table: pd.DataFrame) -> Finding:
     aside = _aside_range()
     alone = float(np.ptp(aside)) < 2.0 * CLOSE_MM
     verdict: Verdict = "reproduced" if found and alone else "partly" if found else "not reproduced"
-    said = f"{words.number(pose.value, 2)} mm ({words.interval(pose, 2)})"
-    also = f"{words.number(point.value, 2)} mm ({words.interval(point, 2)})"
+    said, also = (rows.told(one, 1.0, " mm", 2) for one in (pose, point))
     return Finding(
         f"The condyle is found within {said}, root mean square, from the six numbers of the mouthpiece's pose. Fully "
         f"open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the mouthpiece's "
@@ -106,7 +106,7 @@ def figure(table: pd.DataFrame) -> Figure:
             values = first[f"mouth_{axis}_mm"]
             mouth.plot(first["time_s"], values - values.iloc[0], color=colour, label=axis)
         mouth.set(title="Mouthpiece, mm from its start", xlabel="s")
-        mouth.legend(loc="lower right", ncols=3)
+        mouth.legend(loc="center", bbox_to_anchor=(0.55, 0.22), ncols=3)
         for axes, across, label in ((side, "z", "down −, mm"), (above, "y", "left, mm")):
             for name, colour, size in (("point", _COLOURS[1], 9), ("pose", _COLOURS[0], 9)):
                 axes.scatter(

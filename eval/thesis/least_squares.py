@@ -183,7 +183,7 @@ LINEAR = Item(
     draw_linear,
     judge_linear,
     figure_linear,
-    "Estimates of all draws, the outermost 2 % left out; the line is the truth, the dash their mean.",
+    "Estimates of all draws, the outermost 4 % left out; the line is the truth, the dash their mean.",
 )
 PLANE = Item(
     "nonlinear_plane",
@@ -196,7 +196,7 @@ PLANE = Item(
     draw_plane,
     judge_plane,
     figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors, the outermost 2 % left out; the line is the truth, the "
+    "Estimates of all draws with the noise of the sensors, the outermost 4 % left out; the line is the truth, the "
     "dash their mean.",
 )
 FULL = Item(
@@ -212,7 +212,7 @@ FULL = Item(
     draw_full,
     judge_full,
     figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors, the outermost 2 % left out; the line is the truth, the "
+    "Estimates of all draws with the noise of the sensors, the outermost 4 % left out; the line is the truth, the "
     "dash their mean.",
 )
 PHYSICIAN = Item(

@@ -17,7 +17,7 @@ from jawenv.estimation.least_squares import NonlinearLeastSquares
 
 OPENINGS = (5.0, 10.0, 20.0)
 SMALL, LARGE = 5.0, 20.0
-METHODS: dict[str, Estimator] = {
+METHODS: dict[str, NonlinearLeastSquares | ExtendedKalman] = {
     "least squares": NonlinearLeastSquares(starts=1, use_prior=True),
     "filter": ExtendedKalman("log"),
 }
@@ -60,13 +60,12 @@ def judge(table: pd.DataFrame) -> Finding:
     both = {s: rows.rmse(rows.of_case(table, _case(LARGE, s, "least squares"))) for s in (False, True)}
     filtered = {d: errors(table, "log_b", d, False, "filter") for d in (SMALL, LARGE)}
     prior_b = float(np.sqrt(np.mean(maneuver_record(SMALL, False).prior.sd[1::2] ** 2)))
-    poor = b[SMALL, False].low > b[LARGE, False].high
+    poor = any(b[SMALL, aside].low > b[LARGE, aside].high for aside in (False, True))
     unknown = b[SMALL, False].value > 0.5 * prior_b
     helps = both[True].high < both[False].low
     prior_F = float(np.sqrt(np.mean(maneuver_record(SMALL, False).prior.sd[::2] ** 2)))
 
-    def told(found: Interval) -> str:
-        return f"{words.percent(found.value)} % ({words.interval(words.scaled(found, 100))})"
+    told = rows.told
 
     return Finding(
         f"Error of b after 5° of opening {told(b[SMALL, False])}, after 20° {told(b[LARGE, False])}; before anything "
@@ -76,16 +75,16 @@ def judge(table: pd.DataFrame) -> Finding:
         f"Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % before. Of all 12 after 20°: "
         "straight "
         f"{told(both[False])}, with swings {told(both[True])}. All this by nonlinear least squares with the prior; by "
-        "the "
-        f"extended Kalman filter b is known to {told(filtered[SMALL])} after 5° and {told(filtered[LARGE])} after 20°.",
+        f"the extended Kalman filter, straight, b is off by {told(filtered[SMALL])} after 5° and "
+        f"{told(filtered[LARGE])} after 20°.",
         "reproduced" if poor and unknown and helps else "partly" if poor or helps else "not reproduced",
-        ("Small openings leave b poorly known" if poor else "Small openings tell b as well as large ones")
+        ("Small openings tell less of b" if poor else "Small openings tell b as well as large ones")
         + (
             ""
             if not poor
-            else ", little better than before the maneuver"
+            else ", hardly more than was known before"
             if unknown
-            else ", but far better than before"
+            else ", but still far more than was known before"
         )
         + ("; swings to the side help." if helps else "; swings to the side do not help measurably."),
         {
@@ -102,7 +101,7 @@ def figure(table: pd.DataFrame) -> Figure:
     """Errors of F_o and b over the size of the opening."""
     openings = [d for d in OPENINGS if _case(d, True, "filter") in set(table["case"])]
     with drawing.style():
-        drawn = Figure(figsize=(8.2, 2.9), layout="constrained")
+        drawn = Figure(figsize=(8.2, 3.2), layout="constrained")
         for axes, symbol, title in zip(
             drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
         ):
@@ -122,7 +121,8 @@ def figure(table: pd.DataFrame) -> Figure:
                 )
             axes.set(title=f"Error of {title}", xlabel="opening beyond rest, degrees", xticks=openings)
             drawing.log_percent(axes, ticks=(1, 2, 5, 10, 20, 50, 100))
-        drawn.axes[0].legend()
+        handles, labels = drawn.axes[0].get_legend_handles_labels()
+        drawn.legend(handles, labels, loc="outside lower center", ncols=4)
         return drawn
 
 

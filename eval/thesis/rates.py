@@ -54,10 +54,7 @@ def judge(table: pd.DataFrame) -> Finding:
     def told(hz: float) -> str:
         if not np.isfinite(error[hz].value):
             return f"{_case(hz)} diverges"
-        return (
-            f"{_case(hz)} {words.percent(error[hz].value)} % ({words.interval(words.scaled(error[hz], 100))}), NEES "
-            f"{words.number(nees(table, hz).value)}"
-        )
+        return f"{_case(hz)} {rows.told(error[hz])}, NEES {words.number(nees(table, hz).value)}"
 
     return Finding(
         f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(told(hz) for hz in rates)}.",

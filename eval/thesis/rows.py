@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics
+from eval import statistics, words
 from eval.statistics import Interval
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.record import Record
@@ -59,6 +59,13 @@ def nees(error: Array, cov: Array) -> float:
 def last(table: pd.DataFrame) -> pd.DataFrame:
     """Rows at the end of each case."""
     return table[table["time_s"] == table.groupby("case")["time_s"].transform("max")]
+
+
+def told(found: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
+    """A figure with its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
+    scaled = words.scaled(found, factor)
+    ends = words.interval(scaled, digits)
+    return f"{words.number(scaled.value, digits)}{unit}" + (f" ({ends})" if ends else "")
 
 
 def of_case(table: pd.DataFrame, case: str, parameter: str | None = None) -> pd.DataFrame:

@@ -119,5 +119,7 @@ ITEM = Item(
     draw,
     judge,
     figure,
-    "One dot per draw and muscle, spread for sight; no dot where an estimate has no logarithm.",
+    "One dot per draw and muscle, spread for sight; none where there is no value; beyond 1/50 or 50, and negative "
+    "ones, at "
+    "the edge.",
 )
