@@ -26,10 +26,10 @@
 # %%
 import os
 import tempfile
+import textwrap
 from pathlib import Path
 
 import pandas as pd
-from IPython.display import Markdown, display
 
 from eval.thesis.catalogue import ITEMS
 from eval.thesis.run import Settings, draw_all
@@ -43,15 +43,17 @@ OUTPUT = Path(tempfile.gettempdir()) / "jawenv_thesis"
 settings = Settings(DRAWS, quick=QUICK)
 
 
+tables = {}
+
+
 def look_at(key):
-    """Draw a result, and show the thesis's words, ours, and the figure."""
+    """Draw a result, print the thesis's words and ours, and return the figure."""
     item = ITEMS[key]
-    table = draw_all([item], settings, OUTPUT, workers=WORKERS)[key]
-    found = item.judge(table)
-    words = f"**{item.where}.** {item.says}", f"**We measure:** {found.measured}", f"**{found.verdict}**: {found.why}"
-    display(Markdown("\n\n".join(words)))
-    display(item.figure(table))
-    return table
+    tables[key] = draw_all([item], settings, OUTPUT, workers=WORKERS)[key]
+    found = item.judge(tables[key])
+    for words in (f"{item.where}: {item.says}", f"We measure: {found.measured}", f"{found.verdict}: {found.why}"):
+        print(textwrap.fill(words, 100), end="\n\n")
+    return item.figure(tables[key])
 
 
 pd.DataFrame({key: [item.title, item.where] for key, item in ITEMS.items()}, index=["result", "thesis"]).transpose()
@@ -63,7 +65,7 @@ pd.DataFrame({key: [item.title, item.where] for key, item in ITEMS.items()}, ind
 # numbers, the condyle's place follows. From its place alone, three numbers, it does not.
 
 # %%
-kinematics = look_at("kinematics")
+look_at("kinematics")
 
 # %% [markdown]
 # ## Least squares
@@ -72,19 +74,20 @@ kinematics = look_at("kinematics")
 # is also wrong: at b = 8 and a stretch of 30 % it gives 3.4 for 11.0.
 
 # %%
-linear = look_at("linear")
+look_at("linear")
 
 # %% [markdown]
 # As it is, the law can be fitted by nonlinear least squares.
 
 # %%
-plane = look_at("nonlinear_plane")
+look_at("nonlinear_plane")
 
 # %% [markdown]
 # Every draw is in the table, so other questions can be put to it. How often is b of the masseter estimated to within a
 # tenth?
 
 # %%
+plane = tables["nonlinear_plane"]
 b = plane[(plane["parameter"] == "log_b/masseter") & (plane["case"] == "sensors")]
 float(((b["value"] / b["true_value"] - 1).abs() < 0.1).mean())
 
@@ -94,7 +97,7 @@ float(((b["value"] / b["true_value"] - 1).abs() < 0.1).mean())
 # The maneuver: openings of a few degrees tell little about b.
 
 # %%
-maneuver = look_at("maneuver")
+look_at("maneuver")
 
 # %% [markdown]
 # ## The method that failed
@@ -102,7 +105,7 @@ maneuver = look_at("maneuver")
 # First $F_o$ from small openings, then b by logarithms. The thesis sets it aside without saying why.
 
 # %%
-two_stage = look_at("two_stage")
+look_at("two_stage")
 
 # %% [markdown]
 # ## Next
