@@ -202,8 +202,7 @@ SIDES = Item(
     judge_sides,
     figure_sides,
     "Above: one draw, estimate and 3σ against the truth, as Fig. 6.9. Below: errors of all draws (grey, up to 40) "
-    "against "
-    "the median 3σ, as Fig. 6.10.",
+    "against the median 3σ, as Fig. 6.10.",
 )
 FULL = Item(
     "ekf_full",
@@ -227,6 +226,5 @@ NOISE = Item(
     judge_noise,
     figure_noise,
     "Median over the draws: error (line) and sd that the filter claims (dashes). Where the error is above the dashes "
-    "the "
-    "filter is too sure of itself.",
+    "the filter is too sure of itself.",
 )

@@ -77,11 +77,10 @@ def judge(table: pd.DataFrame) -> Finding:
     said, also = (rows.told(one, 1.0, " mm", 2) for one in (pose, point))
     return Finding(
         f"The condyle is found within {said}, root mean square, from the six numbers of the mouthpiece's pose. Fully "
-        f"open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the mouthpiece's "
-        f"place alone, as the thesis has it, it is found within {also} if of all poses the one with the smallest "
-        "motion "
-        f"is taken; but with the jaw aside the same place is as well that of a condyle anywhere between "
-        f"{words.number(aside[0])} and {words.number(aside[1])} mm to the left.",
+        f"open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the "
+        f"mouthpiece's place alone, as the thesis has it, it is found within {also} if of all poses the one with the "
+        "smallest motion is taken; but with the jaw aside the same place is as well that of a condyle anywhere "
+        f"between {words.number(aside[0])} and {words.number(aside[1])} mm to the left.",
         verdict,
         "The path is found where the pose is measured"
         + ("." if alone else "; three numbers do not determine five coordinates, and bounds do not make them unique."),
@@ -131,6 +130,5 @@ ITEM = Item(
     judge,
     figure,
     "One draw. The point alone leaves yaw and the condyle's place aside undetermined: its dots lie where the search "
-    "for "
-    "the smallest motion ends.",
+    "for the smallest motion ends.",
 )

@@ -79,8 +79,7 @@ def judge_plane(table: pd.DataFrame) -> Finding:
     close, inside = sum(abs(one.bias) <= CLOSE for one in each), sum(one.inside for one in each)
     return Finding(
         f"{', '.join(one.told() for one in each)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
-        "sensors). "
-        f"With forces that no model explains on top, the largest bias is "
+        "sensors). With forces that no model explains on top, the largest bias is "
         f"{words.percent(max(abs(one.bias) for one in other), 0)} % and the largest sd "
         f"{words.percent(max(one.relative_sd for one in other), 0)} %.",
         "reproduced"
@@ -166,10 +165,8 @@ def figure_physician(table: pd.DataFrame) -> Figure:
 
 _PLANE = (
     "Midline model held in the plane, the three pairs of muscles, F_o and b as in Fig. 6.4 with the second pair the "
-    "other "
-    "way round than printed; two openings to 25° in 30 s with the condyle led off its slide by up to 3 mm; noise of "
-    "our "
-    "device."
+    "other way round than printed; two openings to 25° in 30 s with the condyle led off its slide by up to 3 mm; "
+    "noise of our device."
 )
 
 LINEAR = Item(
@@ -177,8 +174,7 @@ LINEAR = Item(
     "Linear least squares, 3 muscles",
     "Fig. 6.3; section 6.2",
     "The standard deviation of b is small while its mean has a large bias, “much larger than 3σ”. The histograms' "
-    "numbers "
-    "are not given in the text.",
+    "numbers are not given in the text.",
     _PLANE,
     draw_linear,
     judge_linear,
@@ -189,9 +185,8 @@ PLANE = Item(
     "nonlinear_plane",
     "Nonlinear least squares, 3 muscles",
     "Fig. 6.4; section 6.3.1",
-    "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness parameters”: "
-    "F_o "
-    "0.25, b 8; F_o 6, b 0.25 (printed; we take 0.25 and 6); F_o 0.4, b 6. The noise is not given.",
+    "“Even with large measurement noise, the mean of the values is close to that of the actual stiffness "
+    "parameters”: F_o 0.25, b 8; F_o 6, b 0.25 (printed; we take 0.25 and 6); F_o 0.4, b 6. The noise is not given.",
     _PLANE,
     draw_plane,
     judge_plane,
@@ -204,11 +199,9 @@ FULL = Item(
     "Nonlinear least squares, 12 parameters",
     "Figs. 6.5, 6.6; section 6.4",
     "“The mean is relatively close to the actual value and the standard deviation captures the true value”, with no "
-    "false "
-    f"indication of a healthy or a sick muscle. {NO_NUMBER}",
+    f"false indication of a healthy or a sick muscle. {NO_NUMBER}",
     "Six muscles, the left masseter stiff (F_o 3 N, b 12), the others normal (0.4 N, 7); opening to 20° with swings "
-    "of 4° "
-    "to the sides, 20 s; search from the middle of the prior “wide”.",
+    "of 4° to the sides, 20 s; search from the middle of the prior “wide”.",
     draw_full,
     judge_full,
     figure_nonlinear,
@@ -226,7 +219,6 @@ PHYSICIAN = Item(
     judge_physician,
     figure_physician,
     "Left and right: mean and one sd of every muscle over the draws, with the truth. Beside: the 95 % ellipse of F_o "
-    "and "
-    "b of each muscle.",
+    "and b of each muscle.",
     same_draws_as="nonlinear_full",
 )

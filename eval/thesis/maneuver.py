@@ -69,14 +69,11 @@ def judge(table: pd.DataFrame) -> Finding:
 
     return Finding(
         f"Error of b after 5° of opening {told(b[SMALL, False])}, after 20° {told(b[LARGE, False])}; before anything "
-        "is "
-        f"measured the sd is {words.percent(prior_b, 0)} %. With swings {told(b[SMALL, True])} and "
-        f"{told(b[LARGE, True])}. "
-        f"Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % before. Of all 12 after 20°: "
-        "straight "
-        f"{told(both[False])}, with swings {told(both[True])}. All this by nonlinear least squares with the prior; by "
-        f"the extended Kalman filter, straight, b is off by {told(filtered[SMALL])} after 5° and "
-        f"{told(filtered[LARGE])} after 20°.",
+        f"is measured the sd is {words.percent(prior_b, 0)} %. With swings {told(b[SMALL, True])} and "
+        f"{told(b[LARGE, True])}. Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % "
+        f"before. Of all 12 after 20°: straight {told(both[False])}, with swings {told(both[True])}. All this by "
+        "nonlinear least squares with the prior; by the extended Kalman filter, straight, b is off by "
+        f"{told(filtered[SMALL])} after 5° and {told(filtered[LARGE])} after 20°.",
         "reproduced" if poor and unknown and helps else "partly" if poor or helps else "not reproduced",
         ("Small openings tell less of b" if poor else "Small openings tell b as well as large ones")
         + (
@@ -131,12 +128,10 @@ ITEM = Item(
     "What the maneuver decides",
     "Section 7.1",
     "Maneuvers of less than 10° of opening give poor estimates of b, while F_o is easy to predict there; with more "
-    "muscles, "
-    f"moving the jaw left and right lets the algorithms converge sooner. {NO_NUMBER}",
-    "One patient of cohort “trismus”, believed to be of the far wider “wide”; openings of 5° to 20° beyond rest in 20 "
-    "s, straight and with "
-    "swings "
-    "of 4° to the sides; nonlinear least squares with the prior, and extended Kalman filter in logs.",
+    f"muscles, moving the jaw left and right lets the algorithms converge sooner. {NO_NUMBER}",
+    "One patient of cohort “trismus”, believed to be of the far wider “wide”; openings of 5° to 20° beyond rest in "
+    "20 s, straight and with swings of 4° to the sides; nonlinear least squares with the prior, and extended Kalman "
+    "filter in logs.",
     draw,
     judge,
     figure,

@@ -107,9 +107,8 @@ ITEM = Item(
     "Section 7.3.2",
     f"The algorithms work at a high sampling rate and have to be tuned for lower, realistic ones. {NO_NUMBER}",
     "One patient of cohort “trismus”, opening to 20° with swings of 4° to the sides, 20 s, every rate simulated for "
-    "itself; what is not "
-    "modelled is "
-    "new every 10 ms, so its mean over a longer tick is smaller; extended Kalman filter in logs, untuned.",
+    "itself; what is not modelled is new every 10 ms, so its mean over a longer tick is smaller; extended Kalman "
+    "filter in logs, untuned.",
     draw,
     judge,
     figure,

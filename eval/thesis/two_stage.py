@@ -72,9 +72,8 @@ def judge(table: pd.DataFrame) -> Finding:
         f"Median error of b with three muscles: {told(noisy)}; without any noise {told(pure)} (F_o "
         f"{told(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
         f"{told(second)}. Nonlinear least squares on the same noisy data: {told(other)}. With one muscle the second "
-        "stage "
-        f"alone errs by {told(single)}, both together without noise by {told(numbers[f'b/one muscle: {PURE}'])} (F_o "
-        f"{told(numbers[f'F_o/one muscle: {PURE}'])}).",
+        f"stage alone errs by {told(single)}, both together without noise by {told(numbers[f'b/one muscle: {PURE}'])} "
+        f"(F_o {told(numbers[f'F_o/one muscle: {PURE}'])}).",
         "reproduced" if fails else "not reproduced",
         ("It fails" if fails else "It does not fail")
         + (
@@ -120,6 +119,5 @@ ITEM = Item(
     judge,
     figure,
     "One dot per draw and muscle, spread for sight; none where there is no value; beyond 1/50 or 50, and negative "
-    "ones, at "
-    "the edge.",
+    "ones, at the edge.",
 )
