@@ -1,4 +1,4 @@
-"""Commands: ``python -m eval compare`` and ``python -m eval report``."""
+"""Commands: ``python -m eval compare``, ``python -m eval report`` and ``python -m eval thesis``."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 from jawenv.errors import InputError
 
 INTERRUPTED = 130
+QUICK_DRAWS = 4
 
 app = typer.Typer(
     name="python -m eval",
-    help="Compare maneuvers and trained agents on the same patients.",
+    help="Compare maneuvers and trained agents on the same patients; draw the thesis's results again.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -121,6 +122,30 @@ def report_command(
     _present(results.load(folder), folder, reference, _console())
 
 
+@app.command("thesis")
+def thesis_command(
+    draws: Annotated[int, typer.Option(help="Of each result; the thesis has 1,000.", metavar="N")] = 1000,
+    only: Annotated[
+        list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all draws.", metavar="N")] = 0,
+    output: Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")] = Path("runs/thesis"),
+    fresh: Annotated[bool, typer.Option("--fresh", help="Draw again what the folder already holds.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Short episodes and few cases, to try it out; at most 4 draws.")
+    ] = False,
+) -> None:
+    """Put the results of Young (2016) beside what the corrected equations give, on all cores.
+
+    Writes report.html, and a Parquet and a JSON file per result. Ctrl-C keeps the draws that are finished: the same
+    command goes on from there.
+    """
+    from eval.thesis.study import study
+
+    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+    study(only, min(draws, QUICK_DRAWS) if quick else draws, seed, quick, output, fresh, command, _console())
+
+
 def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
     from eval import report, table
     from eval.ranking import rank
@@ -151,7 +176,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         code = int(app(arguments, prog_name="python -m eval", standalone_mode=False) or 0)
         if code == INTERRUPTED:  # typer catches Ctrl-C itself
-            print("interrupted: finished entries are kept, the same command goes on from there", file=sys.stderr)
+            print("interrupted: what is finished is kept, the same command goes on from there", file=sys.stderr)
         return code
     except InputError as error:
         message = str(error)

@@ -171,12 +171,13 @@ def _about(entries: Sequence[Entry], settings: Settings, command: str) -> dict[s
         "command": command,
         "settings": asdict(settings),
         "entries": [entry.about() for entry in entries],
-        "versions": _versions(),
+        "versions": versions(),
         "finished": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime()),
     }
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Python, the machine, and the packages that decide results."""
     found = {"python": platform.python_version(), "machine": platform.platform()}
     for package in _PACKAGES:
         try:

@@ -73,3 +73,19 @@ runpy.run_path("examples/reuse_environment.py", run_name="__main__")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("3 s, ")
     assert "16 drawn patients: " in done.stdout
+
+
+def test_estimate_from_a_recording(tmp_path: Path) -> None:
+    file = tmp_path / "recording.csv"
+    made = run("examples/estimate_from_a_recording.py", "--make", str(file), "--seconds", "2")
+    assert made.returncode == 0, made.stderr
+    done = run("examples/estimate_from_a_recording.py", str(file))
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert "2 s at 100 Hz" in lines[0]
+    assert sum(line.startswith(("F_o/", "b/")) for line in lines) == 12
+
+    file.write_text(file.read_text().replace("pitch_deg", "pitch"))
+    bad = run("examples/estimate_from_a_recording.py", str(file))
+    assert bad.returncode == 2
+    assert bad.stderr.startswith("error: ") and "'pitch'" in bad.stderr and len(bad.stderr.splitlines()) == 1

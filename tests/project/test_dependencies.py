@@ -54,7 +54,8 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
 @pytest.mark.parametrize(
     ("folder", "own", "extras"),
     [
-        ("jawenv", {"jawenv", "yaml"}, []),  # pyyaml only to read a YAML file; jawenv.files says so when it is missing
+        # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing
+        ("jawenv", {"jawenv", "yaml", "pyarrow"}, []),
         ("agents", {"jawenv", "agents"}, ["train"]),
         ("training", {"jawenv", "agents", "training"}, ["train"]),
         ("eval", {"jawenv", "agents", "training", "eval"}, ["train", "eval"]),

@@ -1,0 +1,65 @@
+"""One result of the thesis: what it says, how we draw it again, and how the draws are judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+Verdict = Literal["reproduced", "partly", "not reproduced"]
+NO_NUMBER = "The thesis gives no number."
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the draws of an item say.
+
+    Attributes:
+        measured: what we measure, with its interval, in a sentence or two.
+        verdict: computed from the draws.
+        why: what the verdict rests on.
+        numbers: the figures behind it, by name.
+    """
+
+    measured: str
+    verdict: Verdict
+    why: str
+    numbers: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Item:
+    """One result.
+
+    Attributes:
+        key: short name, for ``--only``, files and anchors.
+        title: a few words.
+        where: figure or section of Young (2016).
+        says: what the thesis says; with its number if it gives one.
+        how: our setting, where the thesis names none.
+        draw: rows of one draw, from its own random numbers; the second argument asks for the quick form.
+        judge: the finding, from the rows of all draws.
+        figure: of the rows of all draws.
+        caption: below the figure.
+        same_draws_as: key of the item whose draws these are; its own where empty.
+    """
+
+    key: str
+    title: str
+    where: str
+    says: str
+    how: str
+    draw: Callable[[np.random.Generator, bool], pd.DataFrame]
+    judge: Callable[[pd.DataFrame], Finding]
+    figure: Callable[[pd.DataFrame], Figure]
+    caption: str
+    same_draws_as: str = ""
+
+    @property
+    def drawn_as(self) -> str:
+        """Key of the item whose draws these are."""
+        return self.same_draws_as or self.key

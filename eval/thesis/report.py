@@ -1,0 +1,84 @@
+"""The items side by side: a table in the terminal, and one HTML file that needs no network and no other file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from eval import svg
+from eval.report import TEMPLATES
+from eval.thesis.item import Finding, Item
+from eval.thesis.run import Settings
+
+_COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
+
+
+def show(items: Sequence[Item], findings: dict[str, Finding], console: Console) -> None:
+    """Print every result: where it stands, what is measured, the verdict."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
+    table.add_column("result", min_width=20)
+    table.add_column("we measure", ratio=1)
+    table.add_column("verdict", min_width=10)
+    for item in items:
+        finding = findings[item.key]
+        name = Text.assemble((item.title, "bold"), "\n", (item.where, "dim"))
+        table.add_row(name, finding.measured, Text(finding.verdict, style=_COLOUR[finding.verdict]))
+        table.add_row("", Text(finding.why, style="dim"), "")
+    console.print(table)
+
+
+def write(
+    items: Sequence[Item],
+    tables: dict[str, pd.DataFrame],
+    findings: dict[str, Finding],
+    settings: Settings,
+    about: dict[str, Any],
+    path: Path,
+) -> Path:
+    """Write the report.
+
+    Args:
+        items: in their order.
+        tables: rows of all draws by the items' keys.
+        findings: by the items' keys.
+        settings: of the draws.
+        about: command, versions and time.
+        path: of the HTML file.
+
+    Returns:
+        The path.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(("html.j2",), default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    pictures = {
+        item.key: Markup(svg.inline(item.figure(tables[item.key]), item.key, item.title))  # noqa: S704  (our own)
+        for item in items
+    }
+    page = environment.get_template("thesis.html.j2").render(
+        items=items,
+        findings=findings,
+        pictures=pictures,
+        settings=asdict(settings),
+        about=about,
+        counts={verdict: sum(finding.verdict == verdict for finding in findings.values()) for verdict in _COLOUR},
+    )
+    unfinished = path.with_name(path.name + ".unfinished")
+    unfinished.write_text(page, encoding="utf-8")
+    os.replace(unfinished, path)
+    return path

@@ -1,0 +1,96 @@
+"""Estimates as rows of a table: one per case, time and parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from eval import statistics, words
+from eval.statistics import Interval
+from jawenv.estimation.estimator import Estimate
+from jawenv.estimation.record import Record
+
+Array = NDArray[np.float64]
+
+
+def of_estimate(estimate: Estimate, record: Record, case: str, times: int = 1) -> pd.DataFrame:
+    """Rows of the last ``times`` kept times, evenly spread; NEES of all parameters is in each.
+
+    ``truth``, ``estimate`` and ``sd`` are of natural logs; ``true_value`` and ``value`` are F_o (N) and b themselves.
+    """
+    picked = np.unique(np.linspace(0, len(estimate.time) - 1, times).astype(int)) if times > 1 else [-1]
+    truth = truth_of(record)
+    error = estimate.mean[picked] - truth
+    shape = error.shape
+    return pd.DataFrame(
+        {
+            "case": case,
+            "time_s": np.repeat(estimate.time[picked], shape[1]),
+            "parameter": np.tile(record.parameter_names, shape[0]),
+            "truth": np.tile(truth, shape[0]),
+            "estimate": estimate.mean[picked].ravel(),
+            "sd": estimate.sd[picked].ravel(),
+            "true_value": np.exp(np.tile(truth, shape[0])),
+            "value": np.exp(estimate.mean[picked].ravel()),
+            "nees": np.repeat([nees(e, c) for e, c in zip(error, estimate.cov[picked], strict=True)], shape[1]),
+        }
+    )
+
+
+def truth_of(record: Record) -> Array:
+    """(p,) true natural-log parameters of a simulated record."""
+    assert record.truth is not None, "a simulated record has its truth"
+    return record.truth
+
+
+def nees(error: Array, cov: Array) -> float:
+    """Squared error in units of the covariance; NaN where the estimator has none."""
+    if not (np.isfinite(error).all() and np.isfinite(cov).all()):
+        return float("nan")
+    try:
+        return float(error @ np.linalg.solve(cov, error))
+    except np.linalg.LinAlgError:
+        return float("nan")
+
+
+def last(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows at the end of each case."""
+    return table[table["time_s"] == table.groupby("case")["time_s"].transform("max")]
+
+
+def told(found: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
+    """A figure with its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
+    scaled = words.scaled(found, factor)
+    ends = words.interval(scaled, digits)
+    return f"{words.number(scaled.value, digits)}{unit}" + (f" ({ends})" if ends else "")
+
+
+def of_case(table: pd.DataFrame, case: str, parameter: str | None = None) -> pd.DataFrame:
+    """Rows of a case, of one parameter where given."""
+    rows = table[table["case"] == case]
+    return rows if parameter is None else rows[rows["parameter"] == parameter]
+
+
+def kind(table: pd.DataFrame, symbol: str) -> pd.DataFrame:
+    """Rows of the parameters ``log_F_o`` or ``log_b``."""
+    return table[table["parameter"].str.startswith(f"{symbol}/")]
+
+
+def rmse(table: pd.DataFrame) -> Interval:
+    """Root mean square error of the logs over parameters, median over draws; infinite where an estimate is missing."""
+    squares = (table["estimate"] - table["truth"]) ** 2
+    mean = squares.fillna(np.inf).groupby(table["draw"]).mean()
+    return statistics.quantile(np.sqrt(mean.to_numpy()), 0.5)
+
+
+def share(hits: Sequence[bool] | NDArray[np.bool_]) -> Interval:
+    """Share of independent trials, with the interval of Wilson (1927)."""
+    from scipy.stats import binomtest
+
+    hits = np.asarray(hits)
+    found = binomtest(int(hits.sum()), len(hits))
+    ends = found.proportion_ci(method="wilson")
+    return Interval(float(hits.mean()), float(ends.low), float(ends.high))

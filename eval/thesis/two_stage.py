@@ -1,0 +1,123 @@
+"""Appendix A.4: the method that failed, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from eval import drawing, words
+from eval.thesis import rows
+from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.prescribed import with_noise
+from eval.thesis.settings import SENSORS, hinge_record, plane_record
+from jawenv.estimation.least_squares import NonlinearLeastSquares
+from jawenv.estimation.moment_balance import balance_of
+from jawenv.estimation.record import Record
+from jawenv.estimation.two_stage import TwoStageLogLinear
+
+CLOSE = 0.1
+RECORDS = {"one muscle": hinge_record, "three muscles": plane_record}
+TWO_STAGES, NONLINEAR = TwoStageLogLinear(), NonlinearLeastSquares(starts=1)
+NOISY, PURE, SECOND, OTHER = "two stages", "two stages, no noise", "second stage, true F_o, no noise", "nonlinear"
+
+
+def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
+    """One muscle on a hinge and three in the plane, by the two-stage method, its parts, and nonlinear least squares."""
+    del quick
+    found = []
+    for muscles, clean in RECORDS.items():
+        record = with_noise(clean(), SENSORS, rng)
+        for case, method, data in (
+            (NOISY, TWO_STAGES, record),
+            (PURE, TWO_STAGES, clean()),
+            (OTHER, NONLINEAR, record),
+        ):
+            found.append(rows.of_estimate(method.estimate(data), data, f"{muscles}: {case}"))
+        found.append(_second_stage(clean(), f"{muscles}: {SECOND}"))
+    return pd.concat(found)
+
+
+def _second_stage(record: Record, case: str) -> pd.DataFrame:
+    """B by the second stage alone, given the true F_o and no noise: what is wrong then is its formula."""
+    values = np.exp(rows.truth_of(record))
+    b, _ = TWO_STAGES.exponents(balance_of(record, rows=TWO_STAGES.rows), values[0::2])
+    names = [name for name in record.parameter_names if name.startswith("log_b")]
+    return pd.DataFrame({"case": case, "parameter": names, "true_value": values[1::2], "value": b})
+
+
+def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
+    """Median over draws and muscles of |estimate / truth - 1|; infinite where most have no value."""
+    one = rows.kind(rows.of_case(table, case), symbol)
+    error = (one["value"] / one["true_value"] - 1.0).abs().fillna(np.inf)
+    return float(np.median(error))
+
+
+def judge(table: pd.DataFrame) -> Finding:
+    """Fails with several muscles, with noise and without; its second stage is exact with one."""
+    numbers = {
+        f"{symbol}/{case}": relative_error(table, case, f"log_{symbol}")
+        for case in dict.fromkeys(table["case"])
+        for symbol in ("F_o", "b")
+        if symbol == "b" or SECOND not in case
+    }
+    noisy, pure, second = (numbers[f"b/three muscles: {case}"] for case in (NOISY, PURE, SECOND))
+    other, single = numbers[f"b/three muscles: {OTHER}"], numbers[f"b/one muscle: {SECOND}"]
+    fails, explained = noisy > CLOSE, second > CLOSE >= single
+
+    def told(value: float) -> str:
+        return "no value in most draws" if not np.isfinite(value) else f"{words.percent(value)} %"
+
+    return Finding(
+        f"Median error of b with three muscles: {told(noisy)}; without any noise {told(pure)} (F_o "
+        f"{told(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
+        f"{told(second)}. Nonlinear least squares on the same noisy data: {told(other)}. With one muscle the second "
+        f"stage alone errs by {told(single)}, both together without noise by {told(numbers[f'b/one muscle: {PURE}'])} "
+        f"(F_o {told(numbers[f'F_o/one muscle: {PURE}'])}).",
+        "reproduced" if fails else "not reproduced",
+        ("It fails" if fails else "It does not fail")
+        + (
+            ", and not for noise: the second stage takes the logarithm of a sum for the sum of logarithms (A.38–A.40), "
+            "which is right with one muscle only. That the force is not constant at small openings adds to it."
+            if explained
+            else ", but the second stage's formula does not explain it."
+        ),
+        {name: value for name, value in numbers.items() if np.isfinite(value)},
+    )
+
+
+def figure(table: pd.DataFrame) -> Figure:
+    """Estimates of b over the truth, per case."""
+    cases = list(dict.fromkeys(table["case"]))
+    with drawing.style():
+        drawn = Figure(figsize=(8.6, 0.6 + 0.42 * len(cases)), layout="constrained")
+        for axes, symbol, title in zip(
+            drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
+        ):
+            for place, case in enumerate(cases):
+                one = rows.kind(rows.of_case(table, case), symbol)
+                ratio = (one["value"] / one["true_value"]).to_numpy()
+                ratio = ratio[np.isfinite(ratio)]
+                offsets = place + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
+                axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)
+            axes.axvline(1.0, color="#c25b4e", linewidth=1.4)
+            axes.set_xscale("log")
+            axes.set(title=f"{title}: estimate / truth", ylim=(len(cases) - 0.5, -0.5), yticks=range(len(cases)))
+            axes.set_yticklabels(cases)
+            axes.grid(axis="y", visible=False)
+        return drawn
+
+
+ITEM = Item(
+    "two_stage",
+    "The failed two-stage method",
+    "Appendix A.4",
+    "F_o from small openings, where the force is taken as constant, then b from the logarithm of the moment: a “failed "
+    f"method”. Why it failed is not said. {NO_NUMBER}",
+    "One muscle on a hinge, and the three of Fig. 6.4 in the plane; both stages from one recording to 25°.",
+    draw,
+    judge,
+    figure,
+    "One dot per draw and muscle, spread for sight; none where there is no value; beyond 1/50 or 50, and negative "
+    "ones, at the edge.",
+)

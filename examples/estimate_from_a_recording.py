@@ -1,0 +1,59 @@
+"""Estimate the stiffness of every closing muscle from a recording in a file (docs/recordings.md says what it holds).
+
+python examples/estimate_from_a_recording.py --make runs/recording.csv
+python examples/estimate_from_a_recording.py runs/recording.csv
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import jawenv
+from agents import load_agent
+from jawenv.estimation.extended_kalman import ExtendedKalman
+from jawenv.estimation.record_files import load_record, save_record
+
+MANEUVER = "opening_with_swings_and_fore_aft"
+
+
+def make(path: Path, seconds: float) -> None:
+    """Simulate one patient and write down what the device measures."""
+    played = jawenv.play(load_agent(MANEUVER), patients=1, seed=5000, env_kwargs={"record": True, "episode_s": seconds})
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_record(played.records[0], path)
+    print(f"{path}: {seconds:g} s of {MANEUVER.replace('_', ' ')}")
+
+
+def estimate(path: Path, cohort: str | None) -> None:
+    """Print F_o and b of every muscle, and how sure the filter is."""
+    record = load_record(path, cohort=cohort)
+    found = ExtendedKalman().estimate(record)
+    print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
+    print(f"{'':32}{'estimate':>10}{'sd':>8}{'truth':>8}")
+    for i, name in enumerate(record.parameter_names):
+        truth = f"{np.exp(record.truth[i]):8.2f}" if record.truth is not None else f"{'?':>8}"
+        print(f"{name.removeprefix('log_'):32}{np.exp(found.mean[-1, i]):10.2f}{100 * found.sd[-1, i]:6.1f} %{truth}")
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Estimate stiffness from a recording.")
+    parser.add_argument("file", type=Path, help="a .csv or .parquet file")
+    parser.add_argument("--make", action="store_true", help="simulate a recording and write it to the file")
+    parser.add_argument("--seconds", type=float, default=30.0, help="how long, with --make")
+    parser.add_argument("--cohort", help="population that the patient is believed to come from")
+    given = parser.parse_args()
+    if given.make:
+        make(given.file, given.seconds)
+    else:
+        estimate(given.file, given.cohort)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except jawenv.InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)

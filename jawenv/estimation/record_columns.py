@@ -1,0 +1,87 @@
+"""The columns of a recording's file: name with unit, and which number of a ``Record`` it holds in which scale.
+
+Head axes: x forward, y left, z up, from midway between the condyles' centres with the jaw closed. Body axes: the same
+axes carried along by the mandible. Pitch (theta) is positive when the jaw opens, yaw (psi) to the left, roll (alpha).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees
+
+from jawenv.mechanics.dynamics import N_STATES
+
+TIME = "time_s"
+AXES = ("x", "y", "z")
+ANGLES = ("pitch", "yaw", "roll")
+MOMENTS_OF_A_TICK = ("start", "middle", "end")
+MM = 1e3
+DEG = degrees(1.0)
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column.
+
+    Attributes:
+        name: as in the file's first row.
+        field: the array of the record that it belongs to.
+        index: place in a row of that array.
+        scale: number in the file per SI unit.
+        what: one line for people.
+    """
+
+    name: str
+    field: str
+    index: tuple[int, ...]
+    scale: float
+    what: str
+
+
+def _encoders() -> list[Column]:
+    columns = []
+    for i, axis in enumerate(AXES):
+        columns.append(Column(f"mouthpiece_{axis}_mm", "measured", (i,), MM, "place of the mouthpiece, head axes"))
+    for i, angle in enumerate(ANGLES):
+        columns.append(Column(f"{angle}_deg", "measured", (3 + i,), DEG, f"{angle} of the mouthpiece"))
+    for i, axis in enumerate(AXES):
+        name = f"velocity_{axis}_mm_s"
+        columns.append(Column(name, "measured", (6 + i,), MM, "velocity of the mouthpiece, head axes"))
+    for i, axis in enumerate(AXES):
+        name = f"angular_velocity_{axis}_deg_s"
+        columns.append(Column(name, "measured", (9 + i,), DEG, "angular velocity, body axes"))
+    return columns
+
+
+def _wrench(prefix: str, field: str, moment: int | None) -> list[Column]:
+    """Force and moment at one moment of a tick, or at the row's time where ``moment`` is None."""
+    when = "" if moment is None else f"_{MOMENTS_OF_A_TICK[moment]}"
+    told = "at the row's time" if moment is None else f"{MOMENTS_OF_A_TICK[moment]} of the tick that begins there"
+    place = () if moment is None else (moment,)
+    columns = []
+    for i, axis in enumerate(AXES):
+        name = f"{prefix}force_{axis}{when}_N"
+        columns.append(Column(name, field, (*place, i), 1.0, f"force on the mouthpiece, body axes, {told}"))
+    for i, axis in enumerate(AXES):
+        name = f"{prefix}moment_{axis}{when}_N_m"
+        columns.append(Column(name, field, (*place, 3 + i), 1.0, f"moment at the mouthpiece, body axes, {told}"))
+    return columns
+
+
+def true_motion(n_states: int) -> list[Column]:
+    """Columns of a simulated motion; ``n_states`` 10 of the midline model, 12 of two condyles."""
+    axes = AXES[:2] if n_states == N_STATES else AXES
+    names = [(f"true_condyle_{axis}_mm", MM) for axis in axes]
+    names += [(f"true_{angle}_deg", DEG) for angle in ANGLES]
+    names += [(f"true_condyle_velocity_{axis}_mm_s", MM) for axis in axes]
+    names += [(f"true_angular_velocity_{axis}_deg_s", DEG) for axis in AXES]
+    told = "true motion of a simulated jaw"
+    return [Column(name, "states", (i,), scale, told) for i, (name, scale) in enumerate(names)]
+
+
+ENCODERS = tuple(_encoders())
+READINGS = tuple(_wrench("", "reading", None))
+"""One load-cell reading per row, as most benches have it."""
+SAMPLES = tuple(column for moment in range(3) for column in _wrench("", "samples", moment))
+"""Three load-cell readings per tick, as the simulated device has them."""
+TRUE_WRENCH = tuple(column for moment in range(3) for column in _wrench("true_", "wrenches", moment))
