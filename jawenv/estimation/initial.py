@@ -51,8 +51,9 @@ def parameter_noise(record: Record, rate: float, time_constant: float) -> Array:
     if np.isinf(time_constant):
         return np.full(len(record.samples), rate**2 * record.dt)
     half_life = 0.5 * time_constant
-    at_start: Array = np.exp(-np.arange(len(record.samples)) * record.dt / half_life)
-    return rate**2 * half_life * -np.expm1(-record.dt / half_life) * at_start
+    decay = np.exp(-np.arange(len(record.samples)) * record.dt / half_life)
+    noise: Array = rate**2 * half_life * -np.expm1(-record.dt / half_life) * decay
+    return noise
 
 
 def check_noise(name: str, rate: float, time_constant: float) -> None:
