@@ -67,7 +67,7 @@ def midline_tick(device, world, scratch, settings):
     """Move the midline plant through one tick; returns 1.0 if the governor acted."""
     acted, trajectory = 0.0, settings.trajectory
     q, _ = split(world.state)
-    parts = SUBSTEPS * parts_needed(fastest_rate(world.jaw, scratch.effective, q), TICK, 1)
+    parts = parts_needed(fastest_rate(world.jaw, scratch.effective, q), TICK, SUBSTEPS)
     h = TICK / parts
     for step in range(parts):
         start_q, start_u = split(world.state)

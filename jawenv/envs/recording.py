@@ -49,7 +49,7 @@ def record_of(simulation: Simulation, index: int) -> Record:
     world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings[0]
     rows = ticks[: int(world["tick"]) + 1]
     return Record(
-        time=np.arange(len(rows)) * simulation.tick_s,
+        time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,
         measured=rows["measured"].copy(),
         samples=rows["samples"][1:].copy(),
         start_mean=rows["believed"][0].copy(),

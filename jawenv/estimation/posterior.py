@@ -16,6 +16,7 @@ are known well, Omega vanishes and what remains is Newton's method for the mode.
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -23,23 +24,22 @@ from jawenv.compiled import njit
 from jawenv.estimation.tension_basis import expand_coefficients
 
 LONGEST_STEP = 1.0  # prior sds that the mean moves by at once: beyond, no expansion holds
-NEGLIGIBLE = 1e-2  # of the information, that Omega takes away
-CONVERGED = 0.1  # sds of the belief: what the next round would still move is its square
+NEGLIGIBLE = 0.05  # of the information, that Omega takes away
+CONVERGED = 0.3  # sds of the belief: what the next round would still move is of the order of its square
 
 
-def posterior_fields(n_muscles: int, n_nodes: int):
+def posterior_fields(n_muscles: int, n_nodes: int) -> list[Any]:
     """Working memory of ``believe`` as fields of a dtype."""
     size, parameters = n_muscles * n_nodes, 2 * n_muscles
     return [
         ("coefficients", "f8", (n_muscles, n_nodes)),
         ("by_log", "f8", (n_muscles, n_nodes, 2)),
         ("by_log_twice", "f8", (n_muscles, n_nodes, 3)),
-        ("shift", "f8", (size,)),
         ("omega", "f8", (size, size)),
         ("known", "f8", (size, size)),
-        ("effective", "f8", (size, size + 1)),
+        ("reached", "f8", (size, parameters + 1)),
         ("system", "f8", (size, size)),
-        ("half", "f8", (parameters, size)),
+        ("residual", "f8", (size,)),
         ("precision", "f8", (parameters, parameters)),
         ("right", "f8", (parameters,)),
     ]
@@ -56,7 +56,7 @@ def without_gain(information, score, gain_variance, scratch):
             value = information[i, j] - share * information[size, j]
             scratch.known[i, j] = value
             scratch.known[j, i] = value
-        scratch.effective[i, size] = score[i] - share * score[size]
+        scratch.residual[i] = score[i] - share * score[size]
 
 
 @njit
@@ -81,27 +81,40 @@ def set_omega(covariance, scratch):
 
 
 @njit
-def set_effective(scratch):
-    """(1 + Lambda Omega)^-1 [Lambda, score] in ``effective``, whose last column holds the score; True if it differs."""
-    known, omega, effective, system = scratch.known, scratch.omega, scratch.effective, scratch.system
-    size = known.shape[0]
+def set_reached(nominal, scratch):
+    """Lambda times [derivative of c by theta, mean of c less ``nominal``], and the score's residual in the last column.
+
+    With Omega: both are multiplied by (1 + Lambda Omega)^-1, in ``reached`` (mK, p + 1).
+    """
+    known, omega, reached, by_log = scratch.known, scratch.omega, scratch.reached, scratch.by_log
+    muscles, nodes = by_log.shape[0], by_log.shape[1]
+    size, last = known.shape[0], 2 * muscles
     lost = 0.0
-    for i in range(size):
-        for j in range(size):
-            effective[i, j] = known[i, j]
-            lost += known[i, j] * omega[i, j]
+    for a in range(size):
+        value = scratch.residual[a]
+        for i in range(muscles):
+            first, second = 0.0, 0.0
+            for k in range(nodes):
+                factor = known[a, i * nodes + k]
+                first += factor * by_log[i, k, 0]
+                second += factor * by_log[i, k, 1]
+                value -= factor * (scratch.coefficients[i, k] - nominal[i, k])
+            reached[a, 2 * i], reached[a, 2 * i + 1] = first, second
+        reached[a, last] = value
+        for b in range(size):
+            lost += known[a, b] * omega[a, b]
     if lost < NEGLIGIBLE:
-        return False
-    for i in range(size):
-        for j in range(size):
-            system[i, j] = 0.0
-        system[i, i] = 1.0
+        return
+    system = scratch.system
+    for a in range(size):
+        for b in range(size):
+            system[a, b] = 0.0
+        system[a, a] = 1.0
         for k in range(size):
-            factor = known[i, k]
-            for j in range(size):
-                system[i, j] += factor * omega[k, j]
-    solve_general(system, effective)
-    return True
+            factor = known[a, k]
+            for b in range(size):
+                system[a, b] += factor * omega[k, b]
+    solve_general(system, reached)
 
 
 @njit
@@ -134,43 +147,27 @@ def solve_general(matrix, right):
 
 
 @njit
-def set_precision(mean, prior_mean, prior_sd, nominal, scratch):
-    """Precision and gradient of the linearised posterior about ``mean``; ``nominal`` is the c of the score."""
-    by_log, effective, half = scratch.by_log, scratch.effective, scratch.half
+def set_precision(mean, prior_mean, prior_sd, scratch):
+    """Precision of the linearised posterior, and in ``right`` the gradient of its logarithm at ``mean``."""
+    by_log, reached, precision = scratch.by_log, scratch.reached, scratch.precision
     muscles, nodes = by_log.shape[0], by_log.shape[1]
-    size = muscles * nodes
-    for i in range(muscles):
-        for k in range(nodes):
-            scratch.shift[i * nodes + k] = scratch.coefficients[i, k] - nominal[i, k]
-    for a in range(size):
-        value = effective[a, size]
-        for b in range(size):
-            value -= effective[a, b] * scratch.shift[b]
-        scratch.system[a, 0] = value
+    last = 2 * muscles
     for i in range(muscles):
         for r in range(2):
             row, value = 2 * i + r, 0.0
-            for b in range(size):
-                half[row, b] = 0.0
+            for column in range(last):
+                precision[row, column] = 0.0
             for k in range(nodes):
                 factor = by_log[i, k, r]
-                value += factor * scratch.system[i * nodes + k, 0]
-                for b in range(size):
-                    half[row, b] += factor * effective[i * nodes + k, b]
-            weight = 1.0 / (prior_sd[row] * prior_sd[row])
-            scratch.right[row] = value + weight * (prior_mean[row] - mean[row])
-    for row in range(2 * muscles):
-        for j in range(muscles):
-            for r in range(2):
-                value = 0.0
-                for k in range(nodes):
-                    value += half[row, j * nodes + k] * by_log[j, k, r]
-                scratch.precision[row, 2 * j + r] = value
-    for row in range(2 * muscles):
+                value += factor * reached[i * nodes + k, last]
+                for column in range(last):
+                    precision[row, column] += factor * reached[i * nodes + k, column]
+            scratch.right[row] = value + (prior_mean[row] - mean[row]) / (prior_sd[row] * prior_sd[row])
+    for row in range(last):
         for column in range(row):
-            value = 0.5 * (scratch.precision[row, column] + scratch.precision[column, row])
-            scratch.precision[row, column], scratch.precision[column, row] = value, value
-        scratch.precision[row, row] += 1.0 / (prior_sd[row] * prior_sd[row])
+            value = 0.5 * (precision[row, column] + precision[column, row])
+            precision[row, column], precision[column, row] = value, value
+        precision[row, row] += 1.0 / (prior_sd[row] * prior_sd[row])
 
 
 @njit
@@ -220,8 +217,8 @@ def believe(basis, information, score, nominal, gain_variance, prior_mean, prior
         without_gain(information, score, gain_variance, scratch)
         expand_coefficients(basis, mean, covariance, scratch.coefficients, scratch.by_log, scratch.by_log_twice)
         set_omega(covariance, scratch)
-        set_effective(scratch)
-        set_precision(mean, prior_mean, prior_sd, nominal, scratch)
+        set_reached(nominal, scratch)
+        set_precision(mean, prior_mean, prior_sd, scratch)
         if not invert_positive(scratch.precision, covariance):
             for i in range(parameters):
                 covariance[i, i] = np.nan

@@ -99,7 +99,7 @@ class Record:
         ticks = round(seconds / self.dt)
         if not 1 <= ticks < len(self.time):
             raise InputError(f"until: {seconds} s given, allowed are {self.dt:g} to {self.time[-1]:g} s")
-        short = {name: getattr(self, name) for name in ("measured", "states")}
+        short: dict[str, Any] = {name: getattr(self, name) for name in ("measured", "states")}
         long = {name: getattr(self, name) for name in ("samples", "wrenches")}
         return replace(
             self,
