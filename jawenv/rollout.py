@@ -206,12 +206,12 @@ def play(
         if hasattr(agent, "reset"):
             agent.reset(number, seed)
         recording = _watch(agent, env, observation, info, progress)
-        if not env.unwrapped.configuration.record:
+        world: Any = env.unwrapped
+        if not world.configuration.record:
             return recording
         from jawenv.envs.recording import record_of
 
-        simulation = env.unwrapped.simulation
-        return replace(recording, records=tuple(record_of(simulation, i) for i in range(number)))
+        return replace(recording, records=tuple(record_of(world.simulation, i) for i in range(number)))
     finally:
         env.close()
 
@@ -247,19 +247,19 @@ def _watch(
             progress(step, steps)
         if not running.any():
             break
-    kept = {key: values[:, : step + 1] for key, values in kept.items()}
+    kept_so_far: dict[str, Any] = {key: values[:, : step + 1] for key, values in kept.items()}
     prior = env.unwrapped.prior
     return Recording(
         time=np.arange(step + 1) / configuration.control_hz,
         truth=np.array(info["truth"], dtype=np.float64),
         prior_mean=np.array(prior.mean, dtype=np.float64),
         prior_sd=np.array(prior.sd, dtype=np.float64),
-        violation=kept.pop("violation").astype(bool),
+        violation=kept_so_far.pop("violation").astype(bool),
         valid=valid[:, : step + 1],
         terminated=terminated,
         parameter_names=_names(info["parameter_names"]),
         comfort_names=tuple(info["comfort"]),
-        **kept,
+        **kept_so_far,
     )
 
 

@@ -136,7 +136,7 @@ def advance_bound(model, world, settings, scratch):
     """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
     state = scratch.filter.state
     move(model, world.muscles, state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-    predict_covariance(world.bound, settings.wrench_variance, 0.0, 0.0, scratch.filter)
+    predict_covariance(world.bound, settings.wrench_variance, scratch.filter)
     for i in range(state.shape[0]):
         state[i] = true_state(model, world, i)
     update_covariance(model, state, world.bound, settings.measurement_variance, settings.used, scratch.filter)

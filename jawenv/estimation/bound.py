@@ -77,7 +77,7 @@ def bound_path(
         if tick > 0:
             state[:] = states[tick - 1]
             move(jaw, muscles, state, wrenches[tick - 1], trend, 0.0, dt, scratch)
-            predict_covariance(covariance, wrench_variance, 0.0, 0.0, scratch)
+            predict_covariance(covariance, wrench_variance, scratch)
             follow_trend(trend, samples[tick - 1], dt)
         update_covariance(jaw, states[tick], covariance, measurement_variance, used[tick], scratch)
         if tick % every == 0 or tick == ticks:

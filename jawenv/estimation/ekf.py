@@ -1,4 +1,4 @@
-"""The extended Kalman filter over motion, log-parameters and load-cell gain.
+"""The joint Kalman recursion over motion, log-parameters and load-cell gain: what the bound and the reference share.
 
 State: q and u (10, or 12 for a jaw with two condyles), natural logs of F_o and b per muscle (12 by default), relative
 gain error g of the load cell (1); 23 in all by default. The sizes come with the arrays.
@@ -6,21 +6,19 @@ gain error g of the load cell (1); 23 in all by default. The sizes come with the
 * The force on the jaw is the reading plus g times the recent trend of readings. A reading that multiplied g would
   let the filter take the load cell's noise for a force without effect.
 * g is considered, not estimated (Schmidt 1966): its prior uncertainty spreads to everything that it touches, and is
-  never thought to have become smaller. A servo makes the reading answer to errors of the estimated motion, and a filter
-  that learns g from such readings learns a wrong one.
+  never thought to have become smaller.
 * What g makes of the readings' departure from their trend is too fast to correlate: it adds to the process noise.
-* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, plus what first-order
-  filtering neglects: the curvature of the muscles' exponentials (see ``shift_by_curvature``).
-* The parameters receive a noise that decays with time (see ``parameter_variance``).
+* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell.
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
-equals the joint update to rounding: all are linearised at the predicted mean.
+equals the joint update to rounding: all are linearised at the predicted mean. The environments' own filter does not
+carry the parameters in its state (``tension_filter``).
 """
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import exp
 
 import numpy as np
 
@@ -31,11 +29,6 @@ from jawenv.estimation.sensitivity import propagate, sensitivity_fields
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
-# How often the neglected curvature counts: it is the same error from step to step, where process noise would be new. An
-# error that lasts for n steps does what white noise of n times its variance does; 400 steps are 4 s.
-CURVATURE_REPEATS = 400.0
-LARGEST_CURVATURE = 1.0  # variance of that noise at most, in squares of a tension: beyond, no expansion holds
-LARGEST_SHIFT = 3.0  # sds that one measurement may move a parameter by
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
@@ -50,12 +43,10 @@ def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N
     fields = [
         *sensitivity_fields(n_muscles, n_lines, n_states),
         ("muscles", "f8", (n_lines, 2)),
-        ("strain", "f8", (n_muscles,)),
         ("state", "f8", (n_states,)),
         ("product", "f8", (n_states, n_columns)),
         ("turned", "f8", (n_columns, n_states)),
         ("row", "f8", (n_states,)),
-        ("tension_covariance", "f8", (n_muscles, n_muscles)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("wrench_variance", "f8", (N_WRENCH,)),
@@ -102,11 +93,10 @@ def multiply_row(left, i, right, product):
 
 
 @njit
-def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, scratch):
-    """P <- F P F^T + G W G^T + C S C^T + Q, with F and G from ``scratch.total`` as left by ``propagate``.
+def predict_covariance(covariance, wrench_variance, scratch):
+    """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
-    C are the columns of the log-tensions and S is ``curvature`` times the squares of ``scratch.tension_covariance``.
-    All three products share one pass: [F P, G W, C S] times [F, G, C]^T.
+    Both products share one pass: [F P, G W] times [F, G]^T.
     """
     total, product, turned = scratch.total, scratch.product, scratch.turned
     size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
@@ -120,8 +110,6 @@ def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, 
             covariance[j, i] = product[i, j]
         for k in range(N_WRENCH):
             product[i, size + k] = total[i, size + k] * wrench_variance[k]
-        if curvature > 0.0:
-            add_curvature(scratch.tension_covariance, curvature, total, product, i)
     for i in range(n_states):
         for j in range(n_states):
             scratch.row[j] = 0.0
@@ -132,19 +120,6 @@ def predict_covariance(covariance, wrench_variance, parameter_noise, curvature, 
         for j in range(i + 1):
             covariance[i, j] = scratch.row[j]
             covariance[j, i] = scratch.row[j]
-    for i in range(n_states, size - 1):
-        covariance[i, i] += parameter_noise
-
-
-@njit
-def add_curvature(spread, curvature, total, product, i):
-    """Add row i of C S to the columns of log F_o in ``product``."""
-    first = total.shape[0]
-    for a in range(spread.shape[0]):
-        value = 0.0
-        for b in range(spread.shape[0]):
-            value += spread[a, b] * spread[a, b] * total[i, first + 2 * b]
-        product[i, first + 2 * a] += curvature * value
 
 
 @njit
@@ -157,57 +132,6 @@ def mean_reading(samples, k):
 def mean_force(samples):
     """Mean force over a step from its three samples."""
     return mean_reading(samples, 0), mean_reading(samples, 1), mean_reading(samples, 2)
-
-
-@njit
-def set_strains(jaw, scratch):
-    """Mean exponent b (l - l_o)/l_o over the lines of each muscle, into ``scratch.strain``."""
-    strain = scratch.strain
-    for i in range(strain.shape[0]):
-        total, lines = 0.0, 0
-        for line in range(scratch.muscles.shape[0]):
-            if jaw.muscle[line] == i:
-                total += scratch.muscles[line, 1] * scratch.pulls[line, 6]
-                lines += 1
-        strain[i] = total / lines
-
-
-@njit
-def set_tension_covariance(covariance, scratch):
-    """Covariance of the muscles' log-tensions log F_o + b (l - l_o)/l_o that the parameters' covariance implies."""
-    first = scratch.total.shape[0]
-    for i in range(scratch.strain.shape[0]):
-        a, e = first + 2 * i, scratch.strain[i]
-        for j in range(scratch.strain.shape[0]):
-            b, f = first + 2 * j, scratch.strain[j]
-            scratch.tension_covariance[i, j] = (
-                covariance[a, b]
-                + e * covariance[a + 1, b]
-                + f * covariance[a, b + 1]
-                + e * f * covariance[a + 1, b + 1]
-            )
-
-
-@njit
-def curvature_weight(scratch):
-    """Factor of the squared log-tension covariances in the process noise, at most ``LARGEST_CURVATURE`` in all."""
-    largest = 0.0
-    for k in range(scratch.strain.shape[0]):
-        largest = max(largest, scratch.tension_covariance[k, k])
-    return min(0.5 * CURVATURE_REPEATS, LARGEST_CURVATURE / (largest * largest))
-
-
-@njit
-def shift_by_curvature(mean, scratch):
-    """Second-order shift of the predicted motion (Jazwinski 1970, section 9.3).
-
-    A tension of log-variance s has a mean larger by s/2 than the value at its mean log, and an error of variance
-    s^2 / 2 that the linearisation does not see (see ``predict_covariance``). Both vanish as parameters become known.
-    """
-    first = scratch.total.shape[0]
-    for i in range(first):
-        for k in range(scratch.strain.shape[0]):
-            mean[i] += 0.5 * scratch.tension_covariance[k, k] * scratch.total[i, first + 2 * k]
 
 
 @njit
@@ -233,23 +157,6 @@ def move(jaw, muscles, state, samples, trend, gain, dt, scratch):
         propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch)
     else:
         propagate(jaw, muscles, state, samples, trend, gain, dt, scratch)
-
-
-@njit
-def predict(jaw, mean, covariance, samples, trend, dt, wrench_variance, parameter_noise, scratch):
-    """Time update of ``mean`` and ``covariance``, (23) and (23, 23) by default, over one step.
-
-    ``samples`` (3, 6) and ``trend`` (6) are the load cell's, ``wrench_variance`` (6) that of the wrench not known:
-    unmodelled and load-cell noise together.
-    """
-    gain = mean.shape[0] - 1
-    set_muscles(jaw, mean, scratch.total.shape[0], scratch.muscles)
-    move(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
-    set_strains(jaw, scratch)
-    set_tension_covariance(covariance, scratch)
-    shift_by_curvature(mean, scratch)
-    set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
-    predict_covariance(covariance, scratch.wrench_variance, parameter_noise, curvature_weight(scratch), scratch)
 
 
 @njit
@@ -279,43 +186,6 @@ def reduce_covariance(covariance, gain, variance):
             # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
             covariance[i, j] -= (gain[i] * gain[j]) * inverse
     covariance[size - 1, size - 1] = considered
-
-
-@njit
-def doubt(covariance, gain, variance, innovation, first):
-    """Factor, 1 or more, by which an innovation is trusted less because it would move a parameter too far.
-
-    An update that moves a parameter by more than ``LARGEST_SHIFT`` of its sd at once goes beyond where the exponentials
-    are what their tangents say. Its variance is raised until it does not, as Huber's weight does with an outlier.
-    """
-    largest = 0.0
-    for j in range(first, gain.shape[0] - 1):
-        largest = max(largest, gain[j] * gain[j] / covariance[j, j])
-    return max(1.0, abs(innovation) * sqrt(largest) / (LARGEST_SHIFT * variance))
-
-
-@njit
-def update(jaw, mean, covariance, measured, variances, used, scratch):
-    """Measurement update with ``measured`` (12), noise ``variances`` (12) and ``used`` (12, bool)."""
-    size = mean.shape[0]
-    expect(jaw, mean, scratch.rows, scratch.expected)
-    for j in range(size):
-        scratch.shift[j] = 0.0
-    for i in range(N_MEASUREMENTS):
-        if not used[i]:
-            continue
-        row = scratch.rows[i]
-        variance = innovation_variance(covariance, row, variances[i], scratch.gain)
-        innovation = measured[i] - scratch.expected[i]
-        for k in range(row.shape[0]):
-            innovation -= row[k] * scratch.shift[k]
-        variance *= doubt(covariance, scratch.gain, variance, innovation, row.shape[0])
-        reduce_covariance(covariance, scratch.gain, variance)
-        weight = innovation / variance
-        for j in range(size):
-            scratch.shift[j] += weight * scratch.gain[j]
-    for j in range(size - 1):
-        mean[j] += scratch.shift[j]
 
 
 @njit

@@ -49,7 +49,10 @@ class Estimate:
 class Estimator(Protocol):
     """Anything that turns a record into a belief about the parameters."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """What tables call it."""
+        ...
 
     def estimate(self, record: Record) -> Estimate:
         """The belief over time, from this record alone; ``record.truth`` and its like are never read."""

@@ -1,7 +1,7 @@
 """The plain extended Kalman filter over a whole record in one compiled call.
 
-State and covariance recursion are those of ``ekf``, without what that adds: no curvature of the exponentials, no doubt
-of innovations. The parameters are natural logs, or with ``linear`` F_o and b themselves.
+State and covariance recursion are those of ``ekf``. The parameters are natural logs, or with ``linear`` F_o and b
+themselves.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def predict_plain(jaw, mean, covariance, samples, trend, dt, wrench_variance, no
             for i in range(first):
                 scratch.total[i, first + j] *= by_log
     set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
-    predict_covariance(covariance, scratch.wrench_variance, 0.0, 0.0, scratch)
+    predict_covariance(covariance, scratch.wrench_variance, scratch)
     for j in range(logs.shape[0]):
         covariance[first + j, first + j] += noise[j]
 

@@ -99,11 +99,11 @@ class Record:
         ticks = round(seconds / self.dt)
         if not 1 <= ticks < len(self.time):
             raise InputError(f"until: {seconds} s given, allowed are {self.dt:g} to {self.time[-1]:g} s")
-        short: dict[str, Any] = {name: getattr(self, name) for name in ("measured", "states")}
-        long = {name: getattr(self, name) for name in ("samples", "wrenches")}
         return replace(
             self,
             time=self.time[: ticks + 1],
-            **{name: None if value is None else value[: ticks + 1] for name, value in short.items()},
-            **{name: None if value is None else value[:ticks] for name, value in long.items()},
+            measured=self.measured[: ticks + 1],
+            samples=self.samples[:ticks],
+            states=None if self.states is None else self.states[: ticks + 1],
+            wrenches=None if self.wrenches is None else self.wrenches[:ticks],
         )

@@ -139,7 +139,7 @@ def sweep_forward(
                     sweep.total[i, j] = inner.total[i, j]
             for j in range(N_WRENCH):
                 inner.wrench_variance[j] = wrench_variances[k - 1, j]
-            predict_covariance(covariance, inner.wrench_variance, 0.0, 0.0, inner)
+            predict_covariance(covariance, inner.wrench_variance, inner)
         take_readings(jaw, states[k], mean, covariance, considered, measured[k], variances, sweep, inner)
         for j in range(size):
             sweep.mean[j] = mean[j]
