@@ -19,7 +19,7 @@ from jawenv.mechanics.vec3 import apply, row3
 # Longest phase (rad) of the bound in one step of the classical Runge-Kutta method. Stability would bear 2.78. An error
 # of the phase is one of the stiffness: a filter that rests its jaw on the teeth at a phase of 2 takes its own
 # error for muscle force.
-LARGEST_PHASE = 2.0
+LARGEST_PHASE = 1.5
 MOST_PARTS = 16
 
 
