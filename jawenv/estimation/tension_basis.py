@@ -30,7 +30,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)
 STRAIN = 0.08  # from there, as maneuvers go
 LIKELY = np.linspace(-1.5, 1.5, 13)  # sds of log b over which the remainder is averaged
-LARGEST_REMAINDER = 1e-4
+LARGEST_REMAINDER = 5e-5
 MOST_NODES = 6
 
 
@@ -46,7 +46,7 @@ def basis_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
 
 
 def nodes_needed(prior: Prior) -> int:
-    """Number of nodes with which the remainder is a ten-thousandth of a tension or less, for the prior's exponents.
+    """Number of nodes with which the remainder is a twenty-thousandth of a tension or less, for the prior's exponents.
 
     Five for exponents of 7 that are known within 30 %, six for wider priors or larger exponents.
     """
