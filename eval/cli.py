@@ -1,4 +1,4 @@
-"""Commands: ``python -m eval compare``, ``python -m eval report`` and ``python -m eval thesis``."""
+"""Commands: ``python -m eval compare``, ``report``, ``calibrate`` and ``thesis``."""
 
 from __future__ import annotations
 
@@ -120,6 +120,77 @@ def report_command(
     from eval import results
 
     _present(results.load(folder), folder, reference, _console())
+
+
+@app.command("calibrate")
+def calibrate_command(
+    entries: Annotated[
+        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN...", help="Names, maneuver files or training runs.")
+    ] = None,
+    filters: Annotated[
+        str,
+        typer.Option(
+            help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear, ekf-filterpy, "
+            "smoother, ukf (slow); separated by commas.",
+            metavar="NAME,...",
+        ),
+    ] = "tension",
+    patients: Annotated[int, typer.Option(help="How many; all filters meet the same.", metavar="N")] = 200,
+    seed: Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")] = 0,
+    cohort: Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")] = "trismus",
+    control: Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")] = "force",
+    sensors: Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")] = "pose",
+    env: Annotated[
+        str, typer.Option(help="Environment: jawenv/JawSides-v0, or JawSides, or sides.", metavar="NAME")
+    ] = "Jaw",
+    times: Annotated[
+        str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
+    ] = "10,30,60",
+    reality: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
+        ),
+    ] = None,
+    output: Annotated[Path, typer.Option(help="Folder of results.", metavar="FOLDER")] = Path("runs/calibrate"),
+    fresh: Annotated[bool, typer.Option("--fresh", help="Judge again what the folder already holds.")] = False,
+) -> None:
+    """Say whether filters are honest: whether the truth lies where they claim, on all cores.
+
+    Writes beliefs.parquet (one row per patient, filter and time), calibration.parquet and calibration.md. Ctrl-C keeps
+    the chunks of patients that are finished: the same command goes on from there.
+    """
+    from eval import honesty
+    from eval.calibrate import Calibration, about, calibrate, write_table
+    from eval.compare import Settings
+    from eval.thesis.progress import DrawProgress
+
+    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+    moments = tuple(_seconds(text) for text in times.split(","))
+    effects = dict(_effect(text) for text in reality or [])
+    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects)
+    wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
+    specs, console = list(dict.fromkeys(entries or [])), _console()
+    with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:
+        rows = calibrate(specs, wanted, output, fresh=fresh, progress=progress.finished)
+    table, made_with = honesty.summary(rows), about(wanted, command)
+    write_table(rows, output / "beliefs.parquet", made_with)
+    write_table(table, output / "calibration.parquet", made_with)
+    text = honesty.markdown(table, f"`{command}`")
+    (output / "calibration.md").write_text(text, encoding="utf-8")
+    honesty.show(table, console)
+    console.print(
+        f"table:   {output / 'calibration.md'}\n"
+        f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",
+        soft_wrap=True,
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"times: {text.strip()!r} given, allowed are seconds separated by commas, as 10,30") from None
 
 
 @app.command("thesis")

@@ -1,4 +1,4 @@
-"""What the terminal shows while the items are drawn: a bar on a terminal, a plain line now and then elsewhere."""
+"""What the terminal shows while many draws are made: a bar on a terminal, a plain line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ class DrawProgress:
     Args:
         draws: how many in all.
         console: where to write.
+        noun: what a draw is called, in the plural.
     """
 
-    def __init__(self, draws: int, console: Console) -> None:
-        self._draws, self._done, self._kept = draws, 0, 0
+    def __init__(self, draws: int, console: Console, noun: str = "draws") -> None:
+        self._draws, self._done, self._kept, self._noun = draws, 0, 0, noun
         self._console = console
         self._last_line_s = time.monotonic()
         self._bar: Progress | None = None
@@ -33,14 +34,14 @@ class DrawProgress:
                 TimeRemainingColumn(),
                 console=console,
             )
-            self._task = self._bar.add_task("drawing", total=float(draws))
+            self._task = self._bar.add_task("starting", total=float(draws))
 
     def __enter__(self) -> DrawProgress:
         """Start drawing."""
         if self._bar is not None:
             self._bar.start()
         else:
-            self._console.print(f"making {self._draws} draws", soft_wrap=True)
+            self._console.print(f"making {self._draws} {self._noun}", soft_wrap=True)
         return self
 
     def __exit__(
@@ -50,7 +51,7 @@ class DrawProgress:
         if self._bar is not None:
             self._bar.stop()
         if self._kept:
-            self._console.print(f"{self._kept} of {self._draws} draws kept from an earlier run", soft_wrap=True)
+            self._console.print(f"{self._kept} of {self._draws} {self._noun} kept from an earlier run", soft_wrap=True)
 
     def finished(self, key: str, number: int, known: bool) -> None:
         """Say that draws of an item are made, now or in an earlier run."""
@@ -60,4 +61,4 @@ class DrawProgress:
             self._bar.update(self._task, completed=float(self._done), description=words.label(key))
         elif not known and time.monotonic() - self._last_line_s >= PLAIN_INTERVAL_S:
             self._last_line_s = time.monotonic()
-            self._console.print(f"{self._done} of {self._draws} draws, last {words.label(key)}", soft_wrap=True)
+            self._console.print(f"{self._done} of {self._draws} {self._noun}, last {words.label(key)}", soft_wrap=True)

@@ -8,14 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
 import os
-import signal
 import zlib
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +21,12 @@ import pandas as pd
 
 import agents
 import jawenv
+from eval.pool import run_all, stopped
 from eval.thesis.item import Item
 from jawenv.errors import InputError
 
 CHUNK = 10
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
-_stopped: Any = None  # of a worker process: set when the run is to end
 
 
 @dataclass(frozen=True)
@@ -127,51 +124,9 @@ def draw_all(
     for chunk in wanted:
         if chunk not in missing:
             told(chunk.key, chunk.number, True)
-    count = workers or os.cpu_count() or 1
-    if missing and count == 1:
-        for chunk in missing:
-            draw_chunk(chunk, settings)
-            told(chunk.key, chunk.number, False)
-    elif missing:
-        _draw_in_parallel(missing, settings, min(count, len(missing)), told)
+    work = partial(draw_chunk, settings=settings)
+    run_all(work, missing, lambda chunk: told(chunk.key, chunk.number, False), workers)
     return {key: pd.concat([_read(chunk.path) for chunk in chunks], ignore_index=True) for key, chunks in plan.items()}
-
-
-def _draw_in_parallel(
-    chunks: Sequence[Chunk], settings: Settings, workers: int, told: Callable[[str, int, bool], None]
-) -> None:
-    """Spawned processes, so that none inherits threads; each runs the kernels on one."""
-    context = multiprocessing.get_context("spawn")
-    stop = context.Event()
-    before = {name: os.environ.get(name) for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")}
-    os.environ.update(dict.fromkeys(before, "1"))
-    try:
-        with ProcessPoolExecutor(workers, context, _begin_worker, (stop,)) as pool:
-            running: dict[Future[None], Chunk] = {pool.submit(draw_chunk, chunk, settings): chunk for chunk in chunks}
-            try:
-                while running:
-                    finished, _ = wait(running, return_when=FIRST_COMPLETED)
-                    for future in finished:
-                        chunk = running.pop(future)
-                        future.result()
-                        told(chunk.key, chunk.number, False)
-            except BaseException:
-                stop.set()
-                pool.shutdown(cancel_futures=True)
-                raise
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name)
-            else:
-                os.environ[name] = value
-
-
-def _begin_worker(stop: Any) -> None:
-    """Leave Ctrl-C to the parent, which then asks the workers to stop after the draw they are at."""
-    global _stopped
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _stopped = stop
 
 
 def draw_chunk(chunk: Chunk, settings: Settings) -> None:
@@ -180,7 +135,7 @@ def draw_chunk(chunk: Chunk, settings: Settings) -> None:
 
     item, parts = ITEMS[chunk.key], []
     for number in range(chunk.first, chunk.first + chunk.number):
-        if _stopped is not None and _stopped.is_set():
+        if stopped():
             return
         rng = np.random.default_rng([settings.seed, zlib.crc32(chunk.key.encode()), number])
         parts.append(item.draw(rng, settings.quick).assign(draw=number))

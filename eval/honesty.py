@@ -1,0 +1,155 @@
+"""What the rows of a calibration say of each maneuver, filter and time; as a table of figures, printed and Markdown."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from eval import statistics, words
+from eval.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval.statistics import Interval
+from jawenv.metrics import nees_band
+
+NOTHING = Interval(float("nan"), float("nan"), float("nan"))
+COLUMNS = (
+    "maneuver",
+    "filter",
+    "time, s",
+    "patients",
+    "NEES / p",
+    "honest NEES / p",
+    "inside 1/2/3 sd, %",
+    "claimed, nats",
+    "true, nats",
+    "claimed − true",
+    "RMSE / bound",
+    "ended early",
+    "diverged",
+)
+NOTE = (
+    "Means over the patients with 95 % bootstrap intervals, at times that a patient's episode reached. NEES / p above 1: "
+    "sds too small; below: too large. Claimed minus true information is what the filter says it has learned beyond what "
+    "the log score grants. RMSE / bound: root mean square error over that of the posterior Cramér-Rao bound, mean over "
+    "the p parameters. Ended: the episode was over before that time; diverged: the filter had no belief any more."
+)
+_WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
+
+
+def summary(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
+
+    Args:
+        rows: of ``eval.calibrate.calibrate``.
+
+    Returns:
+        ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES
+        per parameter lies in ``honest_low`` to ``honest_high`` with 95 %.
+    """
+    groups = rows.groupby(["entry", "filter", "time_s"], sort=False)
+    return pd.DataFrame([_figures(group, *(str(part) for part in key[:2]), float(key[2])) for key, group in groups])
+
+
+def _figures(rows: pd.DataFrame, entry: str, name: str, time_s: float) -> dict[str, object]:
+    judged = rows[rows["outcome"] == JUDGED]
+    parameters = [column.removeprefix("sd/") for column in map(str, rows) if column.startswith("sd/")]
+    size, number = len(parameters), len(judged)
+    told: dict[str, object] = {"entry": entry, "filter": name, "time_s": time_s, "patients": number}
+    values = {
+        "nees_per_parameter": judged["nees"] / size,
+        "claimed": judged["claimed"],
+        "true": judged["true"],
+        "gap": judged["claimed"] - judged["true"],
+    }
+    intervals = {key: statistics.mean(column.to_numpy()) if number else NOTHING for key, column in values.items()}
+    error, bound = (judged[[f"{kind}/{one}" for one in parameters]].to_numpy() for kind in ("error", "bound_sd"))
+    known = number > 0 and np.isfinite(bound).all()
+    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else NOTHING
+    for key, found in intervals.items():
+        told |= {key: found.value, f"{key}_low": found.low, f"{key}_high": found.high}
+    low, high = nees_band(number, size) if number else (float("nan"), float("nan"))
+    told |= {"honest_low": low / size, "honest_high": high / size}
+    told |= {f"inside_{one}": judged[f"inside_{one}"].mean() if number else float("nan") for one in SIGMAS}
+    told |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
+    return told | {"parameters": size}
+
+
+def cells(row: pd.Series) -> list[str]:
+    """A row's figures in the order of ``COLUMNS``, each with its interval."""
+    found = {key: Interval(row[key], row[f"{key}_low"], row[f"{key}_high"]) for key in _WITH_ENDS}
+    return [
+        words.label(row["entry"]),
+        row["filter"],
+        f"{row['time_s']:g}",
+        str(row["patients"]),
+        _told(found["nees_per_parameter"], 2),
+        words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING,
+        " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
+        _told(found["claimed"], 1),
+        _told(found["true"], 1),
+        _told(found["gap"], 1),
+        _told(found["rmse_over_bound"], 2),
+        str(row[ENDED]),
+        str(row[DIVERGED]),
+    ]
+
+
+def _told(found: Interval, digits: int) -> str:
+    ends = words.interval(found, digits)
+    return words.number(found.value, digits) + (f" ({ends})" if ends else "")
+
+
+def show(table: pd.DataFrame, console: Console) -> None:
+    """Print a summary; red where the sds are too small, yellow where too large."""
+    printed = Table(
+        title="Is the filter honest?", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
+    )
+    heads = (
+        "maneuver\nfilter",
+        "time\ns",
+        "patients",
+        "NEES / p\nhonest: 1",
+        "inside 1/2/3 sd\n68.3/95.4/99.7 %",
+        "claimed\nnats",
+        "true\nnats",
+        "claimed\n− true",
+        "RMSE /\nbound",
+        "ended/\ndiverged",
+    )
+    for head in heads:
+        printed.add_column(head, justify="left" if head == heads[0] else "right")
+    for _, row in table.iterrows():
+        of = cells(row)
+        colour = "red" if row["nees_per_parameter_low"] > 1 else "yellow" if row["nees_per_parameter_high"] < 1 else ""
+        nees, *rest = (_two_lines(of[i]) for i in (4, 7, 8, 9, 10))
+        nees.stylize(colour)
+        printed.add_row(
+            Text(f"{of[0]}\n{of[1]}"), of[2], of[3], nees, of[6].replace(" ", ""), *rest, f"{of[11]}/{of[12]}"
+        )
+    console.print(printed)
+    console.print(Text(NOTE, style="dim"))
+
+
+def _two_lines(cell: str) -> Text:
+    value, _, ends = cell.partition(" (")
+    text = Text(value)
+    text.append(f"\n{ends.rstrip(')')}", style="dim")
+    return text
+
+
+def markdown(table: pd.DataFrame, lead: str) -> str:
+    """A summary as a Markdown table, below a line that says what it was made with."""
+    left = 2
+    lines = [
+        lead,
+        "",
+        "| " + " | ".join(COLUMNS) + " |",
+        "|" + "|".join("---" if i < left else "--:" for i in range(len(COLUMNS))) + "|",
+        *("| " + " | ".join(cells(row)) + " |" for _, row in table.iterrows()),
+        "",
+        NOTE,
+    ]
+    return "\n".join(lines) + "\n"
