@@ -31,10 +31,10 @@ COLUMNS = (
     "diverged",
 )
 NOTE = (
-    "Means over the patients, with 95 % bootstrap intervals, at times that their episodes reached. NEES / p above 1: sds "
-    "too small; below: too large. Claimed minus true information: what the filter says it has learned beyond what the "
-    "log score grants. RMSE / bound: root mean square error over that of the posterior Cramér-Rao bound, mean over the "
-    "p parameters. Ended: the episode was over before that time; diverged: the filter had no belief any more."
+    "Means over the patients, with 95 % bootstrap intervals, at times that their episodes reached. NEES / p above 1: "
+    "sds too small; below: too large. Claimed minus true information: what the filter says it has learned beyond what "
+    "the log score grants. RMSE / bound: root mean square error over that of the posterior Cramér-Rao bound, mean over "
+    "the p parameters. Ended: the episode was over before that time; diverged: the filter had no belief any more."
 )
 _WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
 
@@ -107,7 +107,7 @@ def show(table: pd.DataFrame, console: Console) -> None:
     heads = (
         "filter",
         "time\ns",
-        "patients",
+        "n",
         "NEES / p\nhonest: 1",
         "inside 1/2/3 sd\n68/95/99.7 %",
         "claimed\nnats",
@@ -128,10 +128,12 @@ def show(table: pd.DataFrame, console: Console) -> None:
             printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
         for _, row in rows.iterrows():
             of = cells(row)
-            nees, *rest = (_two_lines(of[i]) for i in (4, 7, 8, 9, 10))
+            nees, *rest = (_two_lines(of[i]) for i in (4, 8, 9, 10))
             nees.stylize(_colour(row))
             inside = "/".join(words.percent(row[f"inside_{sigmas}"], sigmas // 3) for sigmas in SIGMAS)
-            printed.add_row(of[1], of[2], of[3], nees, inside, *rest, f"{of[11]}/{of[12]}")
+            printed.add_row(
+                of[1], of[2], of[3], nees, inside, words.number(row["claimed"]), *rest, f"{of[11]}/{of[12]}"
+            )
         console.print(printed)
     console.print(Text(NOTE, style="dim"))
 
