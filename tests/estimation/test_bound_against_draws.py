@@ -1,8 +1,9 @@
 """The bound against what it bounds: the scatter of the most probable parameters over many draws of the noise.
 
 Of one patient, at the prior's mean, the estimate is the truth plus an error whose sampling covariance is, to first
-order, B J B. B is the posterior bound and J = B^-1 - B_0^-1 what the record alone tells: the prior B_0 holds the estimate
-to its mean, which is here the truth, and so adds no scatter. If that is right, the sample covariance S of n draws has
+order, B J B. B is the posterior bound and J = B^-1 - B_0^-1 what the record alone tells: the prior B_0 holds the
+estimate to its mean, which is here the truth, and so adds no scatter. If that is right, the sample covariance
+S of n draws has
 Wishart's distribution with n - 1 degrees of freedom and that mean.
 """
 
