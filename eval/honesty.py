@@ -31,8 +31,8 @@ COLUMNS = (
     "diverged",
 )
 NOTE = (
-    "Means over the patients with 95 % bootstrap intervals, at times that a patient's episode reached. NEES / p above 1: "
-    "sds too small; below: too large. Claimed minus true information is what the filter says it has learned beyond what "
+    "Means over the patients, with 95 % bootstrap intervals, at times that their episodes reached. NEES / p above 1: "
+    "sds too small; below: too large. Claimed minus true information: what the filter says it has learned beyond what "
     "the log score grants. RMSE / bound: root mean square error over that of the posterior Cramér-Rao bound, mean over "
     "the p parameters. Ended: the episode was over before that time; diverged: the filter had no belief any more."
 )
@@ -103,34 +103,45 @@ def _told(found: Interval, digits: int) -> str:
 
 
 def show(table: pd.DataFrame, console: Console) -> None:
-    """Print a summary; red where the sds are too small, yellow where too large."""
-    printed = Table(
-        title="Is the filter honest?", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
-    )
+    """Print a summary, a table per maneuver; red where the sds are too small, yellow where too large."""
     heads = (
-        "maneuver\nfilter",
+        "filter",
         "time\ns",
-        "patients",
+        "n",
         "NEES / p\nhonest: 1",
-        "inside 1/2/3 sd\n68.3/95.4/99.7 %",
+        "inside 1/2/3 sd\n68/95/99.7 %",
         "claimed\nnats",
         "true\nnats",
         "claimed\n− true",
         "RMSE /\nbound",
         "ended/\ndiverged",
     )
-    for head in heads:
-        printed.add_column(head, justify="left" if head == heads[0] else "right")
-    for _, row in table.iterrows():
-        of = cells(row)
-        colour = "red" if row["nees_per_parameter_low"] > 1 else "yellow" if row["nees_per_parameter_high"] < 1 else ""
-        nees, *rest = (_two_lines(of[i]) for i in (4, 7, 8, 9, 10))
-        nees.stylize(colour)
-        printed.add_row(
-            Text(f"{of[0]}\n{of[1]}"), of[2], of[3], nees, of[6].replace(" ", ""), *rest, f"{of[11]}/{of[12]}"
+    for entry, rows in table.groupby("entry", sort=False):
+        printed = Table(
+            title=words.label(str(entry)),
+            title_justify="left",
+            title_style="bold",
+            box=box.SIMPLE_HEAD,
+            pad_edge=False,
         )
-    console.print(printed)
+        for head in heads:
+            printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
+        for _, row in rows.iterrows():
+            of = cells(row)
+            nees, *rest = (_two_lines(of[i]) for i in (4, 8, 9, 10))
+            nees.stylize(_colour(row))
+            inside = "/".join(words.percent(row[f"inside_{sigmas}"], sigmas // 3) for sigmas in SIGMAS)
+            printed.add_row(
+                of[1], of[2], of[3], nees, inside, words.number(row["claimed"]), *rest, f"{of[11]}/{of[12]}"
+            )
+        console.print(printed)
     console.print(Text(NOTE, style="dim"))
+
+
+def _colour(row: pd.Series) -> str:
+    if row["nees_per_parameter_low"] > 1.0:
+        return "red"
+    return "yellow" if row["nees_per_parameter_high"] < 1.0 else ""
 
 
 def _two_lines(cell: str) -> Text:
