@@ -50,14 +50,15 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
         per parameter lies in ``honest_low`` to ``honest_high`` with 95 %.
     """
     groups = rows.groupby(["entry", "filter", "time_s"], sort=False)
-    return pd.DataFrame([_figures(group, *(str(part) for part in key[:2]), float(key[2])) for key, group in groups])
+    return pd.DataFrame([_figures(group) for _, group in groups])
 
 
-def _figures(rows: pd.DataFrame, entry: str, name: str, time_s: float) -> dict[str, object]:
+def _figures(rows: pd.DataFrame) -> dict[str, object]:
+    """The figures of one maneuver, filter and time, which all ``rows`` have in common."""
     judged = rows[rows["outcome"] == JUDGED]
     parameters = [column.removeprefix("sd/") for column in map(str, rows) if column.startswith("sd/")]
     size, number = len(parameters), len(judged)
-    told: dict[str, object] = {"entry": entry, "filter": name, "time_s": time_s, "patients": number}
+    told: dict[str, object] = {key: rows[key].iloc[0] for key in ("entry", "filter", "time_s")} | {"patients": number}
     values = {
         "nees_per_parameter": judged["nees"] / size,
         "claimed": judged["claimed"],
