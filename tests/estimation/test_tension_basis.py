@@ -5,7 +5,7 @@ from math import factorial
 import newton_euler as twin
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial.hermite_e import hermegauss
 
@@ -49,6 +49,7 @@ def lagrange(basis, theta):
     return c
 
 
+@settings(max_examples=200, deadline=None, derandomize=True, database=None)
 @given(
     cohort=st.sampled_from(sorted(PRIORS)),
     away=st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12),

@@ -13,7 +13,6 @@ TICKS = 2000
 def failed(jaw, rng, ticks=TICKS, key=KEY, **options):
     """What 12 encoders (T, 12) and the load cell (T, 3, 6) would have read, and what they read."""
     tissue = Tissue(jaw, drawn_muscles(rng), **options)
-    tissue.state["shown"] = 0.0
     encoders, cell = rng.normal(size=(ticks, 12)), rng.normal(size=(ticks, 3, 6))
     measured, samples, faults = encoders.copy(), cell.copy(), np.empty(20)
     for k in range(ticks):
@@ -34,13 +33,23 @@ def test_the_shares_are_those_asked_for(jaw, rng):
 
 def test_a_frozen_sensor_shows_what_it_showed_last(jaw, rng):
     encoders, cell, measured, samples = failed(jaw, rng, frozen_share=0.4)
-    for true, read in ((encoders, measured), (cell[:, 2], samples[:, 2])):
+    for true, read in ((encoders[1:], measured[1:]), (cell[1:, 2], samples[1:, 2])):
         frozen = read[1:] != true[1:]
         assert 0.35 < frozen.mean() < 0.45
         np.testing.assert_array_equal(read[1:][frozen], read[:-1][frozen])
     stuck = samples[:, 0] != cell[:, 0]
     for i in (1, 2):
         np.testing.assert_array_equal(samples[:, i][stuck], samples[:, 0][stuck])
+
+
+def test_a_sensor_that_is_frozen_from_the_start_shows_nothing(jaw, rng):
+    """A number that it never read, 0 say, would be believed: it repeats none."""
+    encoders, cell, measured, samples = failed(jaw, rng, ticks=1, frozen_share=0.4)
+    missing = np.isnan(measured)
+    assert 0 < missing.sum() < 12
+    np.testing.assert_array_equal(measured[~missing], encoders[~missing])
+    missing = np.isnan(samples)
+    np.testing.assert_array_equal(samples[~missing], cell[~missing])
 
 
 def test_a_lost_reading_is_not_what_a_frozen_one_repeats(jaw, rng):
