@@ -246,9 +246,7 @@ def test_what_failed_is_left_out_and_must_be():
     assert np.isfinite(run.belief_cov).all()
     of_belief = nees(run.at_end(run.belief_mean) - run.truth, run.at_end(run.belief_cov))
     naive = [TensionFilter().estimate(believing(record)) for record in run.records]
-    of_naive = nees(
-        np.array([e.mean[-1] for e in naive]) - run.truth, np.array([e.cov[-1] for e in naive])
-    )
+    of_naive = nees(np.array([e.mean[-1] for e in naive]) - run.truth, np.array([e.cov[-1] for e in naive]))
     print(of_belief, of_naive)
     assert np.mean(of_belief) < 20.0
     assert np.median(of_naive) > 3.0 * np.median(of_belief)
