@@ -61,7 +61,7 @@ def test_ten_minutes_leave_the_covariances_symmetric_and_positive_definite(motio
     assert left_out == pytest.approx(0.0 if reality is None else (12 * 0.36 + 6 * 0.4) / 18, abs=0.005)
 
 
-# Measured with 48 patients: NEES 10.2 (force, 15 s) and 10.6 (trajectory, 8 s), 2-sigma coverage 0.95 and 0.93. An
+# Measured with 48 patients: NEES 12.6 (force, 15 s) and 13.5 (trajectory, 8 s), 2-sigma coverage 0.95 and 0.94. An
 # honest filter's mean NEES would be 12 with a standard error of 0.7; patients are truncated at 2 sd, which lowers it.
 @pytest.mark.parametrize(("control", "episode_s"), [("force", 15.0), ("trajectory", 8.0)])
 def test_what_the_filter_claims_is_so(control, episode_s):
