@@ -15,7 +15,8 @@ FAULT_TICKS = 2**40  # the faults' random numbers are those of ticks that no epi
 def fail(reality, state, key, tick, measured, samples, faults):
     """Let encoders (12) and load cell (3, 6) fail, in place; ``faults`` (20) is working memory.
 
-    Each channel has one standard normal per tick: its lower tail loses the reading, its upper tail repeats the last.
+    Each channel has one standard normal per tick: its lower tail loses the reading, its upper tail repeats the last. A
+    sensor that is frozen before its first reading shows none.
     """
     if reality.lost_below == -np.inf and reality.frozen_above == np.inf:
         return

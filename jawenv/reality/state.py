@@ -56,4 +56,4 @@ def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
         state.bias[k] = (reality.cell_bias_force if k < 3 else reality.cell_bias_moment) * normals[k]
         state.play[k] = measured[k]
     for k in range(18):
-        state.shown[k] = 0.0
+        state.shown[k] = np.nan

@@ -15,6 +15,8 @@ EFFECTS = [
     {"articular_stiffness_N_m": 3000.0, "articular_onset": 0.1},
     {"cell_bias_N": 0.1},
     {"encoder_play_mm": 0.3},
+    {"lost_share": 0.1},
+    {"frozen_share": 0.1},
 ]
 STEPS = 40
 

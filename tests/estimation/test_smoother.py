@@ -46,7 +46,7 @@ class Dense:
             parts.append((twin.measurement(record.jaw, motion) - record.measured[k]) / record.measurement_sd)
             if k < self.ticks:
                 mean = np.concatenate([motion, parameters, [gain]])
-                motion, _ = model_step(record.jaw, mean, record.samples[k], self.trends[k], wrenches[k])
+                motion = model_step(record.jaw, mean, record.samples[k], self.trends[k], wrenches[k])
         return np.concatenate(parts)
 
     def at(self, path):

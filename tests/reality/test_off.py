@@ -8,8 +8,11 @@ from jawenv.anatomy import known_muscle_sets
 from jawenv.device.comfort import limits_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.reality import Reality, perturb_geometry
+from jawenv.reality.faults import fail
 from jawenv.reality.joint import articular_push
 from jawenv.reality.sensors import biased, play
+
+KEY = np.uint64(1), np.uint64(2)
 
 
 def test_the_tissue_keeps_its_law(jaw, rng):
@@ -27,6 +30,7 @@ def test_the_sensors_show_what_they_showed(jaw, rng):
     before = samples.tobytes(), measured.tobytes()
     biased(tissue.state, samples)
     play(tissue.reality, tissue.state, measured)
+    fail(tissue.reality, tissue.state, KEY, 7, measured, samples, np.empty(20))
     assert (samples.tobytes(), measured.tobytes()) == before
 
 

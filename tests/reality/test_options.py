@@ -4,6 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from jawenv.errors import InputError
 from jawenv.reality import REALITY, Reality
@@ -34,6 +35,13 @@ def test_the_record_is_in_SI_units():
         ("play_angle", "encoder_play_deg", np.pi / 180),
     ]:
         assert record[kernel_name] == pytest.approx(options[name] * factor, rel=1e-15)
+    assert norm.cdf(record["lost_below"]) == pytest.approx(options["lost_share"], rel=1e-12)
+    assert norm.sf(record["frozen_above"]) == pytest.approx(options["frozen_share"], rel=1e-12)
+
+
+def test_no_normal_is_so_far_out_that_a_sensor_without_faults_fails():
+    record = Reality().records()[0]
+    assert (record["lost_below"], record["frozen_above"]) == (-np.inf, np.inf)
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Reality)])

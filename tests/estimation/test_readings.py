@@ -1,0 +1,103 @@
+"""Which readings are believed: numbers that have changed."""
+
+import numpy as np
+import pytest
+
+from jawenv.estimation.readings import LOST_FORCE, LOST_MOMENT, mark_usable, repair_samples
+
+EVERY = np.ones(12, dtype=np.uint8)
+
+
+def mark(measured, last, allowed=EVERY):
+    used = np.full(12, 7, dtype=np.uint8)
+    return mark_usable(measured, last, allowed, used), used
+
+
+def test_numbers_that_have_changed_are_used(rng):
+    measured, last = rng.normal(size=12), rng.normal(size=12)
+    left_out, used = mark(measured, last)
+    assert left_out == 0
+    np.testing.assert_array_equal(used, EVERY)
+    np.testing.assert_array_equal(last, measured)
+
+
+def test_the_first_reading_repeats_nothing(rng):
+    left_out, used = mark(rng.normal(size=12), np.full(12, np.nan))
+    assert left_out == 0 and used.all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_what_is_no_number_is_left_out(rng, bad):
+    measured, last = rng.normal(size=12), rng.normal(size=12)
+    measured[[2, 9]] = bad
+    left_out, used = mark(measured, last)
+    assert left_out == 2
+    np.testing.assert_array_equal(np.flatnonzero(used == 0), [2, 9])
+    left_out, used = mark(rng.normal(size=12), last)
+    assert left_out == 0 and used.all(), "and the next is believed"
+
+
+def test_a_repetition_is_left_out_and_a_last_bit_is_a_change(rng):
+    last = rng.normal(size=12)
+    measured = rng.normal(size=12)
+    measured[4], measured[5] = last[4], np.nextafter(last[5], 1.0)
+    left_out, used = mark(measured, last)
+    assert left_out == 1
+    np.testing.assert_array_equal(np.flatnonzero(used == 0), [4])
+    left_out, used = mark(measured, last)
+    assert left_out == 12 and not used.any(), "all sensors have frozen"
+
+
+def test_what_is_not_allowed_is_neither_used_nor_missed(rng):
+    allowed = np.tile(np.repeat([1, 0], 3), 2).astype(np.uint8)
+    measured, last = rng.normal(size=12), rng.normal(size=12)
+    measured[[0, 3]] = np.nan
+    left_out, used = mark(measured, last, allowed)
+    assert left_out == 1
+    np.testing.assert_array_equal(np.flatnonzero(used), [1, 2, 6, 7, 8])
+
+
+class Cell:
+    """A load cell's samples, the last ones, their trend and the variance of the wrench not known."""
+
+    def __init__(self, rng):
+        self.samples, self.last, self.trend = rng.normal(size=(3, 6)), rng.normal(size=6), rng.normal(size=6)
+        self.before = rng.uniform(0.01, 0.02, 6)
+        self.variance, self.usable = self.before.copy(), np.full((3, 6), np.nan)
+
+    def repair(self):
+        given = self.samples.copy()
+        replaced = repair_samples(self.samples, self.last, self.trend, self.variance, self.usable)
+        np.testing.assert_array_equal(self.samples, given)
+        np.testing.assert_array_equal(self.last, given[2])
+        return replaced
+
+
+def test_good_samples_pass(rng):
+    cell = Cell(rng)
+    assert cell.repair() == 0
+    np.testing.assert_array_equal(cell.usable, cell.samples)
+    np.testing.assert_array_equal(cell.variance, cell.before)
+
+
+def test_a_component_that_fails_becomes_its_trend_and_is_doubted(rng):
+    """By one missing sample, by one that repeats the last tick's, by two that are the same."""
+    cell = Cell(rng)
+    cell.samples[1, 0] = np.nan
+    cell.samples[0, 2] = cell.last[2]
+    cell.samples[2, 5] = cell.samples[1, 5]
+    assert cell.repair() == 3
+    failed, good = [0, 2, 5], [1, 3, 4]
+    np.testing.assert_array_equal(cell.usable[:, failed], np.tile(cell.trend[failed], (3, 1)))
+    np.testing.assert_array_equal(cell.usable[:, good], cell.samples[:, good])
+    np.testing.assert_allclose(
+        cell.variance - cell.before, np.array([LOST_FORCE, 0.0, LOST_FORCE, 0.0, 0.0, LOST_MOMENT]) ** 2, rtol=1e-9
+    )
+
+
+def test_after_a_lost_sample_the_next_is_believed(rng):
+    cell = Cell(rng)
+    cell.samples[2] = np.nan
+    assert cell.repair() == 6
+    cell.samples = rng.normal(size=(3, 6))
+    assert cell.repair() == 0
