@@ -41,6 +41,7 @@ def posterior_fields(n_muscles: int, n_nodes: int) -> list[Any]:
         ("system", "f8", (size, size)),
         ("residual", "f8", (size,)),
         ("precision", "f8", (parameters, parameters)),
+        ("spare", "f8", (parameters, parameters)),
         ("right", "f8", (parameters,)),
     ]
 
@@ -220,8 +221,13 @@ def believe(basis, information, score, nominal, gain_variance, prior_mean, prior
         set_reached(nominal, scratch)
         set_precision(mean, prior_mean, prior_sd, scratch)
         if not invert_positive(scratch.precision, covariance):
-            for i in range(parameters):
-                covariance[i, i] = np.nan
+            # Where Omega dwarfs all else rounding decides. The belief then stays what it is, if the information is sound.
+            scratch.omega[:, :] = 0.0
+            set_reached(nominal, scratch)
+            set_precision(mean, prior_mean, prior_sd, scratch)
+            if not invert_positive(scratch.precision, scratch.spare):
+                for i in range(parameters):
+                    covariance[i, i] = np.nan
             return False
         furthest, longest = 0.0, 0.0
         for i in range(parameters):
