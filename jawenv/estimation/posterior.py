@@ -221,7 +221,7 @@ def believe(basis, information, score, nominal, gain_variance, prior_mean, prior
         set_reached(nominal, scratch)
         set_precision(mean, prior_mean, prior_sd, scratch)
         if not invert_positive(scratch.precision, covariance):
-            # Where Omega dwarfs all else rounding decides. The belief then stays what it is, if the information is sound.
+            # Where Omega dwarfs all else rounding decides: the belief stays, if the information itself is sound.
             scratch.omega[:, :] = 0.0
             set_reached(nominal, scratch)
             set_precision(mean, prior_mean, prior_sd, scratch)
