@@ -130,6 +130,7 @@ def lead(
         start_sd=free * np.repeat(_START_SD, [2, 3, 2, 3]),
         measurement_sd=defaults.measurement_sd(device),
         wrench_sd=defaults.wrench_sd(device, dt),
+        cell_sd=defaults.cell_sd(device),
         gain_sd=device.cell_gain,
         jaw=jaw,
         prior=prior,

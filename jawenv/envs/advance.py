@@ -54,6 +54,7 @@ def settings_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", 6),
+        ("cell_variance", "f8", 6),
         ("gain_variance", "f8"),
         ("basis", basis_dtype(n_muscles, n_nodes)),
         ("prior_mean", "f8", (2 * n_muscles,)),
@@ -161,11 +162,11 @@ def end_tick(device, model, world, settings, scratch, ticks):
     world.tick += 1
     if settings.record:
         keep_tick(model, world, settings, scratch, ticks)
-    filter_tick(model, world, settings, scratch)
+    filter_tick(device, model, world, settings, scratch)
 
 
 @njit
-def filter_tick(model, world, settings, scratch):
+def filter_tick(device, model, world, settings, scratch):
     """The filter's part of a tick, given what the sensors read."""
     for k in range(6):
         scratch.known[k] = settings.wrench_variance[k]
@@ -173,7 +174,18 @@ def filter_tick(model, world, settings, scratch):
     for k in range(6):
         world.reading[k] = mean_reading(scratch.usable, k)
     gain = settings.gain_variance
-    predict_motion(model, settings.basis, world, scratch.usable, TICK, scratch.known, gain, scratch.tension)
+    predict_motion(
+        model,
+        settings.basis,
+        world,
+        scratch.usable,
+        TICK,
+        scratch.known,
+        settings.cell_variance,
+        device,
+        settings.trajectory,
+        scratch.tension,
+    )
     follow_trend(world.trend, scratch.usable, TICK)
     lost += mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
     world.left_out += lost / (settings.channels * settings.ticks_per_step)

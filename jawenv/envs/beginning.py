@@ -195,7 +195,6 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
     size = world.motion.shape[0]
-    begin_belief(settings.basis, world, settings.prior_mean, settings.prior_sd)
     world.motion_cov[:, :] = 0.0
     for i in range(size):
         sd = motion_sd(model, i)
@@ -203,6 +202,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         world.motion_cov[i, i] = sd * sd
         if settings.record:
             ticks[0].believed[i] = world.motion[i]
+    begin_belief(settings.basis, world, settings.prior_mean, settings.prior_sd)
     world.cell_gain = device.cell_gain * normals[size]
     world.bound[:, :] = np.nan
     if settings.bound:

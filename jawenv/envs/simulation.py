@@ -197,6 +197,7 @@ class Simulation:
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
         settings["wrench_variance"] = np.repeat([unmodelled[0] + cell_force, unmodelled[1] + cell_moment], 3)
+        settings["cell_variance"] = np.repeat([cell_force, cell_moment], 3)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         settings["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
         settings["channels"] = int(settings["used"].sum()) + N_WRENCH

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.estimator import Estimate
@@ -28,6 +29,8 @@ _SETTINGS = [
     ("gain_variance", "f8"),
     ("measurement_variance", "f8", N_MEASUREMENTS),
     ("wrench_variance", "f8", 6),
+    ("cell_variance", "f8", 6),
+    ("has_servo", "u1"),
 ]
 
 
@@ -64,6 +67,8 @@ class TensionFilter:
         )[0]
         settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
         settings["measurement_variance"], settings["wrench_variance"] = record.measurement_sd**2, record.wrench_sd**2
+        settings["cell_variance"], settings["has_servo"] = record.cell_sd**2, record.servo is not None
+        device = (record.servo or Device()).records()[0]
         settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
         belief["motion"] = record.start_mean
         belief["motion_cov"] = np.diag(record.start_sd**2)
@@ -71,13 +76,13 @@ class TensionFilter:
         times = record.time[:: self.every]
         mean, cov = np.empty((len(times), 2 * muscles)), np.empty((len(times), 2 * muscles, 2 * muscles))
         filter_record(
-            record.jaw, basis, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
+            record.jaw, device, basis, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
         )
         return Estimate(self.name, times, mean, cov)
 
 
 @njit
-def filter_record(jaw, basis, belief, measured, samples, settings, scratch, every, means, covs):
+def filter_record(jaw, device, basis, belief, measured, samples, settings, scratch, every, means, covs):
     """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples; a belief every ``every`` ticks."""
     prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
     last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(6)
@@ -87,7 +92,18 @@ def filter_record(jaw, basis, belief, measured, samples, settings, scratch, ever
         if tick > 0:
             known[:] = settings.wrench_variance
             repair_samples(samples[tick - 1], last_sample, belief.trend, known, usable)
-            predict_motion(jaw, basis, belief, usable, settings.dt, known, gain_variance, scratch)
+            predict_motion(
+                jaw,
+                basis,
+                belief,
+                usable,
+                settings.dt,
+                known,
+                settings.cell_variance,
+                device,
+                settings.has_servo,
+                scratch,
+            )
             follow_trend(belief.trend, usable, settings.dt)
         mark_usable(measured[tick], last, allowed, used)
         update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)

@@ -25,23 +25,27 @@ from jawenv.estimation.tension_basis import expand_coefficients
 
 LONGEST_STEP = 1.0  # prior sds that the mean moves by at once: beyond, no expansion holds
 NEGLIGIBLE = 0.05  # of the information, that Omega takes away
+ROUNDING = 1e-13  # of a diagonal entry, below which a pivot is taken for zero
 CONVERGED = 0.3  # sds of the belief: what the next round would still move is of the order of its square
 
 
 def posterior_fields(n_muscles: int, n_nodes: int) -> list[Any]:
     """Working memory of ``believe`` as fields of a dtype."""
-    size, parameters = n_muscles * n_nodes, 2 * n_muscles
+    size, parameters, bends = n_muscles * n_nodes, 2 * n_muscles, 3 * n_muscles
     return [
         ("coefficients", "f8", (n_muscles, n_nodes)),
-        ("by_log", "f8", (n_muscles, n_nodes, 2)),
         ("by_log_twice", "f8", (n_muscles, n_nodes, 3)),
-        ("omega", "f8", (size, size)),
         ("known", "f8", (size, size)),
-        ("reached", "f8", (size, parameters + 1)),
-        ("system", "f8", (size, size)),
+        ("unexplained", "f8", (size,)),
         ("residual", "f8", (size,)),
+        ("spread", "f8", (size, bends)),
+        ("bent", "f8", (bends, bends)),
+        ("root", "f8", (bends, bends)),
+        ("omega", "f8", (bends, bends)),
+        ("system", "f8", (bends, bends)),
+        ("pulled", "f8", (bends,)),
+        ("reached", "f8", (bends, parameters + 1)),
         ("precision", "f8", (parameters, parameters)),
-        ("spare", "f8", (parameters, parameters)),
         ("right", "f8", (parameters,)),
     ]
 
@@ -57,129 +61,169 @@ def without_gain(information, score, gain_variance, scratch):
             value = information[i, j] - share * information[size, j]
             scratch.known[i, j] = value
             scratch.known[j, i] = value
-        scratch.residual[i] = score[i] - share * score[size]
+        scratch.unexplained[i] = score[i] - share * score[size]
 
 
 @njit
-def set_omega(covariance, scratch):
-    """Omega from the belief's covariance and the mean second derivatives."""
-    twice = scratch.by_log_twice
+def set_bent(nominal, scratch):
+    """N = T^T Lambda T into ``bent`` (3 m, 3 m), and T^T (score - Lambda (mean c - nominal)) into ``pulled`` (3 m).
+
+    T (m K, 3 m) holds the second derivatives of each muscle's c: by log F_o twice, by both, by log b twice. The first
+    two are the first derivatives too, as c is proportional to F_o.
+    """
+    known, spread, twice, bent = scratch.known, scratch.spread, scratch.by_log_twice, scratch.bent
     muscles, nodes = twice.shape[0], twice.shape[1]
+    for a in range(known.shape[0]):
+        value = scratch.unexplained[a]
+        for i in range(muscles):
+            first, second, third = 0.0, 0.0, 0.0
+            for k in range(nodes):
+                factor = known[a, i * nodes + k]
+                first += factor * twice[i, k, 0]
+                second += factor * twice[i, k, 1]
+                third += factor * twice[i, k, 2]
+                value -= factor * (scratch.coefficients[i, k] - nominal[i, k])
+            spread[a, 3 * i], spread[a, 3 * i + 1], spread[a, 3 * i + 2] = first, second, third
+        scratch.residual[a] = value
     for i in range(muscles):
+        for r in range(3):
+            row, value = 3 * i + r, 0.0
+            for column in range(bent.shape[0]):
+                bent[row, column] = 0.0
+            for k in range(nodes):
+                factor = twice[i, k, r]
+                value += factor * scratch.residual[i * nodes + k]
+                for column in range(bent.shape[0]):
+                    bent[row, column] += factor * spread[i * nodes + k, column]
+            scratch.pulled[row] = value
+
+
+@njit
+def set_omega(covariance, omega):
+    """Omega = T G T^T: G into ``omega`` (3 m, 3 m), from the belief's covariance."""
+    for i in range(omega.shape[0] // 3):
         for j in range(i + 1):
             a, b = covariance[2 * i, 2 * j], covariance[2 * i, 2 * j + 1]
             c, d = covariance[2 * i + 1, 2 * j], covariance[2 * i + 1, 2 * j + 1]
-            for k in range(nodes):
-                f, g, h = twice[i, k, 0], twice[i, k, 1], twice[i, k, 2]
-                # P_ji H_k P_ij, symmetric.
-                m00 = a * a * f + 2.0 * a * c * g + c * c * h
-                m01 = a * b * f + (a * d + b * c) * g + c * d * h
-                m11 = b * b * f + 2.0 * b * d * g + d * d * h
-                for l in range(nodes):
-                    value = 0.5 * m00 * twice[j, l, 0] + m01 * twice[j, l, 1] + 0.5 * m11 * twice[j, l, 2]
-                    scratch.omega[i * nodes + k, j * nodes + l] = value
-                    scratch.omega[j * nodes + l, i * nodes + k] = value
+            block = (
+                (0.5 * a * a, a * b, 0.5 * b * b),
+                (a * c, a * d + b * c, b * d),
+                (0.5 * c * c, c * d, 0.5 * d * d),
+            )
+            for r in range(3):
+                for s in range(3):
+                    omega[3 * i + r, 3 * j + s] = block[r][s]
+                    omega[3 * j + s, 3 * i + r] = block[r][s]
 
 
 @njit
-def set_reached(nominal, scratch):
-    """Lambda times [derivative of c by theta, mean of c less ``nominal``], and the score's residual in the last column.
+def set_root(matrix, root):
+    """Lower triangular C with C C^T = ``matrix``, which is positive semidefinite up to rounding."""
+    size = matrix.shape[0]
+    for j in range(size):
+        for i in range(size):
+            root[i, j] = 0.0
+        value = matrix[j, j]
+        for k in range(j):
+            value -= root[j, k] * root[j, k]
+        if value > ROUNDING * matrix[j, j]:
+            root[j, j] = sqrt(value)
+            for i in range(j + 1, size):
+                value = matrix[i, j]
+                for k in range(j):
+                    value -= root[i, k] * root[j, k]
+                root[i, j] = value / root[j, j]
 
-    With Omega: both are multiplied by (1 + Lambda Omega)^-1, in ``reached`` (mK, p + 1).
+
+@njit
+def set_reached(scratch):
+    """Y with Y^T Y = E^T (N^-1 + G)^-1 E into ``reached`` (3 m, p), where E picks the first derivatives of T.
+
+    With N = C C^T and 1 + C^T G C = M M^T: Y = M^-1 C^T E, positive semidefinite whatever rounding does. The last
+    column receives what of ``pulled`` is left, (1 + N G)^-1 of it. False if M does not exist.
     """
-    known, omega, reached, by_log = scratch.known, scratch.omega, scratch.reached, scratch.by_log
-    muscles, nodes = by_log.shape[0], by_log.shape[1]
-    size, last = known.shape[0], 2 * muscles
-    lost = 0.0
-    for a in range(size):
-        value = scratch.residual[a]
-        for i in range(muscles):
-            first, second = 0.0, 0.0
-            for k in range(nodes):
-                factor = known[a, i * nodes + k]
-                first += factor * by_log[i, k, 0]
-                second += factor * by_log[i, k, 1]
-                value -= factor * (scratch.coefficients[i, k] - nominal[i, k])
-            reached[a, 2 * i], reached[a, 2 * i + 1] = first, second
-        reached[a, last] = value
-        for b in range(size):
-            lost += known[a, b] * omega[a, b]
-    if lost < NEGLIGIBLE:
-        return
-    system = scratch.system
-    for a in range(size):
-        for b in range(size):
-            system[a, b] = 0.0
-        system[a, a] = 1.0
+    root, omega, system, reached = scratch.root, scratch.omega, scratch.system, scratch.reached
+    size, last = root.shape[0], reached.shape[1] - 1
+    set_root(scratch.bent, root)
+    for i in range(size):
+        for j in range(size):
+            scratch.spread[i, j] = 0.0
         for k in range(size):
-            factor = known[a, k]
-            for b in range(size):
-                system[a, b] += factor * omega[k, b]
-    solve_general(system, reached)
-
-
-@njit
-def solve_general(matrix, right):
-    """Gaussian elimination with partial pivoting; ``right`` receives the solution, ``matrix`` is destroyed."""
-    size, columns = right.shape
-    for pivot in range(size):
-        largest = pivot
-        for i in range(pivot + 1, size):
-            if abs(matrix[i, pivot]) > abs(matrix[largest, pivot]):
-                largest = i
-        if largest != pivot:
-            for j in range(size):
-                matrix[pivot, j], matrix[largest, j] = matrix[largest, j], matrix[pivot, j]
-            for j in range(columns):
-                right[pivot, j], right[largest, j] = right[largest, j], right[pivot, j]
-        for i in range(pivot + 1, size):
-            factor = matrix[i, pivot] / matrix[pivot, pivot]
-            for j in range(pivot + 1, size):
-                matrix[i, j] -= factor * matrix[pivot, j]
-            for j in range(columns):
-                right[i, j] -= factor * right[pivot, j]
-    for i in range(size - 1, -1, -1):
-        for k in range(i + 1, size):
-            factor = matrix[i, k]
-            for j in range(columns):
-                right[i, j] -= factor * right[k, j]
-        for j in range(columns):
-            right[i, j] /= matrix[i, i]
+            factor = omega[i, k]
+            for j in range(k + 1):
+                scratch.spread[i, j] += factor * root[k, j]
+    for i in range(size):
+        for j in range(size):
+            system[i, j] = 1.0 if i == j else 0.0
+    for k in range(size):
+        for i in range(k + 1):
+            factor = root[k, i]
+            for j in range(i + 1):
+                system[i, j] += factor * scratch.spread[k, j]
+    if not factor_positive(system):
+        return False
+    for k in range(size):
+        for i in range(last // 2):
+            reached[k, 2 * i], reached[k, 2 * i + 1] = root[3 * i, k], root[3 * i + 1, k]
+        value = 0.0
+        for i in range(size):
+            value += scratch.spread[i, k] * scratch.pulled[i]
+        reached[k, last] = value
+    for i in range(size):
+        for j in range(last + 1):
+            for k in range(i):
+                reached[i, j] -= system[i, k] * reached[k, j]
+            reached[i, j] /= system[i, i]
+    return True
 
 
 @njit
 def set_precision(mean, prior_mean, prior_sd, scratch):
-    """Precision of the linearised posterior, and in ``right`` the gradient of its logarithm at ``mean``."""
-    by_log, reached, precision = scratch.by_log, scratch.reached, scratch.precision
-    muscles, nodes = by_log.shape[0], by_log.shape[1]
-    last = 2 * muscles
-    for i in range(muscles):
-        for r in range(2):
-            row, value = 2 * i + r, 0.0
-            for column in range(last):
-                precision[row, column] = 0.0
-            for k in range(nodes):
-                factor = by_log[i, k, r]
-                value += factor * reached[i * nodes + k, last]
-                for column in range(last):
-                    precision[row, column] += factor * reached[i * nodes + k, column]
-            scratch.right[row] = value + (prior_mean[row] - mean[row]) / (prior_sd[row] * prior_sd[row])
-    for row in range(last):
-        for column in range(row):
-            value = 0.5 * (precision[row, column] + precision[column, row])
-            precision[row, column], precision[column, row] = value, value
-        precision[row, row] += 1.0 / (prior_sd[row] * prior_sd[row])
+    """Precision of the linearised posterior, and in ``right`` the gradient of its logarithm at ``mean``.
+
+    False where rounding leaves no answer.
+    """
+    bent, omega, reached, precision, right = (
+        scratch.bent,
+        scratch.omega,
+        scratch.reached,
+        scratch.precision,
+        scratch.right,
+    )
+    parameters = mean.shape[0]
+    lost = 0.0
+    for i in range(bent.shape[0]):
+        for j in range(bent.shape[0]):
+            lost += bent[i, j] * omega[i, j]
+    for i in range(parameters):
+        row = 3 * (i // 2) + i % 2
+        for j in range(parameters):
+            precision[i, j] = bent[row, 3 * (j // 2) + j % 2]
+        right[i] = scratch.pulled[row]
+    if not lost < NEGLIGIBLE:
+        if not set_reached(scratch):
+            return False
+        for i in range(parameters):
+            for j in range(parameters):
+                precision[i, j] = 0.0
+        for k in range(bent.shape[0]):
+            for i in range(parameters):
+                factor = reached[k, i]
+                right[i] -= factor * reached[k, parameters]
+                for j in range(parameters):
+                    precision[i, j] += factor * reached[k, j]
+    for i in range(parameters):
+        weight = 1.0 / (prior_sd[i] * prior_sd[i])
+        precision[i, i] += weight
+        right[i] += weight * (prior_mean[i] - mean[i])
+    return True
 
 
 @njit
-def invert_positive(matrix, inverse):
-    """Inverse of a symmetric positive definite matrix; False if it is not positive definite.
-
-    The lower half of ``matrix`` is overwritten by the inverse of its Cholesky factor.
-    """
-    size = matrix.shape[0]
-    for j in range(size):
-        for i in range(j, size):
+def factor_positive(matrix):
+    """The lower half of ``matrix`` becomes its Cholesky factor; False if it is not positive definite."""
+    for j in range(matrix.shape[0]):
+        for i in range(j, matrix.shape[0]):
             value = matrix[i, j]
             for k in range(j):
                 value -= matrix[i, k] * matrix[j, k]
@@ -189,6 +233,18 @@ def invert_positive(matrix, inverse):
                 matrix[j, j] = sqrt(value)
             else:
                 matrix[i, j] = value / matrix[j, j]
+    return True
+
+
+@njit
+def invert_positive(matrix, inverse):
+    """Inverse of a symmetric positive definite matrix; False if it is not positive definite.
+
+    The lower half of ``matrix`` is overwritten by the inverse of its Cholesky factor.
+    """
+    size = matrix.shape[0]
+    if not factor_positive(matrix):
+        return False
     for j in range(size):
         matrix[j, j] = 1.0 / matrix[j, j]
         for i in range(j + 1, size):
@@ -214,20 +270,15 @@ def believe(basis, information, score, nominal, gain_variance, prior_mean, prior
     (m, K). The belief given is where the search starts: the last one, or the prior.
     """
     parameters = mean.shape[0]
+    without_gain(information, score, gain_variance, scratch)
     for _ in range(rounds):
-        without_gain(information, score, gain_variance, scratch)
-        expand_coefficients(basis, mean, covariance, scratch.coefficients, scratch.by_log, scratch.by_log_twice)
-        set_omega(covariance, scratch)
-        set_reached(nominal, scratch)
-        set_precision(mean, prior_mean, prior_sd, scratch)
-        if not invert_positive(scratch.precision, covariance):
-            # Where Omega dwarfs all else rounding decides: the belief stays, if the information itself is sound.
-            scratch.omega[:, :] = 0.0
-            set_reached(nominal, scratch)
-            set_precision(mean, prior_mean, prior_sd, scratch)
-            if not invert_positive(scratch.precision, scratch.spare):
-                for i in range(parameters):
-                    covariance[i, i] = np.nan
+        expand_coefficients(basis, mean, covariance, scratch.coefficients, scratch.by_log_twice)
+        set_bent(nominal, scratch)
+        set_omega(covariance, scratch.omega)
+        sound = set_precision(mean, prior_mean, prior_sd, scratch)
+        if not sound or not invert_positive(scratch.precision, covariance):
+            for i in range(parameters):
+                covariance[i, i] = np.nan
             return False
         furthest, longest = 0.0, 0.0
         for i in range(parameters):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
+from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.sensitivity import N_SAMPLES
@@ -34,10 +35,13 @@ class Record:
         measurement_sd: (12,) noise of the encoders.
         wrench_sd: (6,) sd of the wrench not known, constant over a tick and new in each: what no model explains, and
             the noise of the mean of a tick's load-cell samples.
+        cell_sd: (6,) sd of the latter alone.
         gain_sd: sd of the load cell's relative gain error, one value for the record.
         jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
         prior: belief about the parameters before the record.
         parameter_names: p names.
+        servo: the device, if its motors held the jaw by a position servo: then its force answers to the jaw's motion.
+            None where forces were commanded.
         truth: (p,) the patient's natural-log parameters; None where nobody knows. For evaluation only.
         states: (T + 1, n) true motion; None where nobody knows. For evaluation only.
         wrenches: (T, 3, 6) true wrench of the device at the times of ``samples``; likewise.
@@ -53,10 +57,12 @@ class Record:
     start_sd: Array
     measurement_sd: Array
     wrench_sd: Array
+    cell_sd: Array
     gain_sd: float
     jaw: Any
     prior: Prior
     parameter_names: tuple[str, ...]
+    servo: Device | None = None
     truth: Array | None = None
     states: Array | None = None
     wrenches: Array | None = None
@@ -70,6 +76,7 @@ class Record:
             "start_sd": (size,),
             "measurement_sd": (N_MEASUREMENTS,),
             "wrench_sd": (N_WRENCH,),
+            "cell_sd": (N_WRENCH,),
             "truth": (parameters,),
             "states": (ticks + 1, size),
             "wrenches": (ticks, N_SAMPLES, N_WRENCH),
@@ -84,6 +91,8 @@ class Record:
         for name in ("measurement_sd", "wrench_sd"):
             if not (getattr(self, name) > 0.0).all():
                 raise InputError(f"record: {name} is {getattr(self, name)}, allowed are numbers above 0")
+        if not ((self.cell_sd >= 0.0) & (self.cell_sd <= self.wrench_sd)).all():
+            raise InputError(f"record: cell_sd is {self.cell_sd}, allowed are numbers from 0 to wrench_sd")
 
     @property
     def dt(self) -> float:

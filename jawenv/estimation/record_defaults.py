@@ -67,6 +67,13 @@ def wrench_sd(device: Device, dt: float) -> Array:
     return found
 
 
+def cell_sd(device: Device) -> Array:
+    """(6,) the load cell's part of ``wrench_sd``."""
+    one = device.records()[0]
+    found: Array = np.repeat([float(one["cell_force"]), float(one["cell_moment"])], 3) / np.sqrt(2.0)
+    return found
+
+
 def size_of_motion(jaw: Any) -> int:
     """Number of states (q, u) of a jaw's model."""
     return N_BODY if jaw["condyles"] == 2 else N_STATES

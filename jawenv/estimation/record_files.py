@@ -9,6 +9,7 @@ the defaults.
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -39,9 +40,11 @@ _ABOUT = (
     "prior_sd",
     "measurement_sd",
     "wrench_sd",
+    "cell_sd",
     "gain_sd",
     "start_mean",
     "start_sd",
+    "servo",
     "truth",
 )
 
@@ -77,6 +80,7 @@ def load_record(
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
+    servo: Device | None = None,
     truth: Array | None = None,
 ) -> Record:
     """Read a recording. What neither the arguments nor the file says has the default named here.
@@ -91,6 +95,7 @@ def load_record(
         device: noise of encoders and load cell; ``jawenv.Device()``.
         start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
         start_sd: (n,) its sd; so wide that the first reading decides.
+        servo: the device, if a position servo moved the jaw; None, which stands for commanded forces.
         truth: (p,) natural-log parameters, if known; None.
 
     Raises:
@@ -133,10 +138,12 @@ def load_record(
         start_sd=np.array(defaults.start_sd(jaw) if spread is None else spread, dtype=np.float64),
         measurement_sd=measurement_sd,
         wrench_sd=np.array(told.get("wrench_sd", defaults.wrench_sd(noise, dt))),
+        cell_sd=np.array(told.get("cell_sd", defaults.cell_sd(noise))),
         gain_sd=float(told.get("gain_sd", noise.cell_gain)),
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
+        servo=servo or _servo_of(about.get("servo"), table.path),
         truth=None if known is None else np.array(known, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
         wrenches=_of_ticks(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
@@ -159,9 +166,12 @@ def _about(record: Record) -> dict[str, Any]:
         )
     about |= {"prior_mean": record.prior.mean.tolist(), "prior_sd": record.prior.sd.tolist()}
     about |= {
-        name: getattr(record, name).tolist() for name in ("measurement_sd", "wrench_sd", "start_mean", "start_sd")
+        name: getattr(record, name).tolist()
+        for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
     about["gain_sd"] = record.gain_sd
+    if record.servo is not None:
+        about["servo"] = asdict(record.servo)
     if record.truth is not None:
         about["truth"] = record.truth.tolist()
     return about
@@ -171,7 +181,7 @@ def _checked_about(table: Table) -> dict[str, Any]:
     """What the file says about itself, with numbers where numbers belong."""
     texts = {"model", "cohort"}
     for name, value in table.about.items():
-        if name == "jaw":
+        if name in ("jaw", "servo"):
             continue
         try:
             right = isinstance(value, str) if name in texts else np.isfinite(np.array(value, dtype=np.float64)).all()
@@ -203,6 +213,15 @@ def _jaw_of(told: dict[str, Any], model: str, path: str) -> Any:
             f"{path}: jaw lacks {name!r} or has it in another shape; allowed: as save_record wrote it"
         ) from None
     return jaw
+
+
+def _servo_of(told: Any, path: str) -> Device | None:
+    if told is None:
+        return None
+    try:
+        return Device(**told)
+    except TypeError:
+        raise InputError(f"{path}: servo is {str(told)[:40]!r}; allowed: fields of jawenv.Device") from None
 
 
 def _prior(given: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:

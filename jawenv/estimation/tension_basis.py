@@ -110,12 +110,13 @@ def set_coefficients(basis, log_parameters, coefficients):
 
 
 @njit
-def expand_coefficients(basis, log_parameters, covariance, coefficients, by_log, by_log_twice):
-    """Means of c, of its gradient and of its second derivatives by (log F_o, log b), over a normal belief.
+def expand_coefficients(basis, log_parameters, covariance, coefficients, by_log_twice):
+    """Means of c and of its second derivatives by (log F_o, log b), over a normal belief.
 
-    ``coefficients`` (muscles, K), ``by_log`` (muscles, K, 2) and ``by_log_twice`` (muscles, K, 3; by log F_o twice, by
-    both, by log b twice) receive them. Weighting a normal density of covariance P by F_o = exp(log F_o), to which c is
-    proportional, moves its mean by P's first column: exact in log F_o, and to second order in log b for the mean of c.
+    ``coefficients`` (muscles, K) and ``by_log_twice`` (muscles, K, 3; by log F_o twice, by both, by log b twice)
+    receive them. As c is proportional to F_o, the first two are also its first derivatives, by log F_o and by log b;
+    and weighting a normal density of covariance P by F_o = exp(log F_o) moves its mean by P's first column: exact in
+    log F_o, and to second order in log b for the mean of c.
     """
     for i in range(coefficients.shape[0]):
         f, e = 2 * i, 2 * i + 1
@@ -129,4 +130,3 @@ def expand_coefficients(basis, log_parameters, covariance, coefficients, by_log,
             by_log_twice[i, k, 0], by_log_twice[i, k, 1] = factor * value, factor * b * first
             by_log_twice[i, k, 2] = factor * b * (first + b * second)
             coefficients[i, k] = factor * value + 0.5 * spread * by_log_twice[i, k, 2]
-            by_log[i, k, 0], by_log[i, k, 1] = factor * value, factor * b * first

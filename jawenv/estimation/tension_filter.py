@@ -12,9 +12,9 @@ Forces are linear in c, so that the information of early data, gathered about a 
 late data. No noise has to be put on the parameters, which are constants. The belief about the natural-log parameters is
 made from the information and the prior (``posterior``); the motion is then moved to the new mean (``recentre``).
 
-The force on the jaw is the reading plus g times the recent trend of readings: a reading that multiplied g would let the
-filter take the load cell's noise for a force without effect. What g makes of the readings' departure from their trend
-is too fast to correlate: it adds to the process noise.
+The force on the jaw is the reading plus g times the reading. The load cell's noise is in the reading and so in the
+motion: ``noisy_input`` rids the score of what it would bias. Where a servo holds the jaw, g multiplies the recent trend
+of the readings instead, for what the servo answers to the filter's own errors is too much of a reading.
 """
 
 from __future__ import annotations
@@ -24,14 +24,23 @@ from typing import Any
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.estimation.ekf import move, set_muscles, set_wrench_variance
+from jawenv.device.servo import set_servo
+from jawenv.estimation.ekf import mean_reading, move, set_muscles
+from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
+from jawenv.estimation.noisy_input import (
+    noisy_input_fields,
+    predict_aftermath,
+    predict_tremble,
+    update_aftermath,
+    update_tremble,
+)
 from jawenv.estimation.posterior import believe, posterior_fields
 from jawenv.estimation.sensitivity import sensitivity_fields
 from jawenv.estimation.tension_basis import set_coefficients
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.kinematics import contact_point, rotation
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, norm, row3, scale, subtract, vector3
+from jawenv.mechanics.kinematics import rotation
+from jawenv.mechanics.vec3 import vector3
 
 # Ticks at the start after each of which the belief is renewed: its first guess is far off.
 EAGER_TICKS = 20
@@ -50,6 +59,8 @@ def belief_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
         ("motion", "f8", (n_states,)),
         ("motion_cov", "f8", (n_states, n_states)),
         ("by_tension", "f8", (n_states, size)),
+        ("tremble", "f8", (n_states, n_states)),
+        ("aftermath", "f8", (n_states, n_states)),
         ("information", "f8", (size, size)),
         ("score", "f8", (size,)),
         ("nominal", "f8", (n_muscles, n_nodes)),
@@ -64,9 +75,12 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
     size = tension_count(n_muscles, n_nodes)
     fields = [
         *sensitivity_fields(0, n_lines, n_states),
+        *noisy_input_fields(n_states),
         ("muscles", "f8", (n_lines, 2)),
         ("start_motion", "f8", (n_states,)),
-        ("wrench_variance", "f8", (N_WRENCH,)),
+        ("reading", "f8", (N_WRENCH,)),
+        ("by_place", "f8", (n_states // 2, 3)),
+        ("servo", "f8", (N_WRENCH, n_states)),
         ("line_wrench", "f8", (N_WRENCH, size)),
         ("moved", "f8", (n_states, size)),
         ("moved_cov", "f8", (n_states, n_states)),
@@ -75,6 +89,7 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("gain", "f8", (n_states,)),
         ("row", "f8", (size,)),
         ("change", "f8", (n_states,)),
+        ("spare", "f8", (n_states,)),
         ("after", "f8", (n_muscles, n_nodes)),
         ("posterior", np.dtype(posterior_fields(n_muscles, n_nodes), align=True)),
     ]
@@ -82,101 +97,75 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
 
 
 @njit
-def middle_of(jaw, before, after):
-    """Place of the body's reference point and rotation half way between two states."""
-    if jaw.condyles == 2:
-        place = (0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1]), 0.5 * (before[2] + after[2]))
-        q = (
-            0.5 * (before[0] + after[0]),
-            0.5 * (before[1] + after[1]),
-            0.5 * (before[3] + after[3]),
-            0.5 * (before[4] + after[4]),
-            0.5 * (before[5] + after[5]),
-        )
-        return place, rotation(q)
-    q = (
-        0.5 * (before[0] + after[0]),
-        0.5 * (before[1] + after[1]),
-        0.5 * (before[2] + after[2]),
-        0.5 * (before[3] + after[3]),
-        0.5 * (before[4] + after[4]),
-    )
-    return contact_point(jaw, q), rotation(q)
-
-
-@njit
-def set_line_wrenches(jaw, basis, before, after, trend, line_wrench):
-    """Wrench at the mouthpiece (body axes) that each coefficient of unit size amounts to, and the gain error's.
-
-    Lines are taken half way through the step.
-    """
-    place, body_to_head = middle_of(jaw, before, after)
-    nodes = basis.nodes.shape[1]
-    for k in range(N_WRENCH):
-        for j in range(line_wrench.shape[1]):
-            line_wrench[k, j] = 0.0
-        line_wrench[k, line_wrench.shape[1] - 1] = trend[k]
-    mouthpiece = vector3(jaw.mouthpiece)
-    for line in range(jaw.origin.shape[0]):
-        insertion = row3(jaw.insertion, line)
-        reach = subtract(row3(jaw.origin, line), add(place, apply(body_to_head, insertion)))
-        length = norm(reach)
-        pull = apply_transposed(body_to_head, scale(1.0 / length, reach))
-        turn = cross(subtract(insertion, mouthpiece), pull)
-        muscle = jaw.muscle[line]
-        strain = length / jaw.l_o[line] - 1.0 - basis.centre[muscle]
-        for k in range(nodes):
-            share = np.exp(basis.nodes[muscle, k] * strain)
-            column = muscle * nodes + k
-            for i in range(3):
-                line_wrench[i, column] += share * pull[i]
-                line_wrench[3 + i, column] += share * turn[i]
-
-
-@njit
-def predict_motion(jaw, basis, belief, samples, dt, wrench_variance, gain_variance, scratch):
+def predict_motion(jaw, basis, belief, samples, dt, wrench_variance, cell_variance, device, has_servo, scratch):
     """Time update over one step: motion, its covariance, and its derivative by the coefficients.
 
     ``samples`` (3, 6) are the load cell's at start, middle and end; ``wrench_variance`` (6) is that of the wrench not
-    known: unmodelled and load-cell noise together.
+    known, unmodelled and load-cell noise together, ``cell_variance`` (6) that of the noise of the samples' mean.
+    ``device`` is a record of dtype ``DEVICE``; its motors' servos are asked for where ``has_servo``.
     """
-    size, columns = belief.motion.shape[0], belief.by_tension.shape[1]
+    size = belief.motion.shape[0]
     set_muscles(jaw, belief.belief_mean, 0, scratch.muscles)
     for i in range(size):
         scratch.start_motion[i] = belief.motion[i]
-    move(jaw, scratch.muscles, belief.motion, samples, belief.trend, 0.0, dt, scratch)
-    set_line_wrenches(jaw, basis, scratch.start_motion, belief.motion, belief.trend, scratch.line_wrench)
-    set_wrench_variance(wrench_variance, gain_variance, samples, belief.trend, scratch)
-    total, moved, moved_cov = scratch.total, scratch.moved, scratch.moved_cov
+    for k in range(N_WRENCH):
+        scratch.reading[k] = belief.trend[k] if has_servo else mean_reading(samples, k)
+    move(jaw, scratch.muscles, belief.motion, samples, scratch.reading, 0.0, dt, scratch)
+    q, place = middle_of(jaw, scratch.start_motion, belief.motion)
+    body_to_head = rotation(q)
+    bend = set_by_place(jaw, q, body_to_head, scratch)
+    predict_cov(belief, wrench_variance, scratch)
+    if has_servo:
+        set_servo(device, vector3(jaw.mouthpiece), scratch.by_place, body_to_head, scratch.servo)
+    predict_tremble(belief.tremble, belief.motion_cov, wrench_variance, cell_variance, has_servo, dt, scratch)
+    predict_aftermath(belief.aftermath, cell_variance, has_servo, belief.score, belief.information, scratch)
+    set_line_wrenches(jaw, basis, place, body_to_head, bend, belief.score, scratch)
+    predict_by_tension(belief.by_tension, scratch)
+
+
+@njit
+def predict_cov(belief, wrench_variance, scratch):
+    """P <- A P A^T + G W G^T; leaves A P in ``moved_cov``."""
+    total, moved_cov, covariance = scratch.total, scratch.moved_cov, belief.motion_cov
+    size = covariance.shape[0]
     wrench = size + 1
+    for i in range(size):
+        for j in range(size):
+            moved_cov[i, j] = 0.0
+        for k in range(size):
+            factor = total[i, k]
+            for j in range(size):
+                moved_cov[i, j] += factor * covariance[k, j]
+    for i in range(size):
+        for j in range(i + 1):
+            value = 0.0
+            for k in range(size):
+                value += moved_cov[i, k] * total[j, k]
+            for k in range(N_WRENCH):
+                value += total[i, wrench + k] * wrench_variance[k] * total[j, wrench + k]
+            covariance[i, j] = value
+            covariance[j, i] = value
+
+
+@njit
+def predict_by_tension(by_tension, scratch):
+    """The motion's derivative by the coefficients at the end of the step: A times the last one, and G times wrench."""
+    total, moved = scratch.total, scratch.moved
+    size, columns = by_tension.shape
     for i in range(size):
         for j in range(columns):
             moved[i, j] = 0.0
         for k in range(size):
             factor = total[i, k]
             for j in range(columns):
-                moved[i, j] += factor * belief.by_tension[k, j]
+                moved[i, j] += factor * by_tension[k, j]
         for k in range(N_WRENCH):
-            factor = total[i, wrench + k]
+            factor = total[i, size + 1 + k]
             for j in range(columns):
                 moved[i, j] += factor * scratch.line_wrench[k, j]
-        for j in range(size):
-            moved_cov[i, j] = 0.0
-        for k in range(size):
-            factor = total[i, k]
-            for j in range(size):
-                moved_cov[i, j] += factor * belief.motion_cov[k, j]
     for i in range(size):
         for j in range(columns):
-            belief.by_tension[i, j] = moved[i, j]
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(size):
-                value += moved_cov[i, k] * total[j, k]
-            for k in range(N_WRENCH):
-                value += total[i, wrench + k] * scratch.wrench_variance[k] * total[j, wrench + k]
-            belief.motion_cov[i, j] = value
-            belief.motion_cov[j, i] = value
+            by_tension[i, j] = moved[i, j]
 
 
 @njit
@@ -190,9 +179,11 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
     expect(jaw, belief.motion, scratch.rows, scratch.expected)
     gain, row, change = scratch.gain, scratch.row, scratch.change
     covariance, by_tension, information = belief.motion_cov, belief.by_tension, belief.information
+    tremble, gains, weights = belief.tremble, scratch.gains, scratch.weights
     for k in range(size):
         change[k] = 0.0
     for i in range(N_MEASUREMENTS):
+        weights[i] = 0.0
         if not used[i]:
             continue
         h = scratch.rows[i]
@@ -213,8 +204,11 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
         for k in range(size):
             variance += h[k] * gain[k]
         inverse = 1.0 / variance
+        weights[i] = inverse
+        update_tremble(tremble, h, gain, inverse, scratch.spare)
         for k in range(size):
             factor = gain[k] * inverse
+            gains[i, k] = factor
             change[k] += factor * innovation
             for j in range(size):
                 covariance[k, j] -= (gain[k] * gain[j]) * inverse
@@ -227,6 +221,7 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
                 information[k, j] += factor * row[j]
     for k in range(size):
         belief.motion[k] += change[k]
+    update_aftermath(belief.aftermath, scratch.rows, gains, weights, scratch.spare)
 
 
 @njit
@@ -252,13 +247,17 @@ def recentre(basis, belief, scratch):
 
 @njit
 def begin_belief(basis, belief, prior_mean, prior_sd):
-    """The prior, before any measurement; ``motion`` and ``motion_cov`` are the caller's to set."""
+    """The prior, before any measurement; ``motion`` and ``motion_cov`` the caller has set."""
     for i in range(prior_mean.shape[0]):
         belief.belief_mean[i] = prior_mean[i]
         for j in range(prior_mean.shape[0]):
             belief.belief_cov[i, j] = 0.0
         belief.belief_cov[i, i] = prior_sd[i] * prior_sd[i]
     belief.by_tension[:, :] = 0.0
+    for i in range(belief.motion_cov.shape[0]):
+        for j in range(belief.motion_cov.shape[0]):
+            belief.tremble[i, j] = belief.motion_cov[i, j]
+    belief.aftermath[:, :] = 0.0
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0

@@ -39,7 +39,7 @@ def thinned(record: Record, every: int) -> Record:
         time=record.time[rows],
         measured=record.measured[rows],
         samples=_of_longer_ticks(record.samples[:last], every),
-        wrench_sd=record.wrench_sd / np.sqrt(every),
+        wrench_sd=np.sqrt((record.wrench_sd**2 - record.cell_sd**2) / every + record.cell_sd**2),
         states=None if record.states is None else record.states[rows],
         wrenches=None if record.wrenches is None else _of_longer_ticks(record.wrenches[:last], every),
     )

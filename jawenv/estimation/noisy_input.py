@@ -1,0 +1,173 @@
+"""What the load cell's noise does to an estimate that takes its readings for the force, and how the score is rid of it.
+
+The filter moves its jaw by the reading z = F + n. The noise n then moves the estimated motion, and with it the tensions
+that the filter expects there: the regressor and the next innovation share n. Where the force hardly changes, and so
+all that tells of the stiffness is how the jaw trembles, least squares would be biased by more than its sd: the
+regression with errors in its variables. A stiff position servo makes it worse, since F itself answers to the true
+motion. The cure is the corrected score (Nakamura 1990, Biometrika 77:127; Soderstrom 2007, Automatica 43:939): subtract
+the expectation that both give it.
+
+With e = estimated less true motion, P its covariance, A and G the step's derivative by motion and wrench, K the gain,
+N the variance of n and W_u that of the unmodelled wrench:
+
+* ``tremble`` C = -cov(true motion, e). It becomes C (I - K H)^T in an update. In a step it becomes A C A^T + G W_u G^T;
+  where a servo holds the jaw, the first A and the first G are those of the closed loop (``servo_loop``). Without n and
+  servo C equals P: that an estimate is uncorrelated with its error is what makes the filter optimal. D = P - C is the
+  covariance of estimated motion and e.
+* ``aftermath`` M: what a unit of T = cov(by_tension, e) takes from the score from now on. T becomes A T A^T in a step
+  and (I - K H) T (I - K H)^T in an update, which takes h T h^T / (innovation's variance) of each reading's row h from
+  the score; M follows the transpose of these rules. It looks ahead; A and K change slowly, so that it is taken as if
+  the coming ticks were like the past ones.
+
+A line with the tension exp(b_k e) makes T grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the load cell's gain
+error, where it multiplies the reading itself, by G cov(z, e).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jawenv.compiled import njit
+from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.servo_loop import servo_loop_fields, set_loop
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+def noisy_input_fields(n_states: int) -> list[Any]:
+    """Working memory of this file as fields of a dtype."""
+    square = (n_states, n_states)
+    return [
+        *servo_loop_fields(n_states),
+        ("crossed", "f8", square),
+        ("halfway", "f8", square),
+        ("shared", "f8", (N_WRENCH, n_states)),
+        ("spilt", "f8", (N_WRENCH, n_states)),
+        ("gains", "f8", (N_MEASUREMENTS, n_states)),
+        ("weights", "f8", N_MEASUREMENTS),
+    ]
+
+
+@njit
+def carry(tremble, answer, wrench, wrench_variance, cell_variance, scratch):
+    """C <- B C A^T + H W_u G^T, with [B, ..., H] the columns of ``answer``, H those from ``wrench`` on."""
+    total, crossed = scratch.total, scratch.crossed
+    size = tremble.shape[0]
+    for i in range(size):
+        for j in range(size):
+            value = 0.0
+            for k in range(size):
+                value += answer[i, k] * crossed[k, j]
+            for k in range(N_WRENCH):
+                unmodelled = wrench_variance[k] - cell_variance[k]
+                value += answer[i, wrench + k] * unmodelled * total[j, size + 1 + k]
+            tremble[i, j] = value
+
+
+@njit
+def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, has_servo, dt, scratch):
+    """Carry C over a step.
+
+    Leaves cov(reading, e) at the step's end in ``shared`` and half way D in ``halfway``. ``moved_cov`` holds A P, with
+    P that of the step's start; ``predicted_cov`` is that of its end.
+    """
+    total, crossed, halfway, shared = scratch.total, scratch.crossed, scratch.halfway, scratch.shared
+    size = tremble.shape[0]
+    wrench = size + 1
+    for i in range(size):
+        for j in range(size):
+            value = 0.0
+            for k in range(size):
+                value += tremble[i, k] * total[j, k]
+            crossed[i, j] = value
+    if has_servo:
+        set_loop(dt, scratch)
+        carry(tremble, scratch.loop, size, wrench_variance, cell_variance, scratch)
+    else:
+        carry(tremble, total, wrench, wrench_variance, cell_variance, scratch)
+    for k in range(N_WRENCH):
+        for j in range(size):
+            value = cell_variance[k] * total[j, wrench + k]
+            if has_servo:
+                for i in range(size):
+                    value += 0.5 * scratch.servo[k, i] * (crossed[i, j] + tremble[i, j])
+            shared[k, j] = value
+    for i in range(size):
+        for j in range(size):
+            start = scratch.moved_cov[j, i] - crossed[i, j]
+            halfway[i, j] = 0.5 * (start + predicted_cov[i, j] - tremble[i, j])
+
+
+@njit
+def predict_aftermath(aftermath, cell_variance, has_servo, score, information, scratch):
+    """Carry M over a step; correct score and information about the load cell's gain.
+
+    Leaves in ``spilt`` (6, n) what a unit of w (de/dq) adds to the score.
+    """
+    total, crossed, shared, spilt = scratch.total, scratch.crossed, scratch.shared, scratch.spilt
+    size, last = aftermath.shape[0], score.shape[0] - 1
+    wrench = size + 1
+    for k in range(N_WRENCH):
+        for i in range(size):
+            value = 0.0
+            for j in range(size):
+                value += aftermath[i, j] * total[j, wrench + k]
+            crossed[i, k] = value
+    for k in range(N_WRENCH):
+        for j in range(size):
+            value = 0.0
+            for i in range(size):
+                value += crossed[i, k] * scratch.halfway[j, i]
+            spilt[k, j] = value
+            if has_servo:
+                continue
+            score[last] += crossed[j, k] * shared[k, j]
+            information[last, last] -= crossed[j, k] * cell_variance[k] * total[j, wrench + k]
+    for i in range(size):
+        for j in range(size):
+            value = 0.0
+            for k in range(size):
+                value += aftermath[i, k] * total[k, j]
+            crossed[i, j] = value
+    for i in range(size):
+        for j in range(size):
+            value = 0.0
+            for k in range(size):
+                value += total[k, i] * crossed[k, j]
+            aftermath[i, j] = value
+
+
+@njit
+def update_tremble(tremble, row, gain, inverse, spare):
+    """C <- C (I - k h)^T for one reading; ``gain`` is P h, ``inverse`` that of the innovation's variance."""
+    size = gain.shape[0]
+    for i in range(size):
+        value = 0.0
+        for k in range(size):
+            value += tremble[i, k] * row[k]
+        spare[i] = value * inverse
+    for i in range(size):
+        for j in range(size):
+            tremble[i, j] -= spare[i] * gain[j]
+
+
+@njit
+def update_aftermath(aftermath, rows, gains, weights, spare):
+    """M <- (I - k h)^T M (I - k h) + h h^T / S for every reading, the last first; ``gains`` are k, ``weights`` 1/S.
+
+    A reading that was not used has the weight zero.
+    """
+    size = aftermath.shape[0]
+    for i in range(N_MEASUREMENTS - 1, -1, -1):
+        if weights[i] == 0.0:
+            continue
+        squared = weights[i]
+        for j in range(size):
+            value = 0.0
+            for k in range(size):
+                value += aftermath[j, k] * gains[i, k]
+            spare[j] = value
+            squared += value * gains[i, j]
+        for j in range(size):
+            factor = squared * rows[i, j] - spare[j]
+            for k in range(size):
+                aftermath[j, k] += factor * rows[i, k] - rows[i, j] * spare[k]
