@@ -3,7 +3,6 @@
 import newton_euler as twin
 import numpy as np
 import pytest
-from scipy.interpolate import lagrange
 
 import jawenv
 from jawenv.estimation.ekf import (
@@ -15,8 +14,8 @@ from jawenv.estimation.ekf import (
 )
 from jawenv.estimation.extended_kalman_kernel import predict_plain, update_plain
 from jawenv.estimation.measurement import measure
+from jawenv.estimation.numpy_model import step, step_with_derivative
 from jawenv.estimation.sensitivity import propagate
-from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
@@ -58,29 +57,13 @@ class Belief:
 
 
 def model_step(jaw, mean, samples, trend, wrench=0.0):
-    """The independent Runge-Kutta step of the ten states; complex-safe."""
-
-    parabola = [lagrange([0.0, 0.5, 1.0], samples[:, k]) for k in range(6)]
-    muscles = np.exp(mean[PARAMETERS].real).reshape(6, 2)
-    parts = parts_needed(fastest_rate(jaw, muscles, tuple(mean[:5].real)), DT, 1)
-    state = mean[STATE]
-    for part in range(parts):
-
-        def rate(since, state, part=part):
-            share = part / parts + since / DT
-            sample = np.array([through(share) for through in parabola])
-            return twin.state_rate(jaw, mean[PARAMETERS], state, sample + mean[GAIN] * trend + wrench)
-
-        state, _ = twin.runge_kutta(rate, state, DT / parts)
-    return state
+    """The independent step of the ten states; complex-safe."""
+    return step(jaw, mean, samples, trend, DT, wrench)
 
 
 def jacobians(jaw, belief):
     """Dense F (23, 23) and G (23, 6)."""
-    by_all = twin.derivative(
-        lambda v: model_step(jaw, v[:23], belief.samples, belief.trend, v[23:]),
-        np.concatenate([belief.mean, np.zeros(6)]),
-    )
+    _, by_all = step_with_derivative(jaw, belief.mean, belief.samples, belief.trend, DT)
     F, G = np.eye(23), np.zeros((23, 6))
     F[STATE], G[STATE] = by_all[:, :23], by_all[:, 23:]
     return F, G
@@ -118,7 +101,7 @@ def test_the_step_and_its_jacobian(jaw, rng, scratch):
         state = belief.mean[STATE].copy()
         muscles = np.exp(belief.mean[PARAMETERS]).reshape(6, 2)
         propagate(jaw, muscles, state, belief.samples, belief.trend, belief.mean[GAIN], DT, scratch)
-        np.testing.assert_allclose(state, expected.real, rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(state, expected, rtol=1e-10, atol=1e-12)
         total = np.hstack([F[STATE], G[STATE]])
         for rows in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10)):
             for columns in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29)):
@@ -147,11 +130,11 @@ def test_prediction_is_the_dense_one(jaw, rng, scratch):
         belief, noise = Belief(rng), 1e-5
         mean, covariance = run_predict(jaw, belief, scratch, noise)
         F, G = jacobians(jaw, belief)
-        step = model_step(jaw, belief.mean, belief.samples, belief.trend)
+        moved = model_step(jaw, belief.mean, belief.samples, belief.trend)
         Q = np.diag(np.concatenate([np.zeros(10), np.full(12, noise), [0.0]]))
         W = np.diag(WRENCH_VARIANCE + belief.covariance[GAIN, GAIN] * fast_reading(belief) ** 2)
         expected = F @ belief.covariance @ F.T + G @ W @ G.T + Q
-        assert_same_mean(mean, np.concatenate([step.real, belief.mean[10:]]), expected)
+        assert_same_mean(mean, np.concatenate([moved, belief.mean[10:]]), expected)
         assert_same_covariance(covariance, expected)
 
 
