@@ -14,8 +14,11 @@ from jawenv.estimation.ekf import (
 )
 from jawenv.estimation.extended_kalman_kernel import predict_plain, update_plain
 from jawenv.estimation.measurement import measure
+from jawenv.estimation.numpy_model import fastest_rate as independent_rate
+from jawenv.estimation.numpy_model import parts_needed as independent_parts
 from jawenv.estimation.numpy_model import step, step_with_derivative
 from jawenv.estimation.sensitivity import propagate
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
@@ -107,6 +110,33 @@ def test_the_step_and_its_jacobian(jaw, rng, scratch):
             for columns in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29)):
                 wrong = np.abs(scratch["total"][rows, columns] - total[rows, columns]).max()
                 assert wrong <= 1e-8 * np.abs(total[rows, columns]).max()
+
+
+def test_the_jacobian_where_stops_are_pressed_and_the_step_is_divided(jaw, rng, scratch):
+    """Both models divide the step alike; the derivative goes through teeth and capsule."""
+    divisions = set()
+    for _ in range(30):
+        belief = Belief(rng)
+        belief.mean[0] = rng.choice([-0.7e-3, -0.2e-3, jaw["crest"] + 0.3e-3])
+        belief.mean[2] = rng.uniform(-0.02, 0.005)
+        muscles = np.exp(belief.mean[PARAMETERS]).reshape(6, 2)
+        rate = independent_rate(jaw, belief.mean[PARAMETERS], belief.mean[:5])
+        assert rate == pytest.approx(fastest_rate(jaw, muscles, tuple(belief.mean[:5])), rel=1e-10)
+        parts = parts_needed(rate, DT, 1)
+        assert independent_parts(rate, DT) == parts
+        divisions.add(parts)
+        expected, total = step_with_derivative(jaw, belief.mean, belief.samples, belief.trend, DT)
+        state = belief.mean[STATE].copy()
+        propagate(jaw, muscles, state, belief.samples, belief.trend, belief.mean[GAIN], DT, scratch)
+        np.testing.assert_allclose(state, expected, rtol=1e-10, atol=1e-12)
+        unit = np.abs(total).max(axis=0)
+        assert (np.abs(scratch["total"] - total) / unit).max() < 1e-9
+    assert len(divisions) > 1
+
+
+def test_a_step_is_divided_at_the_same_rates():
+    for rate in np.concatenate([np.linspace(0.0, 3e3, 301), 150.0 * 2.0 ** np.arange(6) * (1 + 1e-9)]):
+        assert independent_parts(rate, DT) == parts_needed(rate, DT, 1)
 
 
 def test_measurements_and_their_rows(jaw, rng):
