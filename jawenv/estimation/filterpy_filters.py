@@ -125,7 +125,7 @@ class FilterpyExtendedKalman:
         parameter_rate: as in ``ExtendedKalman``.
         parameter_time: likewise, s.
         every: ticks between the kept estimates; the last is always kept.
-        compiled_model: whether to take the compiled model for any jaw: the same numbers to rounding, some twenty times
+        compiled_model: whether to take the compiled model for any jaw: the same numbers to rounding, some forty times
             as fast, and a check of the filter's algebra alone.
 
     Raises:

@@ -1,7 +1,7 @@
 """One step of the filters' model and its derivative in plain NumPy: shares no compiled code with ``sensitivity``.
 
 The mechanics are those of ``jawenv.mechanics.newton_euler``, the derivative is taken by the complex step (Squire &
-Trapp 1998), all columns at once. It is exact to rounding, about a hundred times as slow as the kernels, and says
+Trapp 1998), all columns at once. It is exact to rounding, some hundreds of times as slow as the kernels, and says
 whether they compute what they should.
 """
 
