@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.estimation.ekf import filter_scratch_dtype, follow_trend
+from jawenv.estimation.ekf import TREND_TIME, filter_scratch_dtype
 from jawenv.estimation.record import Record
 
 Array = NDArray[np.float64]
@@ -31,12 +31,19 @@ def working_memory(record: Record) -> Any:
     return np.zeros(1, dtype=filter_scratch_dtype(muscles, lines, len(record.start_mean)))[0]
 
 
+def mean_readings(record: Record) -> Array:
+    """(T, 6) the load cell's mean over each tick, by Simpson's rule."""
+    samples = record.samples
+    means: Array = (samples[:, 0] + 4.0 * samples[:, 1] + samples[:, 2]) / 6.0
+    return means
+
+
 def trends(record: Record) -> Array:
-    """(T, 6) what the load cell read of late at the start of each tick, by ``ekf.follow_trend``."""
-    trend, rows = np.zeros(6), np.zeros((len(record.samples), 6))
+    """(T, 6) what the load cell read of late at the start of each tick, by the law of ``ekf.follow_trend``."""
+    follow, means = -np.expm1(-record.dt / TREND_TIME), mean_readings(record)
+    rows = np.zeros_like(means)
     for k in range(len(rows) - 1):
-        follow_trend(trend, record.samples[k], record.dt)
-        rows[k + 1] = trend
+        rows[k + 1] = rows[k] + follow * (means[k] - rows[k])
     return rows
 
 

@@ -91,7 +91,7 @@ def simulate(environment, motion, trajectory, substeps):
                 q_rate, u_rate = state_rate(jaw, muscles, q, u, wrench)
                 return np.array(q_rate + u_rate)
 
-            state, _ = twin.runge_kutta(rate, state, h)
+            state = twin.runge_kutta(rate, state, h)
         if trajectory:
             motors["target"] += motors["rate"] * TICK
         path.append(state)

@@ -3,20 +3,18 @@
 from dataclasses import replace
 from functools import cache
 
-import newton_euler as twin
 import numpy as np
 import pytest
-from scipy.interpolate import lagrange
 
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
 from jawenv.estimation.bound import bound_along
 from jawenv.estimation.ekf import TREND_TIME
-from jawenv.mechanics.stiffness import fastest_rate, parts_needed
+from jawenv.estimation.numpy_model import measurement_with_derivative, step_with_derivative
 
 N, P = 10, 12  # motion and parameters of the reference model
-SHORT = 0.2  # s; complex steps through every tick take their time
+SHORT = 0.2  # s; the independent model takes its time
 
 
 @cache
@@ -41,23 +39,6 @@ def test_it_is_what_the_environment_tracks(env_id):
         np.testing.assert_allclose(bound.information, recording.information_bound[i], atol=1e-8)
 
 
-def step(record, tick, values):
-    """The independent model's step from ``values``: motion, parameters, gain, unmodelled wrench."""
-    jaw, motion = record.jaw, values[:N]
-    parabola = [lagrange([0.0, 0.5, 1.0], record.wrenches[tick][:, k]) for k in range(6)]
-    lines = np.exp(values[N : N + P].real).reshape(6, 2)
-    parts = parts_needed(fastest_rate(jaw, lines, tuple(motion[:5].real)), record.dt, 1)
-    for part in range(parts):
-
-        def rate(since, state, part=part):
-            share = part / parts + since / record.dt
-            wrench = np.array([through(share) for through in parabola]) + values[N + P] * trend_at(tick)
-            return twin.state_rate(jaw, values[N : N + P], state, wrench + values[N + P + 1 :])
-
-        motion, _ = twin.runge_kutta(rate, motion, record.dt / parts)
-    return motion
-
-
 @cache
 def trend_at(tick):
     """Exponential mean of the load cell's readings before a tick, each by Simpson's rule."""
@@ -75,15 +56,11 @@ def short_record():
 @cache
 def jacobians():
     """(T, 10, 29) by motion, parameters, gain and unmodelled wrench, and (T + 1, 12, 10) of the encoders."""
-    record = short_record()
-    steps = [
-        twin.derivative(
-            lambda v, tick=tick: step(record, tick, v),
-            np.concatenate([record.states[tick], record.truth, np.zeros(7)]),
-        )
-        for tick in range(len(record.samples))
-    ]
-    rows = [twin.derivative(lambda s: twin.measurement(record.jaw, s), state) for state in record.states]
+    record, steps = short_record(), []
+    for tick in range(len(record.samples)):
+        mean = np.concatenate([record.states[tick], record.truth, [0.0]])
+        steps.append(step_with_derivative(record.jaw, mean, record.wrenches[tick], trend_at(tick), record.dt)[1])
+    rows = [measurement_with_derivative(record.jaw, state)[1] for state in record.states]
     return np.array(steps), np.array(rows)
 
 

@@ -3,7 +3,6 @@
 import newton_euler as twin
 import numpy as np
 import pytest
-from scipy.interpolate import lagrange
 
 import jawenv
 from jawenv.estimation.ekf import (
@@ -15,6 +14,9 @@ from jawenv.estimation.ekf import (
 )
 from jawenv.estimation.extended_kalman_kernel import predict_plain, update_plain
 from jawenv.estimation.measurement import measure
+from jawenv.estimation.numpy_model import fastest_rate as independent_rate
+from jawenv.estimation.numpy_model import parts_needed as independent_parts
+from jawenv.estimation.numpy_model import step, step_with_derivative
 from jawenv.estimation.sensitivity import propagate
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
@@ -58,29 +60,13 @@ class Belief:
 
 
 def model_step(jaw, mean, samples, trend, wrench=0.0):
-    """The independent Runge-Kutta step of the ten states; complex-safe."""
-
-    parabola = [lagrange([0.0, 0.5, 1.0], samples[:, k]) for k in range(6)]
-    muscles = np.exp(mean[PARAMETERS].real).reshape(6, 2)
-    parts = parts_needed(fastest_rate(jaw, muscles, tuple(mean[:5].real)), DT, 1)
-    state = mean[STATE]
-    for part in range(parts):
-
-        def rate(since, state, part=part):
-            share = part / parts + since / DT
-            sample = np.array([through(share) for through in parabola])
-            return twin.state_rate(jaw, mean[PARAMETERS], state, sample + mean[GAIN] * trend + wrench)
-
-        state, _ = twin.runge_kutta(rate, state, DT / parts)
-    return state
+    """The independent step of the ten states; complex-safe."""
+    return step(jaw, mean, samples, trend, DT, wrench)
 
 
 def jacobians(jaw, belief):
     """Dense F (23, 23) and G (23, 6)."""
-    by_all = twin.derivative(
-        lambda v: model_step(jaw, v[:23], belief.samples, belief.trend, v[23:]),
-        np.concatenate([belief.mean, np.zeros(6)]),
-    )
+    _, by_all = step_with_derivative(jaw, belief.mean, belief.samples, belief.trend, DT)
     F, G = np.eye(23), np.zeros((23, 6))
     F[STATE], G[STATE] = by_all[:, :23], by_all[:, 23:]
     return F, G
@@ -118,12 +104,39 @@ def test_the_step_and_its_jacobian(jaw, rng, scratch):
         state = belief.mean[STATE].copy()
         muscles = np.exp(belief.mean[PARAMETERS]).reshape(6, 2)
         propagate(jaw, muscles, state, belief.samples, belief.trend, belief.mean[GAIN], DT, scratch)
-        np.testing.assert_allclose(state, expected.real, rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(state, expected, rtol=1e-10, atol=1e-12)
         total = np.hstack([F[STATE], G[STATE]])
         for rows in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10)):
             for columns in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29)):
                 wrong = np.abs(scratch["total"][rows, columns] - total[rows, columns]).max()
                 assert wrong <= 1e-8 * np.abs(total[rows, columns]).max()
+
+
+def test_the_jacobian_where_stops_are_pressed_and_the_step_is_divided(jaw, rng, scratch):
+    """Both models divide the step alike; the derivative goes through teeth and capsule."""
+    divisions = set()
+    for _ in range(30):
+        belief = Belief(rng)
+        belief.mean[0] = rng.choice([-0.7e-3, -0.2e-3, jaw["crest"] + 0.3e-3])
+        belief.mean[2] = rng.uniform(-0.02, 0.005)
+        muscles = np.exp(belief.mean[PARAMETERS]).reshape(6, 2)
+        rate = independent_rate(jaw, belief.mean[PARAMETERS], belief.mean[:5])
+        assert rate == pytest.approx(fastest_rate(jaw, muscles, tuple(belief.mean[:5])), rel=1e-10)
+        parts = parts_needed(rate, DT, 1)
+        assert independent_parts(rate, DT) == parts
+        divisions.add(parts)
+        expected, total = step_with_derivative(jaw, belief.mean, belief.samples, belief.trend, DT)
+        state = belief.mean[STATE].copy()
+        propagate(jaw, muscles, state, belief.samples, belief.trend, belief.mean[GAIN], DT, scratch)
+        np.testing.assert_allclose(state, expected, rtol=1e-10, atol=1e-12)
+        unit = np.abs(total).max(axis=0)
+        assert (np.abs(scratch["total"] - total) / unit).max() < 1e-9
+    assert len(divisions) > 1
+
+
+def test_a_step_is_divided_at_the_same_rates():
+    for rate in np.concatenate([np.linspace(0.0, 3e3, 301), 150.0 * 2.0 ** np.arange(6) * (1 + 1e-9)]):
+        assert independent_parts(rate, DT) == parts_needed(rate, DT, 1)
 
 
 def test_measurements_and_their_rows(jaw, rng):
@@ -147,11 +160,11 @@ def test_prediction_is_the_dense_one(jaw, rng, scratch):
         belief, noise = Belief(rng), 1e-5
         mean, covariance = run_predict(jaw, belief, scratch, noise)
         F, G = jacobians(jaw, belief)
-        step = model_step(jaw, belief.mean, belief.samples, belief.trend)
+        moved = model_step(jaw, belief.mean, belief.samples, belief.trend)
         Q = np.diag(np.concatenate([np.zeros(10), np.full(12, noise), [0.0]]))
         W = np.diag(WRENCH_VARIANCE + belief.covariance[GAIN, GAIN] * fast_reading(belief) ** 2)
         expected = F @ belief.covariance @ F.T + G @ W @ G.T + Q
-        assert_same_mean(mean, np.concatenate([step.real, belief.mean[10:]]), expected)
+        assert_same_mean(mean, np.concatenate([moved, belief.mean[10:]]), expected)
         assert_same_covariance(covariance, expected)
 
 

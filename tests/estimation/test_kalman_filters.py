@@ -37,6 +37,20 @@ def test_the_compiled_filter_is_filterpys(record, gain_sd, noise):
     assert np.log(ours.sd[0] / ours.sd[-1]).mean() > 0.5, "the record teaches something"
 
 
+@pytest.mark.parametrize("model", ["hinge", "bilateral"])
+def test_so_it_is_on_other_models_of_the_ladder(model):
+    """Held coordinates and two lines to a muscle; two condyles, whose model is compiled in both."""
+    record = replace(recording(model, patients=1, seconds=0.5).records[0], gain_sd=0.05)
+    assert_same(ExtendedKalman().estimate(record), FilterpyExtendedKalman().estimate(record), 1e-9)
+
+
+def test_the_model_inside_filterpys_makes_no_difference(record):
+    short = replace(record.until(1.0), gain_sd=0.05)
+    independent, compiled = (FilterpyExtendedKalman(compiled_model=kind).estimate(short) for kind in (False, True))
+    assert_same(compiled, independent, 1e-9)
+    assert (compiled.mean != independent.mean).any(), "they are two"
+
+
 def test_readings_that_are_missing_are_skipped(record, rng):
     """At random, and for half a second all of them."""
     measured = np.where(rng.random(record.measured.shape) < 0.3, np.nan, record.measured)

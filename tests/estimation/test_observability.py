@@ -10,8 +10,8 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
+from jawenv.estimation.numpy_model import step
 from jawenv.estimation.observability import observability, rank_of
-from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 TICKS = 6
 
@@ -25,15 +25,10 @@ def record_of(env_id="jawenv/Jaw-v0"):
 
 def flight(record, values, wrench):
     """Whitened encoder readings over a few ticks under a constant wrench, by the independent model; complex-safe."""
-    jaw, motion, log_parameters = record.jaw, values[:10], values[10:]
-    lines = np.exp(log_parameters.real).reshape(6, 2)
+    jaw, motion, samples = record.jaw, values[:10], np.tile(wrench, (3, 1))
     states, readings = [motion], [twin.measurement(jaw, motion)]
     for _ in range(TICKS):
-        parts = parts_needed(fastest_rate(jaw, lines, tuple(motion[:5].real)), record.dt, 1)
-        for _ in range(parts):
-            motion, _ = twin.runge_kutta(
-                lambda _, state: twin.state_rate(jaw, log_parameters, state, wrench), motion, record.dt / parts
-            )
+        motion = step(jaw, np.concatenate([motion, values[10:], [0.0]]), samples, np.zeros(6), record.dt)
         states.append(motion)
         readings.append(twin.measurement(jaw, motion))
     return np.array(states), np.concatenate([reading / record.measurement_sd for reading in readings])

@@ -117,7 +117,7 @@ def test_energy_is_conserved_without_damping_and_device(jaw):
     at_start = twin.energy(jaw, log_parameters, start[:5], start[5:])
     kinetic, drift, openings = [], [], []
     for _ in range(4000):
-        state, _ = twin.runge_kutta(rate, state, 0.25e-3)
+        state = twin.runge_kutta(rate, state, 0.25e-3)
         still = twin.energy(jaw, log_parameters, state[:5], np.zeros(5))
         now = twin.energy(jaw, log_parameters, state[:5], state[5:])
         kinetic.append(now - still)

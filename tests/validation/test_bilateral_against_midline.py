@@ -51,7 +51,7 @@ def midline_path(jaw, wrench, seconds, every=10e-3, h=2e-3):
     for _ in range(round(seconds / every)):
         held = wrench(t)
         for _ in range(round(every / h)):
-            state, _ = twin.runge_kutta(rate, state, h)
+            state = twin.runge_kutta(rate, state, h)
         t += every
         rows.append(np.concatenate([twin.measurement(jaw, state)[:3], state[2:5]]))
     return np.array(rows)
