@@ -55,14 +55,25 @@ def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
 
 
 @njit
+def body_step_parts(jaw, muscles, state, dt):
+    """Into how many parts the step from ``state`` (12) is divided."""
+    q, _ = split_body(state)
+    return parts_needed(fastest_rate(jaw, muscles, midline_pose(q)), dt, BODY_PARTS)
+
+
+@njit
 def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (12) in place by one step and fill ``scratch.total`` with its derivative.
 
     Arguments as in ``sensitivity.propagate``.
     """
+    propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, body_step_parts(jaw, muscles, state, dt), scratch)
+
+
+@njit
+def propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
+    """As ``propagate_body``, with the step divided into ``parts``, whatever the state."""
     set_identity(scratch.total)
-    q, _ = split_body(state)
-    parts = parts_needed(fastest_rate(jaw, muscles, midline_pose(q)), dt, BODY_PARTS)
     h = dt / parts
     for part in range(parts):
         copy_matrix(scratch.start, scratch.total)

@@ -155,15 +155,26 @@ def stage_share(part, stage, parts):
 
 
 @njit
+def step_parts(jaw, muscles, state, dt):
+    """Into how many parts the step from ``state`` (10) is divided."""
+    q, _ = split(state)
+    return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
+
+
+@njit
 def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 29) by default.
 
     ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
     ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``).
     """
+    propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
+
+
+@njit
+def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
+    """As ``propagate``, with the step divided into ``parts``, whatever the state."""
     set_identity(scratch.total)
-    start_q, start_u = split(state)
-    parts = parts_needed(fastest_rate(jaw, muscles, start_q), dt, 1)
     h = dt / parts
     for part in range(parts):
         copy_matrix(scratch.start, scratch.total)

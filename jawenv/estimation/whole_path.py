@@ -5,6 +5,9 @@ wrench w_k that nobody knows, constant over a tick. Linearised about a path, the
 filter forward and the adjoint recursion of Bryson & Frazier backward (Bierman 1977, Factorization Methods for Discrete
 Sequential Estimation, chapter 10). That inverts no covariance, so six noises may well move ten states.
 
+f takes a tick in as many parts as it is told, not in as many as the state asks for, as the filters' does: a path that
+came over the threshold between two numbers of parts would change its cost by a jump, at which a search gets stuck.
+
 Sizes: T ticks, n states of motion, p log-parameters, s = n + p + 1 with the load cell's gain error, which stays 0 here.
 """
 
@@ -13,16 +16,16 @@ from __future__ import annotations
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.estimation.body_sensitivity import body_step_parts, propagate_body_in
 from jawenv.estimation.ekf import (
     filter_scratch_dtype,
     innovation_variance,
-    move,
     predict_covariance,
     reduce_covariance,
     set_muscles,
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
-from jawenv.estimation.sensitivity import N_SAMPLES
+from jawenv.estimation.sensitivity import N_SAMPLES, copy_matrix, propagate_in, step_parts
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.equilibrium import solve_in_place
 
@@ -57,12 +60,31 @@ def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[
 
 
 @njit
-def push(jaw, state, samples, trend, wrench, dt, scratch):
+def divide(jaw, states, parameters, dt, parts, scratch):
+    """Raise ``parts`` (T,) to what the motion ``states`` (T + 1, n) asks for; whether any was raised."""
+    inner, raised = scratch.filter, False
+    set_muscles(jaw, parameters, 0, inner.muscles)
+    for k in range(parts.shape[0]):
+        if jaw.condyles == 2:
+            asked = body_step_parts(jaw, inner.muscles, states[k], dt)
+        else:
+            asked = step_parts(jaw, inner.muscles, states[k], dt)
+        if asked > parts[k]:
+            parts[k], raised = asked, True
+    return raised
+
+
+@njit
+def push(jaw, state, samples, trend, wrench, dt, parts, scratch):
     """Move ``state`` (n) over one tick under the readings and ``wrench`` (6); leaves the derivative in the scratch."""
     for i in range(samples.shape[0]):
         for k in range(N_WRENCH):
             scratch.pushed[i, k] = samples[i, k] + wrench[k]
-    move(jaw, scratch.filter.muscles, state, scratch.pushed, trend, 0.0, dt, scratch.filter)
+    inner = scratch.filter
+    if jaw.condyles == 2:
+        propagate_body_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, dt, parts, inner)
+    else:
+        propagate_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, dt, parts, inner)
 
 
 @njit
@@ -99,8 +121,7 @@ def take_readings(jaw, state, mean, covariance, considered, measured, variances,
 
 @njit
 def sweep_forward(
-    jaw, states, wrenches, parameters, mean, covariance, considered,
-    measured, samples, trends, dt, variances, wrench_variances, sweeps, scratch,
+    jaw, states, wrenches, mean, covariance, considered, measured, variances, wrench_variances, sweeps, scratch
 ):  # fmt: skip
     """Filter the deviations from a path forward in time.
 
@@ -108,35 +129,27 @@ def sweep_forward(
         jaw: Record of dtype ``jaw_dtype``.
         states: (T + 1, n) motion of the path.
         wrenches: (T, 6) wrenches of the path.
-        parameters: (p,) logs, of the path.
         mean: (s,) of the deviation before the first reading; changed to that after the last.
         covariance: (s, s) likewise, with zeros for the gain error.
         considered: (s,) derivative of the true deviation minus ``mean`` by the gain error; likewise.
         measured: (T + 1, 12); NaN was not read.
-        samples: (T, 3, 6) of the load cell.
-        trends: (T, 6) of the load cell at each tick's start.
-        dt: s.
         variances: (12,) of the encoders.
         wrench_variances: (T, 6) of the unknown wrenches.
-        sweeps: (T + 1,) records of dtype ``sweep_dtype``; filled.
+        sweeps: (T + 1,) records of dtype ``sweep_dtype``, with the path's derivatives as ``roll_out`` leaves them; the
+            rest is filled.
         scratch: Working memory.
     """
     n_states, size = states.shape[1], mean.shape[0]
     inner = scratch.filter
-    set_muscles(jaw, parameters, 0, inner.muscles)
     for k in range(states.shape[0]):
         sweep = sweeps[k]
         if k > 0:
-            for i in range(n_states):
-                inner.state[i] = states[k - 1, i]
-            push(jaw, inner.state, samples[k - 1], trends[k - 1], wrenches[k - 1], dt, scratch)
+            copy_matrix(inner.total, sweep.total)
             carry(inner.total, mean, scratch.before)
             carry(inner.total, considered, scratch.before)
             for i in range(n_states):
                 for j in range(N_WRENCH):
                     mean[i] -= inner.total[i, size + j] * wrenches[k - 1, j]
-                for j in range(size + N_WRENCH):
-                    sweep.total[i, j] = inner.total[i, j]
             for j in range(N_WRENCH):
                 inner.wrench_variance[j] = wrench_variances[k - 1, j]
             predict_covariance(covariance, inner.wrench_variance, inner)
@@ -216,7 +229,7 @@ def cost_of_readings(jaw, state, measured, variances, scratch):
 @njit
 def roll_out(
     jaw, states, wrenches, parameters, tolerance,
-    measured, samples, trends, dt, variances, wrench_variances, scratch,
+    measured, samples, trends, dt, parts, variances, wrench_variances, sweeps, scratch,
 ):  # fmt: skip
     """Turn a motion that the model would not make into a path close to it; the cost of its readings and wrenches.
 
@@ -233,8 +246,10 @@ def roll_out(
         samples: (T, 3, 6) of the load cell.
         trends: (T, 6).
         dt: s.
+        parts: (T,) into how many parts each tick is divided.
         variances: (12,) of the encoders.
         wrench_variances: (T, 6) of the unknown wrenches.
+        sweeps: (T + 1,) records of dtype ``sweep_dtype``; their ``total`` becomes the path's.
         scratch: Working memory.
 
     Returns:
@@ -247,13 +262,14 @@ def roll_out(
         wrench = wrenches[k]
         for i in range(n_states):
             inner.state[i] = states[k, i]
-        push(jaw, inner.state, samples[k], trends[k], wrench, dt, scratch)
+        push(jaw, inner.state, samples[k], trends[k], wrench, dt, parts[k], scratch)
         for i in range(n_states):
             inner.row[i] = states[k + 1, i] - inner.state[i]
         steer(inner.total, inner.row, wrench_variances[k], tolerance, wrench, scratch)
         for i in range(n_states):
             states[k + 1, i] = states[k, i]
-        push(jaw, states[k + 1], samples[k], trends[k], wrench, dt, scratch)
+        push(jaw, states[k + 1], samples[k], trends[k], wrench, dt, parts[k], scratch)
+        copy_matrix(sweeps[k + 1].total, inner.total)
         for j in range(N_WRENCH):
             cost += 0.5 * wrench[j] * wrench[j] / wrench_variances[k, j]
         cost += cost_of_readings(jaw, states[k + 1], measured[k + 1], variances, inner)
