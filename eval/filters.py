@@ -23,7 +23,7 @@ OTHERS: Mapping[str, Make] = MappingProxyType(
         "ekf-constant": lambda every, times: ExtendedKalman("log", THESIS_RATE, math.inf, every),
         "ekf-none": lambda every, times: ExtendedKalman("log", 0.0, every=every),
         "ekf-linear": lambda every, times: ExtendedKalman("linear", THESIS_RATE, math.inf, every),
-        "ekf-filterpy": lambda every, times: FilterpyExtendedKalman(every=every),
+        "ekf-filterpy": lambda every, times: FilterpyExtendedKalman(every=every, compiled_model=True),
         "ukf": lambda every, times: FilterpyUnscentedKalman(every=every),
         "smoother": lambda every, times: IteratedSmoother(times=times),
     }

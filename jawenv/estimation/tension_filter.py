@@ -88,6 +88,7 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("gain", "f8", (n_states,)),
         ("row", "f8", (size,)),
+        ("by_tension_rows", "f8", (N_MEASUREMENTS, size)),
         ("change", "f8", (n_states,)),
         ("spare", "f8", (n_states,)),
         ("after", "f8", (n_muscles, n_nodes)),
@@ -177,21 +178,22 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
     """
     size, columns = belief.motion.shape[0], belief.by_tension.shape[1]
     expect(jaw, belief.motion, scratch.rows, scratch.expected)
-    gain, row, change = scratch.gain, scratch.row, scratch.change
-    covariance, by_tension, information = belief.motion_cov, belief.by_tension, belief.information
+    gain, change = scratch.gain, scratch.change
+    covariance, by_tension = belief.motion_cov, belief.by_tension
     tremble, gains, weights = belief.tremble, scratch.gains, scratch.weights
     for k in range(size):
         change[k] = 0.0
     for i in range(N_MEASUREMENTS):
         weights[i] = 0.0
+        row = scratch.by_tension_rows[i]
+        for j in range(columns):
+            row[j] = 0.0
         if not used[i]:
             continue
         h = scratch.rows[i]
         variance, innovation = variances[i], measured[i] - scratch.expected[i]
         for j in range(size):
             gain[j] = 0.0
-        for j in range(columns):
-            row[j] = 0.0
         for k in range(size):
             factor = h[k]
             if factor == 0.0:
@@ -215,13 +217,24 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
             for j in range(columns):
                 by_tension[k, j] -= factor * row[j]
         for k in range(columns):
-            factor = row[k] * inverse
-            belief.score[k] += factor * innovation
-            for j in range(k + 1):
-                information[k, j] += factor * row[j]
+            belief.score[k] += row[k] * inverse * innovation
     for k in range(size):
         belief.motion[k] += change[k]
+    add_information(belief.information, scratch.by_tension_rows, weights)
     update_aftermath(belief.aftermath, scratch.rows, gains, weights, scratch.spare)
+
+
+@njit
+def add_information(information, rows, weights):
+    """The lower half of ``information`` += sum of weight times row row^T; four rows in one pass."""
+    for i in range(0, N_MEASUREMENTS, 4):
+        wa, wb, wc, wd = weights[i], weights[i + 1], weights[i + 2], weights[i + 3]
+        if wa == 0.0 and wb == 0.0 and wc == 0.0 and wd == 0.0:
+            continue
+        for k in range(rows.shape[1]):
+            a, b, c, d = wa * rows[i, k], wb * rows[i + 1, k], wc * rows[i + 2, k], wd * rows[i + 3, k]
+            for j in range(k + 1):
+                information[k, j] += (a * rows[i, j] + b * rows[i + 1, j]) + (c * rows[i + 2, j] + d * rows[i + 3, j])
 
 
 @njit
