@@ -43,7 +43,7 @@ class JawEnv(gym.Env[Observation, Action]):
 
     ## Description
     A wearable device with four motors moves the mandible of a relaxed patient. Each closing muscle pulls with
-    ``F = F_o exp(b (l - l_o) / l_o)``; an extended Kalman filter estimates the logarithms of all 12 F_o and b from the
+    ``F = F_o exp(b (l - l_o) / l_o)``; a Kalman filter estimates the logarithms of all 12 F_o and b from the
     load cell and the encoders. One step is one command of the device; the reward is the uncertainty that went away.
 
     ## Action Space
