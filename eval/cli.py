@@ -60,6 +60,12 @@ def compare_command(
             help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
         ),
     ] = None,
+    device: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Another value of a field of the device, as cell_force_N=0.2; may be repeated.", metavar="FIELD=VALUE"
+        ),
+    ] = None,
     reference: Annotated[
         str | None,
         typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
@@ -79,8 +85,10 @@ def compare_command(
     from eval.progress import StudyProgress
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    effects = dict(_effect(text) for text in reality or [])
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects)
+    effects, changed = _fields("reality", reality, "creep_share=0.3"), _fields("device", device, "cell_force_N=0.2")
+    settings = Settings(
+        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed
+    )
     loaded = load_entries(wanted, settings.env_kwargs, settings.env)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
@@ -100,12 +108,16 @@ def compare_command(
     _present(study, output, reference, console)
 
 
-def _effect(text: str) -> tuple[str, float]:
-    name, _, value = text.partition("=")
-    try:
-        return name, float(value)
-    except ValueError:
-        raise InputError(f"reality: {text!r} given, allowed is FIELD=VALUE with a number, as creep_share=0.3") from None
+def _fields(option: str, texts: list[str] | None, example: str) -> dict[str, float]:
+    """The fields and values that an option names."""
+    found = {}
+    for text in texts or []:
+        name, _, value = text.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise InputError(f"{option}: {text!r} given, allowed is FIELD=VALUE with a number, as {example}") from None
+    return found
 
 
 @app.command("report")
@@ -152,6 +164,12 @@ def calibrate_command(
             help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
         ),
     ] = None,
+    device: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Another value of a field of the device, as cell_force_N=0.2; may be repeated.", metavar="FIELD=VALUE"
+        ),
+    ] = None,
     output: Annotated[Path, typer.Option(help="Folder of results.", metavar="FOLDER")] = Path("runs/calibrate"),
     fresh: Annotated[bool, typer.Option("--fresh", help="Judge again what the folder already holds.")] = False,
 ) -> None:
@@ -167,8 +185,8 @@ def calibrate_command(
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     moments = tuple(_seconds(text) for text in times.split(","))
-    effects = dict(_effect(text) for text in reality or [])
-    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects)
+    effects, changed = _fields("reality", reality, "creep_share=0.3"), _fields("device", device, "cell_force_N=0.2")
+    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed)
     wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
     with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:

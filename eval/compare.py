@@ -15,6 +15,7 @@ from eval import results
 from eval.entries import Entry, fingerprint
 from eval.results import Results
 from jawenv.anatomy import cohort
+from jawenv.device.device import device_of
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.reality import check_reality
@@ -39,6 +40,7 @@ class Settings:
         sensors: `pose` or `point`.
         episode_s: length of every episode, > 0.
         env: id of the environment; as given, also its short name or its model's.
+        device: fields of `jawenv.Device` with other values, which the filter knows; none by default.
         reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
 
     Raises:
@@ -53,6 +55,7 @@ class Settings:
     episode_s: float = 30.0
     env: str = DEFAULT_ENV
     reality: dict[str, float] = field(default_factory=dict)
+    device: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
@@ -68,17 +71,19 @@ class Settings:
                 raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
         cohort(self.cohort)
         check_reality(self.reality)
+        device_of(self.device)
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
-        given = {
+        given: dict[str, Any] = {
             "control": self.control,
             "sensors": self.sensors,
             "cohort": self.cohort,
             "episode_s": self.episode_s,
         }
-        return given | {"reality": self.reality} if self.reality else given
+        changed = {"reality": self.reality, "device": self.device}
+        return given | {name: fields for name, fields in changed.items() if fields}
 
 
 def play_entry(entry: Entry, settings: Settings, progress: Progress | None = None) -> Results:

@@ -7,8 +7,10 @@ mouthpiece; the linkage multiplies the motor's thrust by ``lever`` and divides i
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,3 +162,18 @@ class Device:
         device["encoder_velocity"] = self.encoder_velocity_mm_s / 1e3
         device["encoder_rate"] = self.encoder_rate_rad_s
         return records
+
+
+def device_of(changed: Any) -> Device:
+    """The device with the fields that a mapping names.
+
+    Raises:
+        InputError: not a mapping, an unknown field, or a value that is not allowed.
+    """
+    if not isinstance(changed, Mapping):
+        raise InputError(f"device is {changed!r}; allowed: a mapping of its fields")
+    names = [field.name for field in fields(Device)]
+    for name in changed:
+        if name not in names:
+            raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
+    return Device(**changed)

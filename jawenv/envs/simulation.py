@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
-from jawenv.device.device import Device
+from jawenv.device.device import Device, device_of
 from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin, motion_sd
 from jawenv.envs.info import describe
@@ -110,15 +110,7 @@ class Configuration:
 
     def build_device(self) -> Device:
         """The device with the fields that the user changed."""
-        if self.device is None:
-            return Device()
-        if not isinstance(self.device, dict):
-            raise InputError(f"device is {self.device!r}; allowed: a mapping of its fields")
-        names = [field.name for field in fields(Device)]
-        for name in self.device:
-            if name not in names:
-                raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
-        return Device(**self.device)
+        return device_of({} if self.device is None else self.device)
 
     def build_reality(self) -> Reality:
         """What the filter does not know, with the fields that the user changed."""

@@ -124,6 +124,9 @@ def test_a_run_goes_on_where_it_was_interrupted(tmp_path, plays, monkeypatch, ca
     assert plays["seeds"] == [0, 1, 2] * 4
     biased = pd.read_parquet(tmp_path / "beliefs.parquet")
     assert not biased["nees"].equals(rows["nees"])
+    assert run(tmp_path, "hold_still", *SHORT, "--device", "cell_force_N=0.2") == 0
+    noisy = pd.read_parquet(tmp_path / "beliefs.parquet")
+    assert noisy["claimed"].mean() < rows["claimed"].mean()
 
 
 def ended(recording, world, step, violation):
@@ -177,6 +180,8 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--times", "0.51"], "times: 0.51 given, allowed are multiples of the control step, 0.05 s"),
         (["hold_still", "--patients", "0"], "patients: 0 given"),
         (["hold_still", "--reality", "creep=much"], "reality: 'creep=much' given"),
+        (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
+        (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
         (["hold_still", "--env", "Knee"], "env 'Knee': unknown"),
     ],
 )
