@@ -11,7 +11,9 @@ from recorded import Waves, recording
 
 import jawenv
 from agents import load_agent
+from jawenv.device.device import Device
 from jawenv.estimation.ekf import follow_trend
+from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import expect
 from jawenv.estimation.online import TensionFilter
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
@@ -20,7 +22,6 @@ from jawenv.estimation.tension_filter import (
     belief_fields,
     predict_motion,
     recentre,
-    set_line_wrenches,
     tension_scratch_dtype,
     update_motion,
 )
@@ -45,13 +46,14 @@ class Running:
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())
-        self.variances, self.known = record.measurement_sd**2, record.wrench_sd**2
+        self.variances, self.known, self.cell = record.measurement_sd**2, record.wrench_sd**2, record.cell_sd**2
+        self.device, self.has_servo = (record.servo or Device()).records()[0], np.uint8(record.servo is not None)
 
     def predict(self, k):
         record = self.record
         predict_motion(
-            record.jaw, self.basis, self.belief, record.samples[k], record.dt, self.known, record.gain_sd**2,
-            self.scratch,
+            record.jaw, self.basis, self.belief, record.samples[k], record.dt, self.known, self.cell, self.device,
+            self.has_servo, self.scratch,
         )  # fmt: skip
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
@@ -84,7 +86,7 @@ class Running:
         return lower + np.tril(lower, -1).T
 
 
-def line_wrenches(jaw, basis, place, R, trend):
+def line_wrenches(jaw, basis, place, R, reading):
     """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error."""
     n, K = basis["nodes"].shape
     wrenches = np.zeros((6, n * K + 1))
@@ -97,7 +99,7 @@ def line_wrenches(jaw, basis, place, R, trend):
         wrench = np.concatenate([R.T @ force, R.T @ moment])
         for k in range(K):
             wrenches[:, muscle * K + k] += np.exp(basis["nodes"][muscle, k] * strain) * wrench
-    wrenches[:, -1] = trend
+    wrenches[:, -1] = reading
     return wrenches
 
 
@@ -112,12 +114,17 @@ def half_way(jaw, before, after):
 def test_the_wrench_of_unit_coefficients(model, rng):
     record = recording(model).records[0]
     running = Running(record)
-    before, trend = record.start_mean.copy(), rng.normal(size=6)
+    before, scratch = record.start_mean.copy(), running.scratch
     after = before + 1e-3 * rng.normal(size=len(before))
-    actual = np.empty((6, running.belief["by_tension"].shape[1]))
-    set_line_wrenches(record.jaw, running.basis, before, after, trend, actual)
-    expected = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), trend)
-    np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12)
+    scratch["reading"], scratch["spilt"] = rng.normal(size=6), 0.0
+    q, place = middle_of(record.jaw, before, after)
+    R = twin.rotation(np.array(q))
+    rows = tuple(tuple(float(value) for value in row) for row in R)
+    bend = set_by_place(record.jaw, q, rows, scratch)
+    set_line_wrenches(record.jaw, running.basis, place, rows, bend, running.belief["score"], scratch)
+    expected = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), scratch["reading"])
+    np.testing.assert_allclose(scratch["line_wrench"], expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(running.belief["score"], 0.0)
 
 
 class Joint:
@@ -139,10 +146,10 @@ class Joint:
         A, G = running.scratch["total"][:, :n].copy(), running.scratch["total"][:, n + 1 :].copy()
         F = np.eye(len(self.mean))
         F[:n, :n] = A
-        F[:n, n:] = G @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), trend)
-        fast = np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0 - trend
+        reading = trend if record.servo is not None else np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0
+        F[:n, n:] = G @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading)
         self.P = F @ self.P @ F.T
-        self.P[:n, :n] += G @ np.diag(record.wrench_sd**2 + record.gain_sd**2 * fast**2) @ G.T
+        self.P[:n, :n] += G @ np.diag(record.wrench_sd**2) @ G.T
         self.mean = F @ (self.mean - np.concatenate([before, 0.0 * self.mean[n:]]))
         self.mean[:n] += after
 
@@ -160,9 +167,36 @@ class Joint:
         running.update(k, used)
 
 
-def test_the_separated_filter_is_the_joint_one(rng):
-    """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes."""
-    record = recording().records[0]
+def without_cell_noise(record):
+    """What is unknown of the wrench is all unmodelled: nothing of it is shared by motion and reading."""
+    return replace(record, cell_sd=np.zeros(6))
+
+
+@pytest.mark.parametrize("model", ["jaw", "bilateral"])
+def test_without_cell_noise_and_servo_an_estimate_is_uncorrelated_with_its_error(model, rng):
+    """Then nothing is taken from the score: ``tremble`` is the covariance, however far ahead one looks."""
+    record = without_cell_noise(recording(model).records[0])
+    running = Running(record)
+    sd = np.sqrt(np.maximum(np.diag(running.belief["motion_cov"]), 1e-30))
+    for k in range(60):
+        running.update(k, (rng.random(12) > 0.3).astype(np.uint8))
+        before, information = running.belief["score"].copy(), running.belief["information"].copy()
+        running.predict(k)
+        P, C = running.belief["motion_cov"], running.belief["tremble"]
+        np.testing.assert_allclose(C / np.outer(sd, sd), P / np.outer(sd, sd), rtol=1e-8, atol=1e-11)
+        size = np.sqrt(np.maximum(np.diag(information), 1e-30))
+        np.testing.assert_allclose(running.belief["score"] / size, before / size, rtol=0, atol=1e-9)
+        np.testing.assert_array_equal(running.belief["information"], information)
+    assert np.abs(running.belief["aftermath"]).max() > 0.0
+
+
+@pytest.mark.parametrize("servo", [None, Device()], ids=["force", "servo"])
+def test_the_separated_filter_is_the_joint_one(rng, servo):
+    """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes.
+
+    What the score owes to a servo is left to its own test.
+    """
+    record = replace(without_cell_noise(recording().records[0]), servo=servo)
     running = Running(record)
     joint, n = Joint(running), running.size
     for k in range(101):
@@ -176,8 +210,9 @@ def test_the_separated_filter_is_the_joint_one(rng):
     sd = np.sqrt(np.diag(joint.P))
     expected = np.block([[running.belief["motion_cov"] + V @ cov @ V.T, V @ cov], [cov @ V.T, cov]])
     assert np.abs((joint.P - expected) / np.outer(sd, sd)).max() < 1e-8
-    whole = np.concatenate([running.belief["motion"] + V @ mean, mean])
-    assert np.abs((joint.mean - whole) / sd).max() < 1e-7
+    if servo is None:
+        whole = np.concatenate([running.belief["motion"] + V @ mean, mean])
+        assert np.abs((joint.mean - whole) / sd).max() < 1e-7
     assert (sd[n:] / joint.sd).min() < 0.3 and np.abs(mean / joint.sd).max() > 0.3, "the record teaches something"
     np.testing.assert_array_equal(running.belief["motion_cov"], running.belief["motion_cov"].T)
 
