@@ -98,6 +98,23 @@ def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, has_
 
 
 @njit
+def limit_aftermath(aftermath, predicted_cov):
+    """Scale M so that trace(M P) <= n: it is at most P^-1, which is all that innovations can ever say of e.
+
+    In the order of time the rules for M need not shrink it where P changes suddenly, as where readings are lost.
+    """
+    size, told = aftermath.shape[0], 0.0
+    for i in range(size):
+        for j in range(size):
+            told += aftermath[i, j] * predicted_cov[i, j]
+    if told > size:
+        share = size / told
+        for i in range(size):
+            for j in range(size):
+                aftermath[i, j] *= share
+
+
+@njit
 def predict_aftermath(aftermath, cell_variance, has_servo, score, information, scratch):
     """Carry M over a step; correct score and information about the load cell's gain.
 

@@ -1,18 +1,22 @@
 """One step of the true motion's deviations while a position servo holds the jaw: what load cell and filter cannot see.
 
 A servo swings the jaw within a step, and so the step is resolved: the exponential of the loop's matrix, by the Taylor
-polynomial of degree four of a quarter step, squared twice.
+polynomial of degree four of a short part of the step, squared until it is whole: of a quarter, for the jaw that hangs
+open; of less where the teeth or the discs of two condyles make it stiff.
 """
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 from jawenv.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 
-SQUARINGS = 2  # of a step's 2**-SQUARINGS-th part; a motor's servo swings by about 2 rad in 10 ms
+LONGEST_PHASE = 2.0  # rad in a part, of a bound that is about three times what the servo swings by
+MOST_SQUARINGS = 10
 DEGREE = 4
+ARM = 0.1  # m: an angle counts as much as what it moves at this arm
 
 
 def servo_loop_fields(n_states: int) -> list[Any]:
@@ -63,12 +67,34 @@ def multiply(left, right, product):
 
 
 @njit
+def squarings_needed(rates, dt):
+    """How often to halve ``dt`` so that no motion turns by more than ``LONGEST_PHASE`` in a part.
+
+    With x'' = K x + D x' no eigenvalue is larger than |D| + sqrt(|K|).
+    """
+    half = rates.shape[0] // 2
+    stiffness, damping = 0.0, 0.0
+    for i in range(half):
+        for j in range(half):
+            share = (1.0 if i < half - 3 else ARM) / (1.0 if j < half - 3 else ARM)
+            stiffness += (share * rates[half + i, j]) ** 2
+            damping += (share * rates[half + i, half + j]) ** 2
+    phase = (sqrt(damping) + sqrt(sqrt(stiffness))) * dt
+    squarings = 0
+    while phase > LONGEST_PHASE and squarings < MOST_SQUARINGS:
+        phase *= 0.5
+        squarings += 1
+    return squarings
+
+
+@njit
 def set_loop(dt, scratch):
     """Into ``loop`` (n, n + 6) the derivative of the state after ``dt`` by state and unmodelled wrench at its start."""
     set_rates(scratch)
     rates, loop, power, multiplied = scratch.rates, scratch.loop, scratch.power, scratch.multiplied
     size, columns = loop.shape
-    part = dt / 2.0**SQUARINGS
+    squarings = squarings_needed(rates, dt)
+    part = dt / 2.0**squarings
     for i in range(size):
         for j in range(columns):
             rates[i, j] *= part
@@ -81,7 +107,7 @@ def set_loop(dt, scratch):
             for j in range(columns):
                 power[i, j] = multiplied[i, j] / degree
                 loop[i, j] += power[i, j]
-    for _ in range(SQUARINGS):
+    for _ in range(squarings):
         # [A, B] twice: [A A, A B + B].
         multiply(loop, loop, multiplied)
         for i in range(size):

@@ -29,6 +29,7 @@ from jawenv.estimation.ekf import mean_reading, move, set_muscles
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.noisy_input import (
+    limit_aftermath,
     noisy_input_fields,
     predict_aftermath,
     predict_tremble,
@@ -119,6 +120,7 @@ def predict_motion(jaw, basis, belief, samples, dt, wrench_variance, cell_varian
     if has_servo:
         set_servo(device, vector3(jaw.mouthpiece), scratch.by_place, body_to_head, scratch.servo)
     predict_tremble(belief.tremble, belief.motion_cov, wrench_variance, cell_variance, has_servo, dt, scratch)
+    limit_aftermath(belief.aftermath, belief.motion_cov)
     predict_aftermath(belief.aftermath, cell_variance, has_servo, belief.score, belief.information, scratch)
     set_line_wrenches(jaw, basis, place, body_to_head, bend, belief.score, scratch)
     predict_by_tension(belief.by_tension, scratch)

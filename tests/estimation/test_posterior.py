@@ -3,10 +3,21 @@
 import newton_euler as twin
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.estimation.posterior import believe, invert_positive, posterior_fields, set_omega, solve_general
+from jawenv.estimation.posterior import (
+    NEGLIGIBLE,
+    believe,
+    invert_positive,
+    posterior_fields,
+    set_bent,
+    set_omega,
+    set_precision,
+    set_root,
+)
 from jawenv.estimation.tension_basis import build_basis, expand_coefficients
 from jawenv.mechanics import build_jaw
 
@@ -79,26 +90,164 @@ def test_where_c_is_a_straight_line_it_is_the_normal_equations(rng):
         assert (sd / problem.sd).min() < 0.7 and np.abs(expected / sd).max() > 0.1, "the record teaches something"
 
 
-def second_derivatives(problem):
-    """(mK, p, p) from ``scratch.by_log_twice``."""
-    twice = problem.scratch["by_log_twice"]
-    H = np.zeros((problem.size, 2 * problem.muscles, 2 * problem.muscles))
-    for i in range(problem.muscles):
-        for k in range(problem.nodes):
+def second_derivatives(twice):
+    """(mK, p, p) from those of each muscle's coefficients (m, K, 3)."""
+    muscles, nodes, _ = twice.shape
+    H = np.zeros((muscles * nodes, 2 * muscles, 2 * muscles))
+    for i in range(muscles):
+        for k in range(nodes):
             f, g, h = twice[i, k]
-            H[i * problem.nodes + k, 2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = [[f, g], [g, h]]
+            H[i * nodes + k, 2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = [[f, g], [g, h]]
     return H
+
+
+def first_derivatives(twice):
+    """(mK, p): c is proportional to F_o, so that these are among the second ones."""
+    muscles, nodes, _ = twice.shape
+    J = np.zeros((muscles * nodes, 2 * muscles))
+    for i in range(muscles):
+        J[nodes * i : nodes * (i + 1), 2 * i : 2 * i + 2] = twice[i, :, :2]
+    return J
+
+
+def half_trace(twice, covariance):
+    """Omega (mK, mK) by its definition."""
+    H = second_derivatives(twice)
+    return 0.5 * np.einsum("aij,jk,bkl,li->ab", H, covariance, H, covariance, optimize=True)
+
+
+def spread_out(twice):
+    """T (mK, 3 m) with the muscles' second derivatives in blocks."""
+    muscles, nodes, _ = twice.shape
+    T = np.zeros((muscles * nodes, 3 * muscles))
+    for i in range(muscles):
+        T[nodes * i : nodes * (i + 1), 3 * i : 3 * i + 3] = twice[i]
+    return T
 
 
 def test_omega_is_half_the_trace(rng):
     problem = Problem("whole")
-    problem.scratch["by_log_twice"] = rng.normal(size=(6, 4, 3))
-    P = definite(rng, 12)
-    set_omega(P, problem.scratch)
-    H = second_derivatives(problem)
-    expected = 0.5 * np.einsum("aij,jk,bkl,li->ab", H, P, H, P, optimize=True)
-    np.testing.assert_allclose(problem.scratch["omega"], expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
-    np.testing.assert_array_equal(problem.scratch["omega"], problem.scratch["omega"].T)
+    twice, P, G = rng.normal(size=(6, 4, 3)), definite(rng, 12), np.empty((18, 18))
+    set_omega(P, G)
+    T, expected = spread_out(twice), half_trace(twice, P)
+    np.testing.assert_allclose(T @ G @ T.T, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
+    np.testing.assert_array_equal(G, G.T)
+    assert np.linalg.eigvalsh(G)[0] > -1e-12 * np.linalg.eigvalsh(G)[-1]
+    assert problem.scratch["omega"].shape == G.shape
+
+
+class Linearised(Problem):
+    """One linearisation: any Lambda = B B^T, any second derivatives, any covariance; what the kernels make of them."""
+
+    def __init__(self, rng, rank, size_of_information=1.0, size_of_bend=1.0):
+        super().__init__("whole")
+        root = rng.normal(size=(self.size, rank)) * np.exp(rng.normal(size=rank))
+        self.root = root * np.sqrt(size_of_information / np.sum(root**2))
+        self.twice = size_of_bend * rng.normal(size=(self.muscles, self.nodes, 3))
+        parameters = len(self.mean)
+        self.covariance = definite(rng, parameters) / parameters
+        self.score[:-1] = self.root @ rng.normal(size=rank)
+        self.at = self.mean + 0.3 * rng.normal(size=parameters)
+
+    def by_kernels(self):
+        """Precision and gradient; None where rounding leaves no answer."""
+        scratch = self.scratch
+        scratch["known"], scratch["unexplained"] = self.root @ self.root.T, self.score[:-1]
+        scratch["coefficients"], scratch["by_log_twice"] = self.nominal, self.twice
+        set_bent(self.nominal, scratch)
+        set_omega(self.covariance, scratch["omega"])
+        if not set_precision(self.at, self.mean, self.sd, scratch):
+            return None
+        return scratch["precision"].copy(), scratch["right"].copy()
+
+    @property
+    def lost(self):
+        return np.trace(self.root.T @ half_trace(self.twice, self.covariance) @ self.root)
+
+    def directly(self):
+        """J^T (Lambda^-1 + Omega)^-1 J by the matrix inversion lemma: Lambda need not have an inverse."""
+        B, J, Omega = self.root, first_derivatives(self.twice), half_trace(self.twice, self.covariance)
+        rest = np.linalg.inv(np.eye(B.shape[1]) + B.T @ Omega @ B)
+        gradient = J.T @ (self.score[:-1] - B @ (rest @ (B.T @ (Omega @ self.score[:-1]))))
+        return (
+            J.T @ B @ rest @ B.T @ J + np.diag(self.sd**-2.0),
+            gradient + (self.mean - self.at) / self.sd**2,
+        )
+
+
+def agree(actual, expected, tolerance):
+    (precision, right), (P, gradient) = actual, expected
+    sizes = np.sqrt(np.diag(P))
+    assert np.abs((precision - P) / np.outer(sizes, sizes)).max() < tolerance
+    assert np.abs((right - gradient) / sizes).max() < tolerance * (1.0 + np.abs(gradient / sizes).max())
+
+
+def test_the_precision_is_that_of_the_direct_formula(rng):
+    """(Lambda^-1 + Omega)^-1 with Lambda definite, by dense inverses of its own size."""
+    for bend in (0.1, 1.0, 10.0):
+        one = Linearised(rng, 40, size_of_information=24.0, size_of_bend=bend)
+        Lambda, J = one.root @ one.root.T, first_derivatives(one.twice)
+        less = np.linalg.inv(np.linalg.inv(Lambda) + half_trace(one.twice, one.covariance))
+        gradient = J.T @ less @ np.linalg.solve(Lambda, one.score[:-1]) + (one.mean - one.at) / one.sd**2
+        expected = J.T @ less @ J + np.diag(one.sd**-2.0), gradient
+        assert one.lost > NEGLIGIBLE
+        agree(one.directly(), expected, 1e-8)
+        agree(one.by_kernels(), expected, 1e-8)
+
+
+@pytest.mark.parametrize("rank", [1, 2, 5, 11, 17, 23])
+def test_information_about_a_few_sums_has_no_inverse_and_needs_none(rng, rank):
+    for information in (1.0, 1e3):
+        one = Linearised(rng, rank, size_of_information=information)
+        assert one.lost > NEGLIGIBLE
+        agree(one.by_kernels(), one.directly(), 1e-6)
+
+
+def test_a_negligible_omega_is_left_out(rng):
+    one = Linearised(rng, 30, size_of_information=24.0, size_of_bend=1.0)
+    one.covariance *= np.sqrt(0.5 * NEGLIGIBLE / one.lost)
+    assert one.lost < NEGLIGIBLE
+    J = first_derivatives(one.twice)
+    expected = J.T @ one.root @ one.root.T @ J + np.diag(one.sd**-2.0)
+    precision, _ = one.by_kernels()
+    np.testing.assert_allclose(precision, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
+    agree((precision, one.directly()[1]), one.directly(), NEGLIGIBLE)
+
+
+@settings(max_examples=150, deadline=None, derandomize=True, database=None)
+@given(
+    seed=st.integers(0, 10_000),
+    rank=st.integers(1, 30),
+    information=st.floats(-6.0, 14.0),
+    bend=st.floats(-3.0, 4.0),
+    narrow=st.floats(-8.0, 0.0),
+)
+def test_the_precision_stays_positive_definite(seed, rank, information, bend, narrow):
+    """Whatever the sizes of Lambda and Omega: what the data add to the prior is never negative."""
+    rng = np.random.default_rng(seed)
+    one = Linearised(rng, rank, 10.0**information, 10.0**bend)
+    squeeze = np.sqrt(10.0 ** (narrow * rng.random(len(one.mean))))
+    one.covariance *= np.outer(squeeze, squeeze)
+    found = one.by_kernels()
+    assert found is not None
+    precision, right = found
+    assert np.isfinite(precision).all() and np.isfinite(right).all()
+    data = precision * np.outer(one.sd, one.sd) - np.eye(len(one.sd))
+    sizes = np.sqrt(1.0 + np.diag(data))
+    assert np.linalg.eigvalsh(data / np.outer(sizes, sizes))[0] > -1e-12
+    covariance = np.empty_like(precision)
+    assert invert_positive(precision, covariance)
+    believed = np.linalg.eigvalsh(covariance / np.outer(one.sd, one.sd))
+    assert believed[0] > 0.0 and believed[-1] < 1.0 + 1e-6
+
+
+def test_root_of_a_semidefinite_matrix(rng):
+    for rank in (1, 4, 9):
+        factor = rng.normal(size=(9, rank))
+        matrix, root = factor @ factor.T, np.full((9, 9), np.nan)
+        set_root(matrix, root)
+        np.testing.assert_allclose(root @ root.T, matrix, rtol=0, atol=1e-6 * matrix.max())
+        np.testing.assert_array_equal(root, np.tril(root))
 
 
 def test_what_it_converges_to_is_its_own_linearisation(rng):
@@ -110,14 +259,9 @@ def test_what_it_converges_to_is_its_own_linearisation(rng):
     problem.score[:-1] = np.linalg.cholesky(problem.information[:-1, :-1]) @ rng.normal(size=problem.size)
     mean, covariance, converged = problem.believe()
     assert converged
-    c, once, twice = np.empty((6, 4)), np.empty((6, 4, 2)), np.empty((6, 4, 3))
-    expand_coefficients(problem.basis, mean, covariance, c, once, twice)
-    problem.scratch["by_log_twice"] = twice
-    H, J = second_derivatives(problem), np.zeros((problem.size, 12))
-    for i in range(6):
-        J[4 * i : 4 * i + 4, 2 * i : 2 * i + 2] = once[i]
-    Omega = 0.5 * np.einsum("aij,jk,bkl,li->ab", H, covariance, H, covariance, optimize=True)
-    Lambda = problem.information[:-1, :-1]
+    c, twice = np.empty((6, 4)), np.empty((6, 4, 3))
+    expand_coefficients(problem.basis, mean, covariance, c, twice)
+    J, Omega, Lambda = first_derivatives(twice), half_trace(twice, covariance), problem.information[:-1, :-1]
     assert np.trace(Lambda @ Omega) > 0.1, "the error of the linearisation counts here"
     less = np.linalg.inv(np.linalg.inv(Lambda) + Omega)
     precision = J.T @ less @ J + np.diag(problem.sd**-2.0)
@@ -207,16 +351,6 @@ def test_other_matrices_have_none(rng, bad):
     values[0] = bad
     work = vectors @ np.diag(values) @ vectors.T if bad != 0.0 else np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0])
     assert not invert_positive(work, np.empty((6, 6)))
-
-
-def test_linear_equations(rng):
-    for size, columns in ((1, 1), (4, 3), (24, 13)):
-        matrix, right = rng.normal(size=(size, size)), rng.normal(size=(size, columns))
-        if size > 1:
-            matrix[0, 0] = 0.0  # no pivot without a change of rows
-        expected = np.linalg.solve(matrix, right)
-        solve_general(matrix.copy(), right)
-        np.testing.assert_allclose(right, expected, rtol=1e-8, atol=1e-10)
 
 
 def test_information_that_is_none_leaves_no_belief():

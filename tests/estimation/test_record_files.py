@@ -29,6 +29,7 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
     measured = rng.normal(size=(ticks + 1, 12))
     measured[rng.random(measured.shape) < 0.2] = np.nan
     measured[0, 0] = 0.1
+    wrench_sd = 1e-3 + rng.random(6)
     return Record(
         time=np.arange(ticks + 1) * dt,
         measured=measured,
@@ -36,11 +37,13 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
         start_mean=rng.normal(size=size),
         start_sd=rng.random(size),
         measurement_sd=1e-3 + rng.random(12),
-        wrench_sd=1e-3 + rng.random(6),
+        wrench_sd=wrench_sd,
+        cell_sd=rng.random(6) * wrench_sd,
         gain_sd=float(rng.random()),
         jaw=jaw,
         prior=cohort("wide", rung.muscles).prior,
         parameter_names=names,
+        servo=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
         truth=rng.normal(size=len(names)),
         states=rng.normal(size=(ticks + 1, size)),
         wrenches=rng.normal(size=(ticks, 3, 6)),
@@ -48,9 +51,8 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
 
 
 def same(one: Record, other: Record) -> None:
-    for (
-        name
-    ) in "time measured samples start_mean start_sd measurement_sd wrench_sd gain_sd truth states wrenches".split():
+    arrays = "time measured samples start_mean start_sd measurement_sd wrench_sd cell_sd gain_sd truth states wrenches"
+    for name in arrays.split():
         a, b = getattr(one, name), getattr(other, name)
         assert (a is None) == (b is None), name
         if a is not None:
@@ -58,6 +60,7 @@ def same(one: Record, other: Record) -> None:
     np.testing.assert_allclose(other.prior.mean, one.prior.mean)
     np.testing.assert_allclose(other.prior.sd, one.prior.sd)
     assert other.parameter_names == one.parameter_names
+    assert other.servo == one.servo
     for field in one.jaw.dtype.names:
         np.testing.assert_allclose(other.jaw[field], one.jaw[field], rtol=1e-12, atol=1e-15, err_msg=field)
 
@@ -105,7 +108,9 @@ def test_a_file_of_ones_own_gets_the_defaults(tmp_path):
     device = jawenv.Device()
     assert record.measurement_sd[0] == pytest.approx(device.encoder_position_mm / 1e3)
     assert record.wrench_sd[0] == pytest.approx(np.hypot(device.unmodelled_force_N, device.cell_force_N / 2**0.5))
+    np.testing.assert_allclose(record.cell_sd, np.repeat([device.cell_force_N, device.cell_moment_N_m], 3) / 2**0.5)
     assert record.gain_sd == device.cell_gain
+    assert record.servo is None, "forces were commanded"
     assert record.truth is None and record.states is None
 
 
@@ -119,6 +124,25 @@ def test_noise_and_prior_can_be_given(tmp_path):
     record = load_record(written(tmp_path, *ROWS), device=device, cohort="healthy", model="sides", truth=np.zeros(4))
     assert record.measurement_sd[0] == pytest.approx(3e-4)
     np.testing.assert_allclose(record.prior.mean, cohort("healthy", model_named("sides").muscles).prior.mean)
+
+
+def test_a_servo_is_the_files_or_the_callers(tmp_path):
+    own, given = jawenv.Device(servo_damping_N_s_m=7.0), jawenv.Device(servo_damping_N_s_m=9.0)
+    record = replace(random_record("jaw", 2, 0.01, 0), servo=own)
+    save_record(record, tmp_path / "one.csv")
+    assert load_record(tmp_path / "one.csv").servo == own
+    assert load_record(tmp_path / "one.csv", servo=given).servo == given
+    assert load_record(written(tmp_path, *ROWS), servo=given).servo == given
+
+
+def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
+    record = random_record("jaw", 2, 0.01, 0)
+    for wrong in (1.001 * record.wrench_sd, -record.cell_sd, np.full(6, np.nan)):
+        with pytest.raises(InputError, match="cell_sd is .*allowed are numbers from 0 to wrench_sd"):
+            replace(record, cell_sd=wrong)
+    assert replace(record, cell_sd=record.wrench_sd).cell_sd is record.wrench_sd
+    with pytest.raises(InputError, match=r"cell_sd has shape \(3,\), allowed is \(6,\)"):
+        replace(record, cell_sd=np.zeros(3))
 
 
 @pytest.mark.parametrize("model", ["jaw", "sagittal", "hinge", "bilateral"])
@@ -158,6 +182,10 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
         (ROWS, "# model: 7\n" + HEADER, ["model", "7"]),
         (ROWS, '# gain_sd: "much"\n' + HEADER, ["gain_sd", "much", "number"]),
         (ROWS, "# wrench_sd: [1, 2]\n" + HEADER, ["wrench_sd", "(6,)"]),
+        (ROWS, "# cell_sd: [9, 0, 0, 0, 0, 0]\n" + HEADER, ["cell_sd", "wrench_sd"]),
+        (ROWS, '# servo: {"spring": 1}\n' + HEADER, ["servo", "spring", "Device"]),
+        (ROWS, '# servo: {"servo_stiffness_N_m": "stiff"}\n' + HEADER, ["servo_stiffness_N_m", "stiff"]),
+        (ROWS, '# servo: "stiff"\n' + HEADER, ["servo", "stiff", "Device"]),
         (ROWS, "# wrench_sd: some\n" + HEADER, ["wrench_sd", "row 1", "JSON"]),
     ],
 )

@@ -6,118 +6,36 @@ from functools import cache
 import newton_euler as twin
 import numpy as np
 import pytest
-import two_condyles
 from recorded import Waves, recording
+from running import Running, half_way, line_wrenches
 
 import jawenv
 from agents import load_agent
-from jawenv.estimation.ekf import follow_trend
-from jawenv.estimation.measurement import expect
+from jawenv.device.device import Device
+from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.online import TensionFilter
-from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_filter import (
-    begin_belief,
-    belief_fields,
-    predict_motion,
-    recentre,
-    set_line_wrenches,
-    tension_scratch_dtype,
-    update_motion,
-)
+from jawenv.estimation.tension_filter import recentre
 from jawenv.metrics.calibration import nees
 
 SWINGS = "opening_with_swings_and_fore_aft"
 FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
 
 
-class Running:
-    """The filter's motion and information along a record, at a belief that stays ``log_parameters``."""
-
-    def __init__(self, record, log_parameters=None):
-        self.record = record
-        self.size, muscles = len(record.start_mean), len(record.parameter_names) // 2
-        nodes = nodes_needed(record.prior)
-        self.basis = build_basis(record.jaw, record.prior, nodes)[0]
-        self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, self.size, nodes), align=True))[0]
-        self.scratch = np.zeros(
-            1, dtype=tension_scratch_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes)
-        )[0]  # fmt: skip
-        self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
-        theta = record.prior.mean.copy() if log_parameters is None else log_parameters
-        begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())
-        self.variances, self.known = record.measurement_sd**2, record.wrench_sd**2
-
-    def predict(self, k):
-        record = self.record
-        predict_motion(
-            record.jaw, self.basis, self.belief, record.samples[k], record.dt, self.known, record.gain_sd**2,
-            self.scratch,
-        )  # fmt: skip
-        follow_trend(self.belief["trend"], record.samples[k], record.dt)
-
-    def update(self, k, used=None):
-        used = np.ones(12, dtype=np.uint8) if used is None else used
-        update_motion(self.record.jaw, self.belief, self.record.measured[k], self.variances, used, self.scratch)
-
-    def foresee(self, ticks):
-        """The record with readings that this filter expects to the last bit: without innovations."""
-        measured = self.record.measured.copy()
-        self.record = replace(self.record, measured=measured)
-        for k in range(ticks + 1):
-            if k > 0:
-                self.predict(k - 1)
-            expect(self.record.jaw, self.belief["motion"], self.scratch["rows"], measured[k])
-            self.update(k)
-        return self.record
-
-    def run(self, ticks):
-        self.update(0)
-        for k in range(ticks):
-            self.predict(k)
-            self.update(k + 1)
-        return self
-
-    @property
-    def information(self):
-        """The whole matrix, of which the filter keeps the lower half."""
-        lower = np.tril(self.belief["information"])
-        return lower + np.tril(lower, -1).T
-
-
-def line_wrenches(jaw, basis, place, R, trend):
-    """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error."""
-    n, K = basis["nodes"].shape
-    wrenches = np.zeros((6, n * K + 1))
-    for line in range(len(jaw["l_o"])):
-        insertion = place + R @ jaw["insertion"][line]
-        reach, muscle = jaw["origin"][line] - insertion, jaw["muscle"][line]
-        strain = np.linalg.norm(reach) / jaw["l_o"][line] - 1.0 - basis["centre"][muscle]
-        force = reach / np.linalg.norm(reach)
-        moment = np.cross(insertion - (place + R @ jaw["mouthpiece"]), force)
-        wrench = np.concatenate([R.T @ force, R.T @ moment])
-        for k in range(K):
-            wrenches[:, muscle * K + k] += np.exp(basis["nodes"][muscle, k] * strain) * wrench
-    wrenches[:, -1] = trend
-    return wrenches
-
-
-def half_way(jaw, before, after):
-    q = 0.5 * (before + after)
-    if len(q) == 12:
-        return q[:3], twin.rotation(two_condyles.five(q[:6]))
-    return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
-
-
 @pytest.mark.parametrize("model", ["jaw", "hinge", "bilateral"])
 def test_the_wrench_of_unit_coefficients(model, rng):
     record = recording(model).records[0]
     running = Running(record)
-    before, trend = record.start_mean.copy(), rng.normal(size=6)
+    before, scratch = record.start_mean.copy(), running.scratch
     after = before + 1e-3 * rng.normal(size=len(before))
-    actual = np.empty((6, running.belief["by_tension"].shape[1]))
-    set_line_wrenches(record.jaw, running.basis, before, after, trend, actual)
-    expected = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), trend)
-    np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12)
+    scratch["reading"], scratch["spilt"] = rng.normal(size=6), 0.0
+    q, place = middle_of(record.jaw, before, after)
+    R = twin.rotation(np.array(q))
+    rows = tuple(tuple(float(value) for value in row) for row in R)
+    bend = set_by_place(record.jaw, q, rows, scratch)
+    set_line_wrenches(record.jaw, running.basis, place, rows, bend, running.belief["score"], scratch)
+    expected = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), scratch["reading"])
+    np.testing.assert_allclose(scratch["line_wrench"], expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(running.belief["score"], 0.0)
 
 
 class Joint:
@@ -139,10 +57,10 @@ class Joint:
         A, G = running.scratch["total"][:, :n].copy(), running.scratch["total"][:, n + 1 :].copy()
         F = np.eye(len(self.mean))
         F[:n, :n] = A
-        F[:n, n:] = G @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), trend)
-        fast = np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0 - trend
+        reading = trend if record.servo is not None else np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0
+        F[:n, n:] = G @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading)
         self.P = F @ self.P @ F.T
-        self.P[:n, :n] += G @ np.diag(record.wrench_sd**2 + record.gain_sd**2 * fast**2) @ G.T
+        self.P[:n, :n] += G @ np.diag(record.wrench_sd**2) @ G.T
         self.mean = F @ (self.mean - np.concatenate([before, 0.0 * self.mean[n:]]))
         self.mean[:n] += after
 
@@ -160,9 +78,36 @@ class Joint:
         running.update(k, used)
 
 
-def test_the_separated_filter_is_the_joint_one(rng):
-    """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes."""
-    record = recording().records[0]
+def without_cell_noise(record):
+    """What is unknown of the wrench is all unmodelled: nothing of it is shared by motion and reading."""
+    return replace(record, cell_sd=np.zeros(6))
+
+
+@pytest.mark.parametrize("model", ["jaw", "bilateral"])
+def test_without_cell_noise_and_servo_an_estimate_is_uncorrelated_with_its_error(model, rng):
+    """Then nothing is taken from the score: ``tremble`` is the covariance, however far ahead one looks."""
+    record = without_cell_noise(recording(model).records[0])
+    running = Running(record)
+    sd = np.sqrt(np.maximum(np.diag(running.belief["motion_cov"]), 1e-30))
+    for k in range(60):
+        running.update(k, (rng.random(12) > 0.3).astype(np.uint8))
+        before, information = running.belief["score"].copy(), running.belief["information"].copy()
+        running.predict(k)
+        P, C = running.belief["motion_cov"], running.belief["tremble"]
+        np.testing.assert_allclose(C / np.outer(sd, sd), P / np.outer(sd, sd), rtol=1e-8, atol=1e-11)
+        size = np.sqrt(np.maximum(np.diag(information), 1e-30))
+        np.testing.assert_allclose(running.belief["score"] / size, before / size, rtol=0, atol=1e-9)
+        np.testing.assert_array_equal(running.belief["information"], information)
+    assert np.abs(running.belief["aftermath"]).max() > 0.0
+
+
+@pytest.mark.parametrize("servo", [None, Device()], ids=["force", "servo"])
+def test_the_separated_filter_is_the_joint_one(rng, servo):
+    """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes.
+
+    What the score owes to a servo is left to its own test.
+    """
+    record = replace(without_cell_noise(recording().records[0]), servo=servo)
     running = Running(record)
     joint, n = Joint(running), running.size
     for k in range(101):
@@ -176,8 +121,9 @@ def test_the_separated_filter_is_the_joint_one(rng):
     sd = np.sqrt(np.diag(joint.P))
     expected = np.block([[running.belief["motion_cov"] + V @ cov @ V.T, V @ cov], [cov @ V.T, cov]])
     assert np.abs((joint.P - expected) / np.outer(sd, sd)).max() < 1e-8
-    whole = np.concatenate([running.belief["motion"] + V @ mean, mean])
-    assert np.abs((joint.mean - whole) / sd).max() < 1e-7
+    if servo is None:
+        whole = np.concatenate([running.belief["motion"] + V @ mean, mean])
+        assert np.abs((joint.mean - whole) / sd).max() < 1e-7
     assert (sd[n:] / joint.sd).min() < 0.3 and np.abs(mean / joint.sd).max() > 0.3, "the record teaches something"
     np.testing.assert_array_equal(running.belief["motion_cov"], running.belief["motion_cov"].T)
 
