@@ -96,3 +96,13 @@ def half_way(jaw, before, after):
     if len(q) == 12:
         return q[:3], twin.rotation(two_condyles.five(q[:6]))
     return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
+
+
+def to_coordinates(jaw, q, R):
+    """(n / 2, 6): what the coordinates' generalised forces are of a wrench at the mouthpiece, body axes.
+
+    The angles' are moments about the condyles, body axes.
+    """
+    slides = np.eye(3) if len(q) == 6 else np.array([[1.0, 0.0, twin.fossa(jaw, q[0])[1]], [0.0, 1.0, 0.0]])
+    turns = np.array([np.cross(jaw["mouthpiece"], axis) for axis in np.eye(3)]).T
+    return np.block([[slides @ R, np.zeros((len(slides), 3))], [turns, np.eye(3)]])

@@ -1,27 +1,15 @@
 """What the score owes to the noise in the lines' strains, against differences of the lines' generalised forces."""
 
-import newton_euler as twin
 import numpy as np
 import pytest
 from recorded import recording
-from running import Running, half_way, line_wrenches
+from running import Running, half_way, line_wrenches, to_coordinates
 
 from jawenv.estimation.line_wrenches import set_by_place, set_line_wrenches
 
 
 def rows_of(R):
     return tuple(tuple(float(value) for value in row) for row in R)
-
-
-def to_coordinates(jaw, q, R):
-    """(n / 2, 6): what the coordinates' generalised forces are of a wrench at the mouthpiece, body axes.
-
-    The angles' are moments about the condyles, body axes.
-    """
-    slides = np.eye(3) if len(q) == 6 else np.array([[1.0, 0.0, twin.fossa(jaw, q[0])[1]], [0.0, 1.0, 0.0]])
-    of_force = np.vstack([slides @ R, [np.cross(jaw["mouthpiece"], axis) for axis in np.eye(3)]])
-    of_force[len(slides) :] = np.array([np.cross(jaw["mouthpiece"], axis) for axis in np.eye(3)]).T
-    return np.hstack([of_force, np.vstack([np.zeros((len(slides), 3)), np.eye(3)])])
 
 
 @pytest.mark.parametrize("model", ["jaw", "hinge", "bilateral"])

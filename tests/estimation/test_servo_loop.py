@@ -87,7 +87,6 @@ def test_a_step_is_the_exponential_of_the_rates(model, dt, rng):
     inputs = np.append(sizes, [0.1, 0.1, 0.1, 0.003, 0.003, 0.003])
     exact = expm(dt * whole)[:n]
     wrong = (loop.scratch["loop"] - exact) * inputs / sizes[:, None]
-    print(model, dt, np.abs(wrong).max())
     assert np.abs(wrong).max() < 0.02
     fastest = [np.abs(np.linalg.eigvals(matrix[:, :n])).max() for matrix in (loop.scratch["loop"], exact)]
     assert fastest[0] == pytest.approx(fastest[1], rel=1e-3)

@@ -120,6 +120,7 @@ def as_the_model_has_it(record, rng):
         start_sd=sd,
         measurement_sd=0.01 * record.measurement_sd,
         wrench_sd=0.01 * record.wrench_sd,
+        cell_sd=0.01 * record.cell_sd,
         gain_sd=0.0,
         prior=replace(record.prior, mean=path.parameters + 2e-3 * rng.normal(size=12), sd=np.full(12, 2e-3)),
     )

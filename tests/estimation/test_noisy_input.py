@@ -1,0 +1,188 @@
+"""What load-cell noise and servo put into the score: the kernels against matrices, the claims against many worlds."""
+
+from dataclasses import replace
+
+import gymnasium as gym
+import newton_euler as twin
+import numpy as np
+import pytest
+from recorded import recording
+from running import Running, half_way, line_wrenches, to_coordinates
+
+import jawenv
+from jawenv.device.device import Device
+from jawenv.envs.recording import record_of
+from jawenv.estimation.noisy_input import limit_aftermath
+from jawenv.estimation.online import TensionFilter
+
+CONTROLS = ["force", "trajectory"]
+
+
+class Matrices:
+    """C and M in NumPy, from the step's and the update's matrices: the recursions of ``noisy_input`` as written."""
+
+    def __init__(self, running):
+        self.running = running
+        self.C, self.M = running.belief["motion_cov"].copy(), np.zeros((running.size, running.size))
+
+    def predict(self, k):
+        running, record, n = self.running, self.running.record, self.running.size
+        before, P, old = running.belief["motion"].copy(), running.belief["motion_cov"].copy(), self.C
+        running.predict(k)
+        scratch, after = running.scratch, running.belief["motion"].copy()
+        A, G = scratch["total"][:, :n].copy(), scratch["total"][:, n + 1 :].copy()
+        N, W = np.diag(record.cell_sd**2), np.diag(record.wrench_sd**2)
+        B, H = A, G
+        if record.servo is not None:
+            B, H = scratch["loop"][:, :n].copy(), scratch["loop"][:, n:].copy()
+        self.C = B @ old @ A.T + H @ (W - N) @ G.T
+        D = 0.5 * ((P - old) @ A.T + running.belief["motion_cov"] - self.C)
+        self.score, self.information = np.zeros_like(running.belief["score"]), 0.0
+        self.M *= min(1.0, n / max(np.sum(self.M * running.belief["motion_cov"]), 1e-30))
+        MG = self.M @ G
+        self.add_lines(MG.T @ D.T, before, after)
+        if record.servo is None:
+            # The reading's noise n makes e = G n: cov(reading, e) = N G^T.
+            self.score[-1], self.information = np.trace(MG @ N @ G.T), -np.trace(MG @ N @ G.T)
+        self.M = A.T @ self.M @ A
+
+    def add_lines(self, spilt, before, after):
+        """``spilt`` times the derivative by pose, half way, of the wrench that the lines' generalised force is of."""
+        running, jaw, n = self.running, self.running.record.jaw, self.running.size
+        middle, nothing = 0.5 * (before + after), np.zeros(6)
+
+        def forces(at):
+            place, R = half_way(jaw, at, at)
+            on = to_coordinates(jaw, at[: n // 2], R)
+            return on @ line_wrenches(jaw, running.basis, place, R, nothing), on
+
+        back = np.linalg.pinv(forces(middle)[1])
+        for c in range(n // 2):
+            step = 1e-6 * np.eye(n)[c]
+            self.score += spilt[:, c] @ back @ (forces(middle + step)[0] - forces(middle - step)[0]) / 2e-6
+
+    def update(self, k):
+        running, record = self.running, self.running.record
+        path, P = running.belief["motion"].copy(), running.belief["motion_cov"].copy()
+        running.update(k)
+        rows = twin.derivative(lambda s: twin.measurement(record.jaw, s), path)
+        taken, rest = np.zeros_like(self.M), np.eye(len(P))
+        for h, r in zip(rows, running.variances, strict=True):
+            S = h @ P @ h + r
+            of_one = np.eye(len(P)) - np.outer(P @ h, h) / S
+            # What this reading takes of T = cov(by_tension, e) as it was before the tick's first reading.
+            taken += rest.T @ np.outer(h, h) @ rest / S
+            self.C, P, rest = self.C @ of_one.T, of_one @ P, of_one @ rest
+        self.M = rest.T @ self.M @ rest + taken
+
+
+@pytest.mark.parametrize("servo", [None, Device()], ids=["force", "servo"])
+def test_the_kernels_are_the_recursions(servo):
+    """Along a record, 40 ticks: C and M to rounding; the score to what a step's turning makes of its wrench."""
+    record = replace(recording().records[0], servo=servo)
+    running = Running(record)
+    twins = Matrices(running)
+    twins.update(0)
+    P = running.belief["motion_cov"]
+    for k in range(40):
+        score, information = running.belief["score"].copy(), running.belief["information"].copy()
+        twins.predict(k)
+        sd = np.sqrt(np.diag(P))
+        C = running.belief["tremble"]
+        np.testing.assert_allclose(C / np.outer(sd, sd), twins.C / np.outer(sd, sd), rtol=0, atol=1e-9)
+        taken = running.belief["score"] - score
+        size = np.abs(twins.score[:-1]).max()
+        np.testing.assert_allclose(taken[:-1], twins.score[:-1], rtol=0, atol=1e-2 * size + 1e-12)
+        assert taken[-1] == pytest.approx(twins.score[-1], rel=1e-6)
+        changed = running.belief["information"] - information
+        assert changed[-1, -1] == pytest.approx(twins.information, rel=1e-6)
+        changed[-1, -1] = 0.0
+        np.testing.assert_array_equal(changed, 0.0)
+        twins.update(k + 1)
+        M = running.belief["aftermath"]
+        np.testing.assert_allclose(M * np.outer(sd, sd), twins.M * np.outer(sd, sd), rtol=1e-8, atol=1e-10)
+    assert size > 0.0
+
+
+def held_still(control, worlds, seconds, gain=0.0, record=False):
+    """Many worlds of the prior's mean patient whose motors do nothing."""
+    prior = jawenv.cohort("trismus").prior
+    patient = jawenv.Patient.from_log_parameters(prior.mean)
+    kwargs = {"control": control, "episode_s": seconds, "device": {"cell_gain": gain}, "record": record}
+    env = gym.make_vec("jawenv/Jaw-v0", num_envs=worlds, **kwargs)
+    env.reset(seed=5, options={"patients": [patient] * worlds})
+    return env
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_tremble_is_the_covariance_of_motion_and_error(control):
+    """Over worlds that differ in noise alone, after 0.4 to 1 s, in standard errors of the worlds' scatter."""
+    number = 300
+    env = held_still(control, number, 1.0, gain=0.0)
+    actions, worlds = np.zeros((number, 4), dtype=np.float32), env.unwrapped.simulation.worlds
+    found, claimed, usual = [], [], []
+    for step in range(19):
+        env.step(actions)
+        if step < 7:
+            continue
+        truth, error = worlds["state"], worlds["motion"] - worlds["state"]
+        away, wrong = truth - truth.mean(axis=0), error - error.mean(axis=0)
+        found.append(-away[:, :, None] * wrong[:, None, :])
+        claimed.append(worlds["tremble"].mean(axis=0))
+        usual.append(worlds["motion_cov"].mean(axis=0))
+    of_world = np.mean(found, axis=0)
+    standard_error = of_world.std(axis=0, ddof=1) / np.sqrt(number)
+    from_claim, from_usual = (
+        (of_world.mean(axis=0) - np.mean(one, axis=0)) / standard_error for one in (claimed, usual)
+    )
+    assert np.mean(from_claim**2) < 2.0
+    assert np.abs(from_claim).max() < 5.0
+    assert np.sum(from_usual**2) > np.sum(from_claim**2) + 40.0, "uncorrelated with the estimate it is not"
+
+
+# Of the mean patient 100 times, 20 s: 0.1 at most for the force (0.07 by chance), 0.2 for the servo; without the
+# correction by F_o of the masseter +0.36 and +1.3, by b of the pterygoid 0.3 and -2.8.
+@pytest.mark.parametrize(("control", "without"), [("force", 0.25), ("trajectory", 1.0)])
+def test_the_belief_of_a_jaw_held_still_is_not_biased(control, without):
+    """Mean error in sds, left and right together; the same records without the correction are off."""
+    number, steps = 60, 400
+    env = held_still(control, number, 20.0, gain=0.01, record=True)
+    actions, simulation = np.zeros((number, 4), dtype=np.float32), env.unwrapped.simulation
+    for _ in range(steps - 1):
+        env.step(actions)
+    worlds = simulation.worlds
+    sd = np.sqrt(np.array([np.diag(cov) for cov in worlds["belief_cov"]]))
+    share = (worlds["belief_mean"] - worlds["log_parameters"]) / sd
+    assert np.abs(share.reshape(number, 2, 6).mean(axis=(0, 1))).max() < 0.35
+    moved = []
+    for i in range(4):
+        uncorrected = replace(record_of(simulation, i), cell_sd=np.zeros(6), servo=None)
+        moved.append((TensionFilter().estimate(uncorrected).mean[-1] - worlds["belief_mean"][i]) / sd[i])
+    assert np.abs(np.mean(moved, axis=0)).max() > without
+
+
+def test_innovations_say_no_more_of_an_error_than_there_is_to_know(rng):
+    """M <= P^-1, so that trace(M P) is n at most; a smaller one stays as it is."""
+    factor = rng.normal(size=(10, 14))
+    P = factor @ factor.T
+    small = 0.5 * np.linalg.inv(P)
+    M = small.copy()
+    limit_aftermath(M, P)
+    np.testing.assert_array_equal(M, small)
+    M = 40.0 * np.linalg.inv(P)
+    limit_aftermath(M, P)
+    np.testing.assert_allclose(M, np.linalg.inv(P), rtol=1e-9, atol=1e-12)
+
+
+def test_where_readings_are_lost_the_correction_stays_finite():
+    """Half of them; measured without the limit: M a hundred thousand times P^-1 within 3 s."""
+    record = recording().records[0]
+    rng, running = np.random.default_rng(1), Running(record)
+    running.update(0)
+    for k in range(300):
+        running.known = record.wrench_sd**2 * (90.0 if rng.random() < 0.4 else 1.0)
+        running.predict(k)
+        running.update(k + 1, (rng.random(12) > 0.4).astype(np.uint8))
+        told = np.sum(running.belief["aftermath"] * running.belief["motion_cov"])
+        assert 0.0 <= told < 1e4
+    assert np.isfinite(running.belief["score"]).all()
