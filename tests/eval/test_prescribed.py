@@ -10,7 +10,7 @@ from eval.thesis.settings import SENSORS, lowering_then_sideways, plane_record
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import filter_scratch_dtype
 from jawenv.estimation.sensitivity import propagate
-from jawenv.estimation.thinning import thinned
+from jawenv.estimation.thinning import read_every, thinned
 
 
 def test_keyframes_are_met_at_rest():
@@ -42,19 +42,55 @@ def test_noise_is_that_of_the_device():
     assert cell.std() == pytest.approx(SENSORS.cell_force_N, rel=0.05)
 
 
-def test_thinning_keeps_every_nth_reading():
+def test_thinning_keeps_every_nth_reading_and_averages_the_load_cell():
     clean = plane_record()
     for every in (1, 2, 5):
         thin = thinned(clean, every)
         np.testing.assert_array_equal(thin.measured, clean.measured[::every])
-        np.testing.assert_allclose(thin.samples[:, 0], clean.samples[::every, 0])
-        np.testing.assert_allclose(thin.samples[:-1, 2], thin.samples[1:, 0], atol=1e-9)
+        np.testing.assert_allclose(thin.samples[:, [0, 2]], clean.samples[::every, [0]][:, [0, 0]], atol=0.1)
         middle = 0.5 * (thin.time[:-1] + thin.time[1:])
         at = np.interp(middle, 0.5 * (clean.time[:-1] + clean.time[1:]), clean.samples[:, 1, 2])
         np.testing.assert_allclose(thin.samples[:, 1, 2], at, atol=2e-3)
-        np.testing.assert_allclose(thin.wrench_sd, clean.wrench_sd / np.sqrt(every))
+        for sd in ("wrench_sd", "cell_sd"):
+            np.testing.assert_allclose(getattr(thin, sd), getattr(clean, sd) / np.sqrt(every))
     short = thinned(replace(clean, states=None, wrenches=None).until(0.1), 3)
     assert len(short.samples) == 3 and short.states is None
     for every in (0, 1.5, True, len(clean.samples) + 1):
-        with pytest.raises(InputError, match="every"):
-            thinned(clean, every)
+        for fewer in (thinned, read_every):
+            with pytest.raises(InputError, match="every"):
+                fewer(clean, every)
+
+
+def simpson(values):
+    """Mean over each tick of what three samples say."""
+    return np.einsum("i,ti...->t...", np.array([1.0, 4.0, 1.0]) / 6.0, values)
+
+
+def test_a_longer_tick_has_the_impulse_of_its_short_ones_and_where_it_lies():
+    clean = plane_record()
+    rough = replace(clean, samples=clean.samples + np.random.default_rng(0).normal(size=clean.samples.shape))
+    thin = thinned(rough, 5)
+    ticks = rough.samples.reshape(-1, 5, 3, 6)
+    within = (np.arange(5)[:, None] + np.array([0.0, 0.5, 1.0])) / 5.0
+    np.testing.assert_allclose(simpson(thin.samples), simpson(rough.samples).reshape(-1, 5, 6).mean(axis=1), atol=1e-12)
+    moment = np.mean([simpson(ticks[:, j] * within[j][:, None]) for j in range(5)], axis=0)
+    np.testing.assert_allclose(simpson(thin.samples * np.array([0.0, 0.5, 1.0])[:, None]), moment, atol=1e-12)
+
+
+def test_thinning_leaves_a_parabola_as_it_is_and_a_frozen_load_cell_frozen():
+    clean = plane_record()
+    time = np.stack([clean.time[:-1], 0.5 * (clean.time[:-1] + clean.time[1:]), clean.time[1:]], axis=1)
+    samples = np.repeat((1.0 + 2.0 * time - 3.0 * time**2)[:, :, None], 6, axis=2)
+    samples[:, :, 1] = 1.0 / 3.0
+    thin = thinned(replace(clean, samples=samples), 5)
+    longer = np.stack([thin.time[:-1], 0.5 * (thin.time[:-1] + thin.time[1:]), thin.time[1:]], axis=1)
+    np.testing.assert_allclose(thin.samples[:, :, 0], 1.0 + 2.0 * longer - 3.0 * longer**2, rtol=1e-9, atol=1e-9)
+    assert (thin.samples[:, :, 1] == 1.0 / 3.0).all()
+
+
+def test_fewer_readings_leave_ticks_and_load_cell():
+    clean = plane_record()
+    few = read_every(clean, 4)
+    np.testing.assert_array_equal(few.measured[::4], clean.measured[::4])
+    assert np.isnan(np.delete(few.measured, np.s_[::4], axis=0)).all()
+    assert few.samples is clean.samples and len(few.time) == len(clean.time)
