@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from eval import drawing, words
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
 from jawenv.estimation.extended_kalman import ExtendedKalman
@@ -132,7 +132,7 @@ ITEM = Item(
     "One patient of cohort “trismus”, believed to be of the far wider “wide”; openings of 5° to 20° beyond rest in "
     "20 s, straight and with swings of 4° to the sides; nonlinear least squares with the prior, and extended Kalman "
     "filter in logs.",
-    draw,
+    one_by_one(draw),
     judge,
     figure,
     "Root mean square error of the logs over the muscles, median of the draws with its interval.",

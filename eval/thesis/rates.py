@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from eval import drawing, statistics, words
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, sampled_record
 from jawenv.estimation.extended_kalman import ExtendedKalman
@@ -109,7 +109,7 @@ ITEM = Item(
     "One patient of cohort “trismus”, opening to 20° with swings of 4° to the sides, 20 s, every rate simulated for "
     "itself; what is not modelled is new every 10 ms, so its mean over a longer tick is smaller; extended Kalman "
     "filter in logs, untuned.",
-    draw,
+    one_by_one(draw),
     judge,
     figure,
     "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot "
