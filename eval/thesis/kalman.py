@@ -154,12 +154,13 @@ def judge_full(table: pd.DataFrame) -> Finding:
     slow = statistics.quantile(time_to_known(table, "log"), 0.5)
     fast = statistics.quantile(time_to_known(table, "two sides"), 0.5)
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
+    spacing = float(np.diff(np.unique(rows.of_case(table, "log")["time_s"])).max())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
     return Finding(
         f"Median error of the 12 parameters after the maneuver: {rows.told(error['linear'])} as F_o and b themselves, "
         f"{rows.told(error['log'])} in logs. Half of the parameters are known to 10 % after "
         f"{rows.told(slow, 1.0, ' s')}, of the two-sided model's four after "
-        f"{rows.told(fast, 1.0, ' s')}.",
+        f"{rows.told(fast, 1.0, ' s')} (looked at every {words.number(spacing, 2)} s).",
         "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",
         ("Twelve are tracked" if tracked else "Twelve are not tracked")
         + (", more slowly than four." if slower else ", not more slowly than four."),
