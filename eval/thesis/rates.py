@@ -113,5 +113,6 @@ ITEM = Item(
     judge,
     figure,
     "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot "
-    "diverges.",
+    "diverges. What makes it too sure is not the rate of the readings: it takes the load cell's noise as constant over "
+    "its step. With the ticks divided (jawenv.estimation.thinning) it stays honest (docs/thesis.md).",
 )

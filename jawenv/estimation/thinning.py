@@ -1,4 +1,4 @@
-"""A recording as a slower device would have made it: fewer, longer ticks, or the same ticks with fewer readings."""
+"""A recording as a slower device would have made it, and how a filter is told of a slow device's."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ def thinned(record: Record, every: int) -> Record:
     has their mean and first two moments. So ``wrench_sd`` and ``cell_sd`` both fall with the root of ``every``, as the
     mean of what is new in each short tick does.
 
-    A filter on the longer ticks is too sure of itself all the same. It takes the wrench that is not known as constant
-    over a tick, while that of the simulated device changes every 10 ms: in 50 ms a stiff jaw may swing a whole period,
-    over which a constant wrench hardly changes its velocity and a changing one does. At 20 Hz true motions depart from
-    the model's by up to 3.9 of its sds (root mean square, forward speed of the condyle), and by 0.9 to 1.0 where the
-    wrench is taken as new every 10 ms. Finer integration, or load-cell noise that does not fall, changes little.
+    A filter on the longer ticks is too sure of itself all the same. It takes the wrench that is not known, and the load
+    cell's noise, as constant over a tick, while they change every 10 ms and less: in 50 ms a stiff jaw may swing a
+    whole period, over which a constant wrench hardly changes its velocity and a changing one does. At 20 Hz true
+    motions depart from the model's by up to 3.9 of its sds (root mean square, forward speed of the condyle), and by
+    0.9 to 1.0 where the wrench is taken as new every 10 ms. Finer integration, or load-cell noise that does not fall,
+    changes little.
 
     Median NEES of 12 parameters (honest: 11.3) and median error of the plain extended Kalman filter in logs, maneuver
     ``opening_with_swings_and_fore_aft``, 24 patients of cohort ``trismus``, seeds from 10000, 15 s:
 
-    ========  ============  ==================  ===================
-    readings  ``thinned``   three instants      ``read_every``
-    ========  ============  ==================  ===================
-    100 Hz    8.9, 3.3 %    8.9, 3.3 %          8.9, 3.3 %
-    50 Hz     12.8, 4.8 %   13.8, 4.0 %         7.0, 2.9 %
-    20 Hz     194, 12 %     449, 16 %           9.8, 4.1 %
-    10 Hz     971, 26 %     6961, 58 %          12.8, 6.1 %
-    ========  ============  ==================  ===================
+    ========  ============  ==============  ========================
+    readings  ``thinned``   three instants  ``thinned``, ``divided``
+    ========  ============  ==============  ========================
+    100 Hz    8.9, 3.3 %    8.9, 3.3 %      8.9, 3.3 %
+    50 Hz     12.8, 4.8 %   13.8, 4.0 %     6.9, 2.8 %
+    20 Hz     194, 12 %     449, 16 %       9.8, 4.2 %
+    10 Hz     971, 26 %     6961, 58 %      12.0, 4.9 %
+    ========  ============  ==============  ========================
 
     In the second column the load cell is read at start, middle and end of each longer tick only. The environments' own
-    filter has 10.0, 20 and 261 at 100, 50 and 20 Hz on ``thinned`` records, and 10.0, 11.1 and 19.8 with
-    ``read_every``.
+    filter has 10.0, 20 and 261 at 100, 50 and 20 Hz on ``thinned`` records, and 11.2 and 19.5 on ``divided`` ones.
 
     Args:
         record: of T ticks.
@@ -64,23 +64,43 @@ def thinned(record: Record, every: int) -> Record:
     )
 
 
-def read_every(record: Record, every: int) -> Record:
-    """The same ticks, in which the encoders are read at the first and every ``every``-th time after it only.
+def divided(record: Record, parts: int) -> Record:
+    """A slow device's recording with short ticks: each tick divided into equal ones, the encoders unread in between.
 
-    The load cell stays as fast as it is, and so do the steps of a filter, which therefore stays honest where one on
-    ``thinned`` ticks does not. Estimators that differentiate the motion need every reading, and refuse such a record.
+    A filter takes the wrench that is not known, and the load cell's noise, as constant over a tick. Where it changes
+    faster than the recording is sampled, ticks of about its own time (10 ms, ``record_defaults.UNMODELLED_TIME``) keep
+    the filter honest: see ``thinned``. The load cell's samples are read off each tick's parabola; ``wrench_sd`` and
+    ``cell_sd`` rise with the root of ``parts``. Estimators that differentiate the motion need every reading, and refuse
+    such a record.
 
     Args:
         record: of T ticks.
-        every: 1 to T.
+        parts: >= 1; the result has T times as many ticks. Its true states and wrenches between are not known.
 
     Raises:
-        InputError: ``every`` is not a whole number from 1 to T.
+        InputError: ``parts`` is not a whole number from 1 on.
     """
-    _whole(record, every)
-    measured = np.full_like(record.measured, np.nan)
-    measured[::every] = record.measured[::every]
-    return replace(record, measured=measured)
+    if isinstance(parts, bool) or not isinstance(parts, int | np.integer) or parts < 1:
+        raise InputError(f"divided: parts is {parts!r}, allowed is a whole number from 1 on")
+    if parts == 1:
+        return record
+    ticks = len(record.samples)
+    measured = np.full((ticks * parts + 1, record.measured.shape[1]), np.nan)
+    measured[::parts] = record.measured
+    share = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) / parts
+    samples = np.einsum("pos,tsk->tpok", _parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
+    # The end of a short tick is the start of the next to the bit, which filters take for a sensor that has frozen.
+    samples[:, 0] = np.nextafter(samples[:, 0], np.inf)
+    return replace(
+        record,
+        time=np.linspace(record.time[0], record.time[-1], ticks * parts + 1),
+        measured=measured,
+        samples=samples,
+        wrench_sd=record.wrench_sd * np.sqrt(parts),
+        cell_sd=record.cell_sd * np.sqrt(parts),
+        states=None,
+        wrenches=None,
+    )
 
 
 def _whole(record: Record, every: int) -> int:
@@ -101,9 +121,7 @@ def _of_longer_ticks(samples: Array, every: int) -> Array:
         return samples.copy()
     nodes, weights = np.polynomial.legendre.leggauss(3)
     share = 0.5 * (nodes + 1.0)
-    read = np.column_stack(
-        [(1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)]
-    )
+    read = _parabola(share)
     place = (np.arange(every)[:, None] + share) / every
     moments = np.einsum("egm,g,gs->mes", _legendre(place), 0.5 * weights / every, read)
     to_samples = np.einsum("om,mes->oes", _legendre(np.array([0.0, 0.5, 1.0])), moments)
@@ -111,6 +129,12 @@ def _of_longer_ticks(samples: Array, every: int) -> Array:
     found = np.einsum("oes,tesk->tok", to_samples, groups)
     frozen = np.ptp(groups, axis=(1, 2)) == 0.0
     return np.where(frozen[:, None], groups[:, 0, :1], found)
+
+
+def _parabola(share: Array) -> Array:
+    """(..., 3) weights of the samples at start, middle and end in the parabola through them, at a share of the tick."""
+    ends = (1.0 - share) * (1.0 - 2.0 * share), share * (2.0 * share - 1.0)
+    return np.stack([ends[0], 4.0 * share * (1.0 - share), ends[1]], axis=-1)
 
 
 def _legendre(share: Array) -> Array:

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from eval.thesis.prescribed import Motion, with_noise
-from eval.thesis.settings import SENSORS, lowering_then_sideways, plane_record
+from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.extended_kalman import ExtendedKalman
 from jawenv.estimation.sensitivity import propagate
-from jawenv.estimation.thinning import read_every, thinned
+from jawenv.estimation.thinning import divided, thinned
 
 
 def test_keyframes_are_met_at_rest():
@@ -56,9 +57,11 @@ def test_thinning_keeps_every_nth_reading_and_averages_the_load_cell():
     short = thinned(replace(clean, states=None, wrenches=None).until(0.1), 3)
     assert len(short.samples) == 3 and short.states is None
     for every in (0, 1.5, True, len(clean.samples) + 1):
-        for fewer in (thinned, read_every):
-            with pytest.raises(InputError, match="every"):
-                fewer(clean, every)
+        with pytest.raises(InputError, match="every"):
+            thinned(clean, every)
+    for parts in (0, 1.5, True):
+        with pytest.raises(InputError, match="parts"):
+            divided(clean, parts)
 
 
 def simpson(values):
@@ -88,9 +91,27 @@ def test_thinning_leaves_a_parabola_as_it_is_and_a_frozen_load_cell_frozen():
     assert (thin.samples[:, :, 1] == 1.0 / 3.0).all()
 
 
-def test_fewer_readings_leave_ticks_and_load_cell():
+def test_dividing_ticks_keeps_readings_impulse_and_noise():
     clean = plane_record()
-    few = read_every(clean, 4)
-    np.testing.assert_array_equal(few.measured[::4], clean.measured[::4])
-    assert np.isnan(np.delete(few.measured, np.s_[::4], axis=0)).all()
-    assert few.samples is clean.samples and len(few.time) == len(clean.time)
+    assert divided(clean, 1) is clean
+    fine = divided(thinned(clean, 5), 5)
+    np.testing.assert_allclose(fine.time, clean.time, atol=1e-9)
+    np.testing.assert_array_equal(fine.measured[::5], clean.measured[::5])
+    assert np.isnan(np.delete(fine.measured, np.s_[::5], axis=0)).all()
+    np.testing.assert_allclose(fine.wrench_sd, clean.wrench_sd)
+    np.testing.assert_allclose(fine.cell_sd, clean.cell_sd)
+    mean = simpson(clean.samples).reshape(-1, 5, 6).mean(axis=1)
+    np.testing.assert_allclose(simpson(fine.samples).reshape(-1, 5, 6).mean(axis=1), mean, atol=1e-9)
+    np.testing.assert_allclose(fine.samples, clean.samples, atol=0.05)
+
+
+def test_a_filter_with_short_ticks_is_less_sure_on_a_slow_recording():
+    clean = sampled_record(0.1)
+    nees = {1: [], 10: []}
+    for seed in range(3):
+        slow = with_noise(clean, DEVICE, np.random.default_rng(seed))
+        for parts, found in nees.items():
+            belief = ExtendedKalman("log").estimate(divided(slow, parts))
+            error = belief.mean[-1] - clean.truth
+            found.append(error @ np.linalg.solve(belief.cov[-1], error))
+    assert np.median(nees[10]) < 50.0 and np.median(nees[1]) > 200.0  # honest: 11.3
