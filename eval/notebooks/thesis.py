@@ -21,7 +21,8 @@
 # results are figures of simulations whose jaw, noise and motion it does not state. Here the same is done with corrected
 # equations, and what the thesis says stands beside what comes out.
 #
-# `python -m eval thesis` does all of it with 1,000 draws, on all cores, and writes a report.
+# `python -m eval thesis` does all of it with 1,000 draws, on all cores, and writes a report. What came out of that
+# is in `docs/thesis.md`.
 
 # %%
 import os
@@ -110,7 +111,7 @@ look_at("two_stage")
 # %% [markdown]
 # ## Next
 #
-# - `look_at("ekf_sides")`, `"ekf_full"`, `"ekf_noise"` and `"rates"` are about the extended Kalman filter; they take a
-#   few seconds per draw.
+# - `look_at("ekf_sides")`, `"ekf_full"`, `"ekf_noise"` and `"rates"` are about the extended Kalman filter; they take
+#   about half a second per draw.
 # - `python -m eval thesis --only ekf_sides --draws 100` draws one result and writes a report of it.
 # - `docs/recordings.md` says how a recording of a device of your own is evaluated by the same estimators.

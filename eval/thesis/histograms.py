@@ -34,7 +34,7 @@ def _histogram(axes: Axes, one: pd.DataFrame, name: str) -> None:
         low, high = np.quantile(values, [0.02, 0.98])
         shown = values[(values >= low) & (values <= high)]
         axes.hist(shown, bins=min(24, max(5, len(values) // 8)), color=FORCE if force else EXPONENT, alpha=0.75)
-        axes.axvline(float(values.mean()), color=drawing.INK, linestyle=(0, (4, 2)), linewidth=1.1)
+        axes.axvline(float(shown.mean()), color=drawing.INK, linestyle=(0, (4, 2)), linewidth=1.1)
     axes.axvline(truth, color="#c25b4e", linewidth=1.6)
     axes.set_title(f"{'F_o, N' if force else 'b'}  {_short(name)}", fontsize=7.3)
     axes.set_yticks([])

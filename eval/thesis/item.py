@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -41,7 +41,7 @@ class Item:
         where: figure or section of Young (2016).
         says: what the thesis says; with its number if it gives one.
         how: our setting, where the thesis names none.
-        draw: rows of one draw, from its own random numbers; the second argument asks for the quick form.
+        draw: rows of each draw, from its own random numbers; the second argument asks for the quick form.
         judge: the finding, from the rows of all draws.
         figure: of the rows of all draws.
         caption: below the figure.
@@ -53,7 +53,7 @@ class Item:
     where: str
     says: str
     how: str
-    draw: Callable[[np.random.Generator, bool], pd.DataFrame]
+    draw: Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]
     judge: Callable[[pd.DataFrame], Finding]
     figure: Callable[[pd.DataFrame], Figure]
     caption: str
@@ -63,3 +63,15 @@ class Item:
     def drawn_as(self) -> str:
         """Key of the item whose draws these are."""
         return self.same_draws_as or self.key
+
+
+def one_by_one(
+    draw: Callable[[np.random.Generator, bool], pd.DataFrame],
+) -> Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]:
+    """An item's ``draw`` from that of a single draw."""
+
+    def draw_each(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
+        for rng in rngs:
+            yield draw(rng, quick)
+
+    return draw_each

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from eval import drawing, statistics, words
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
+from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
 from jawenv.estimation import record_defaults as defaults
@@ -19,6 +19,7 @@ CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the
 BOUNDS = (np.array([-5e-4, -5e-3, 0.0, -0.2, -0.2]), np.array([12.8e-3, 5e-3, 0.7, 0.2, 0.2]))
 """Of x, y (m), theta, psi, alpha (rad): what a jaw can do, 5 mm and 11 degrees to each side."""
 _COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d")
+_MOUTH = {"x": "x, forward", "y": "y, left", "z": "z, up"}
 
 
 def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
@@ -103,10 +104,20 @@ def figure(table: pd.DataFrame) -> Figure:
         first = table[table["draw"] == table["draw"].min()].sort_values("time_s")
         for axis, colour in zip("xyz", _COLOURS, strict=True):
             values = first[f"mouth_{axis}_mm"]
-            mouth.plot(first["time_s"], values - values.iloc[0], color=colour, label=axis)
+            moved = values - values.iloc[0]
+            mouth.plot(first["time_s"], moved, color=colour)
+            place = int(moved.abs().to_numpy().argmax())
+            mouth.annotate(
+                _MOUTH[axis],
+                (first["time_s"].iloc[place], moved.iloc[place]),
+                xytext=(0, -4 if moved.iloc[place] > 0.0 else 4),
+                textcoords="offset points",
+                color=colour,
+                ha="center",
+                va="top" if moved.iloc[place] > 0.0 else "bottom",
+            )
         mouth.set(title="Mouthpiece, mm from its start", xlabel="s")
-        mouth.legend(loc="center", bbox_to_anchor=(0.55, 0.22), ncols=3)
-        for axes, across, label in ((side, "z", "down −, mm"), (above, "y", "left, mm")):
+        for axes, across, label in ((side, "z", "condyle up, mm"), (above, "y", "condyle left, mm")):
             for name, colour, size in (("point", _COLOURS[1], 9), ("pose", _COLOURS[0], 9)):
                 axes.scatter(
                     first[f"{name}_x_mm"], first[f"{name}_{across}_mm"], s=size, color=colour, label=f"from the {name}"
@@ -126,7 +137,7 @@ ITEM = Item(
     "The condyle's path on the fossa is found from the mouthpiece in a lowering followed by a sideways motion; “by "
     f"limiting the bounds” the solution is unique. {NO_NUMBER}",
     "The jaw is lowered to 20° in 4 s and led 5° to the left; one reading at a time, without smoothing.",
-    draw,
+    one_by_one(draw),
     judge,
     figure,
     "One draw. The point alone leaves yaw and the condyle's place aside undetermined: its dots lie where the search "

@@ -9,14 +9,15 @@ from matplotlib.figure import Figure
 from eval import drawing, statistics, words
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, sampled_record
 from jawenv.estimation.extended_kalman import ExtendedKalman
 
 RATES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0)
 FILTER = ExtendedKalman("log")
-WORSE = 2.0  # times the error at the highest rate
+WORSE = 2.0  # times the error at the highest rate, or an honest NEES
+HONEST = 11.34  # median of the chi-squared distribution with 12 degrees of freedom
 
 
 def _case(hz: float) -> str:
@@ -43,13 +44,20 @@ def nees(table: pd.DataFrame, hz: float) -> Interval:
     return statistics.quantile(values.fillna(np.inf).to_numpy(), 0.5)
 
 
+def _below(rates: list[float], poor: list[bool]) -> list[float]:
+    """The lowest rates, as far up as all of them are poor."""
+    good = [hz for hz, one in zip(rates, poor, strict=True) if not one]
+    return [hz for hz in rates if not good or hz < min(good)]
+
+
 def judge(table: pd.DataFrame) -> Finding:
     """Which rates are too slow for the filter as it is."""
     rates = _rates(table)
     error = {hz: rows.rmse(rows.of_case(table, _case(hz))) for hz in rates}
     failed = {hz: float(rows.of_case(table, _case(hz))["estimate"].isna().mean()) for hz in rates}
     best = error[rates[0]]
-    slow = [hz for hz in rates if error[hz].value > WORSE * best.value]
+    slow = _below(rates, [error[hz].value > WORSE * best.value for hz in rates])
+    sure = _below(rates, [nees(table, hz).value > WORSE * HONEST for hz in rates])
 
     def told(hz: float) -> str:
         if not np.isfinite(error[hz].value):
@@ -59,7 +67,9 @@ def judge(table: pd.DataFrame) -> Finding:
     return Finding(
         f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(told(hz) for hz in rates)}.",
         "reproduced" if slow else "not reproduced",
-        f"At {_case(max(slow))} and below the filter as it is no longer works: it has to be tuned, as the thesis says."
+        f"At {_case(max(slow))} and below the error is more than {WORSE:g} times that at {_case(rates[0])}"
+        + (f", and at {_case(max(sure))} and below the NEES more than {WORSE:g} times an honest one's" if sure else "")
+        + ": the filter as it is has to be tuned, as the thesis says."
         if slow
         else f"Nothing has to be tuned down to {_case(min(rates))}.",
         {f"rmse/{_case(hz)}": error[hz].value for hz in rates if np.isfinite(error[hz].value)}
@@ -96,7 +106,7 @@ def figure(table: pd.DataFrame) -> Figure:
         drawing.log_percent(left, ticks=(1, 2, 5, 10, 20, 50, 100))
         left.set_title("Error of the 12 parameters")
         right.set_title("NEES, median")
-        right.axhline(11.34, color="#3a9d5d", linewidth=1.2)
+        right.axhline(HONEST, color="#3a9d5d", linewidth=1.2)
         right.set_yscale("log")
         return drawn
 
@@ -109,9 +119,10 @@ ITEM = Item(
     "One patient of cohort “trismus”, opening to 20° with swings of 4° to the sides, 20 s, every rate simulated for "
     "itself; what is not modelled is new every 10 ms, so its mean over a longer tick is smaller; extended Kalman "
     "filter in logs, untuned.",
-    draw,
+    one_by_one(draw),
     judge,
     figure,
     "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot "
-    "diverges.",
+    "diverges. What makes it too sure is not the rate of the readings: it takes the load cell's noise as constant over "
+    "its step. With the ticks divided (jawenv.estimation.thinning) it stays honest (docs/thesis.md).",
 )

@@ -133,12 +133,13 @@ def draw_chunk(chunk: Chunk, settings: Settings) -> None:
     """Make the draws of a chunk and keep them, all or none."""
     from eval.thesis.catalogue import ITEMS
 
-    item, parts = ITEMS[chunk.key], []
-    for number in range(chunk.first, chunk.first + chunk.number):
+    numbers, parts = range(chunk.first, chunk.first + chunk.number), []
+    rngs = [np.random.default_rng([settings.seed, zlib.crc32(chunk.key.encode()), number]) for number in numbers]
+    drawn = ITEMS[chunk.key].draw(rngs, settings.quick)
+    for number in numbers:
         if stopped():
             return
-        rng = np.random.default_rng([settings.seed, zlib.crc32(chunk.key.encode()), number])
-        parts.append(item.draw(rng, settings.quick).assign(draw=number))
+        parts.append(next(drawn).assign(draw=number))
     unfinished = chunk.path.with_name(f"{chunk.path.name}.{os.getpid()}.unfinished")
     pd.concat(parts, ignore_index=True).to_parquet(unfinished, index=False, compression="zstd")
     os.replace(unfinished, chunk.path)

@@ -18,7 +18,7 @@ _TRUTH = "#c25b4e"
 
 
 def _name(parameter: str) -> str:
-    return f"{'F_o' if parameter.startswith('log_F_o') else 'b'}  {words.muscle(parameter)}"
+    return f"{'F_o, N' if parameter.startswith('log_F_o') else 'b'}  {words.muscle(parameter)}"
 
 
 def _track(axes: Axes, one: pd.DataFrame, colour: str) -> None:

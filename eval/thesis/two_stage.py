@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from eval import drawing, words
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item
+from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import SENSORS, hinge_record, plane_record
 from jawenv.estimation.least_squares import NonlinearLeastSquares
@@ -17,6 +17,7 @@ from jawenv.estimation.record import Record
 from jawenv.estimation.two_stage import TwoStageLogLinear
 
 CLOSE = 0.1
+DRAWN = 100
 RECORDS = {"one muscle": hinge_record, "three muscles": plane_record}
 TWO_STAGES, NONLINEAR = TwoStageLogLinear(), NonlinearLeastSquares(starts=1)
 NOISY, PURE, SECOND, OTHER = "two stages", "two stages, no noise", "second stage, true F_o, no noise", "nonlinear"
@@ -89,13 +90,14 @@ def judge(table: pd.DataFrame) -> Finding:
 def figure(table: pd.DataFrame) -> Figure:
     """Estimates of b over the truth, per case."""
     cases = list(dict.fromkeys(table["case"]))
+    drawn_ones = table[table["draw"] < table["draw"].min() + DRAWN]
     with drawing.style():
         drawn = Figure(figsize=(8.6, 0.6 + 0.42 * len(cases)), layout="constrained")
         for axes, symbol, title in zip(
             drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
         ):
             for place, case in enumerate(cases):
-                one = rows.kind(rows.of_case(table, case), symbol)
+                one = rows.kind(rows.of_case(drawn_ones, case), symbol)
                 ratio = (one["value"] / one["true_value"]).to_numpy()
                 ratio = ratio[np.isfinite(ratio)]
                 offsets = place + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
@@ -115,9 +117,9 @@ ITEM = Item(
     "F_o from small openings, where the force is taken as constant, then b from the logarithm of the moment: a “failed "
     f"method”. Why it failed is not said. {NO_NUMBER}",
     "One muscle on a hinge, and the three of Fig. 6.4 in the plane; both stages from one recording to 25°.",
-    draw,
+    one_by_one(draw),
     judge,
     figure,
-    "One dot per draw and muscle, spread for sight; none where there is no value; beyond 1/50 or 50, and negative "
-    "ones, at the edge.",
+    f"One dot per draw and muscle, of up to {DRAWN} draws, spread for sight; none where there is no value; beyond 1/50 "
+    "or 50, and negative ones, at the edge.",
 )

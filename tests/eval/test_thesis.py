@@ -9,7 +9,7 @@ from rich.console import Console
 
 from eval.cli import main
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
-from eval.thesis.item import Finding, Item
+from eval.thesis.item import Finding, Item, one_by_one
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.anatomy.muscles import known_muscle_sets
 from jawenv.errors import InputError
@@ -67,7 +67,7 @@ def toy(monkeypatch):
 
         return Figure()
 
-    item = Item("toy", "Toy", "nowhere", "nothing", "none", draw, judge, figure, "")
+    item = Item("toy", "Toy", "nowhere", "nothing", "none", one_by_one(draw), judge, figure, "")
     monkeypatch.setattr(catalogue, "ITEMS", {"toy": item})
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     return state
