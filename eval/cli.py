@@ -10,10 +10,23 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from eval.options import (
+    Changes,
+    Cohort,
+    Control,
+    Effects,
+    Fresh,
+    Output,
+    Patients,
+    Reference,
+    Seed,
+    Sensors,
+    fields_of,
+)
+from jawenv.errors import InputError
+
 if TYPE_CHECKING:
     from eval.results import Results
-
-from jawenv.errors import InputError
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
@@ -48,32 +61,17 @@ def compare_command(
             metavar="NAME",
         ),
     ] = None,
-    patients: Annotated[int, typer.Option(help="How many; all entries meet the same.", metavar="N")] = 64,
-    cohort: Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")] = "trismus",
-    seed: Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")] = 0,
-    control: Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")] = "force",
-    sensors: Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")] = "pose",
+    patients: Patients = 64,
+    cohort: Cohort = "trismus",
+    seed: Seed = 0,
+    control: Control = "force",
+    sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
-    reality: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
-        ),
-    ] = None,
-    device: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Another value of a field of the device, as cell_force_N=0.2; may be repeated.", metavar="FIELD=VALUE"
-        ),
-    ] = None,
-    reference: Annotated[
-        str | None,
-        typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
-    ] = None,
-    output: Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")] = Path(
-        "runs/compare"
-    ),
-    fresh: Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")] = False,
+    reality: Effects = None,
+    device: Changes = None,
+    reference: Reference = None,
+    output: Output = Path("runs/compare"),
+    fresh: Fresh = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
@@ -85,7 +83,8 @@ def compare_command(
     from eval.progress import StudyProgress
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    effects, changed = _fields("reality", reality, "creep_share=0.3"), _fields("device", device, "cell_force_N=0.2")
+    effects = fields_of("reality", reality, "creep_share=0.3")
+    changed = fields_of("device", device, "cell_force_N=0.2")
     settings = Settings(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed
     )
@@ -108,25 +107,10 @@ def compare_command(
     _present(study, output, reference, console)
 
 
-def _fields(option: str, texts: list[str] | None, example: str) -> dict[str, float]:
-    """The fields and values that an option names."""
-    found = {}
-    for text in texts or []:
-        name, _, value = text.partition("=")
-        try:
-            found[name] = float(value)
-        except ValueError:
-            raise InputError(f"{option}: {text!r} given, allowed is FIELD=VALUE with a number, as {example}") from None
-    return found
-
-
 @app.command("report")
 def report_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
-    reference: Annotated[
-        str | None,
-        typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME"),
-    ] = None,
+    reference: Reference = None,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval import results
@@ -147,31 +131,21 @@ def calibrate_command(
             metavar="NAME,...",
         ),
     ] = "tension",
-    patients: Annotated[int, typer.Option(help="How many; all filters meet the same.", metavar="N")] = 200,
-    seed: Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")] = 0,
-    cohort: Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")] = "trismus",
-    control: Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")] = "force",
-    sensors: Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")] = "pose",
+    patients: Patients = 200,
+    seed: Seed = 0,
+    cohort: Cohort = "trismus",
+    control: Control = "force",
+    sensors: Sensors = "pose",
     env: Annotated[
         str, typer.Option(help="Environment: jawenv/JawSides-v0, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",
-    reality: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Effect that the filter does not know, as creep_share=0.3; may be repeated.", metavar="FIELD=VALUE"
-        ),
-    ] = None,
-    device: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Another value of a field of the device, as cell_force_N=0.2; may be repeated.", metavar="FIELD=VALUE"
-        ),
-    ] = None,
-    output: Annotated[Path, typer.Option(help="Folder of results.", metavar="FOLDER")] = Path("runs/calibrate"),
-    fresh: Annotated[bool, typer.Option("--fresh", help="Judge again what the folder already holds.")] = False,
+    reality: Effects = None,
+    device: Changes = None,
+    output: Output = Path("runs/calibrate"),
+    fresh: Fresh = False,
 ) -> None:
     """Say whether filters are honest: whether the truth lies where they claim, on all cores.
 
@@ -185,7 +159,8 @@ def calibrate_command(
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     moments = tuple(_seconds(text) for text in times.split(","))
-    effects, changed = _fields("reality", reality, "creep_share=0.3"), _fields("device", device, "cell_force_N=0.2")
+    effects = fields_of("reality", reality, "creep_share=0.3")
+    changed = fields_of("device", device, "cell_force_N=0.2")
     on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed)
     wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
@@ -218,8 +193,8 @@ def thesis_command(
         list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")
     ] = None,
     seed: Annotated[int, typer.Option(help="Of all draws.", metavar="N")] = 0,
-    output: Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")] = Path("runs/thesis"),
-    fresh: Annotated[bool, typer.Option("--fresh", help="Draw again what the folder already holds.")] = False,
+    output: Output = Path("runs/thesis"),
+    fresh: Fresh = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="Short episodes and few cases, to try it out; at most 4 draws.")
     ] = False,

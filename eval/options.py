@@ -1,0 +1,53 @@
+"""What several commands ask for in the same words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jawenv.errors import InputError
+
+Patients = Annotated[int, typer.Option(help="How many; the same for all that is compared.", metavar="N")]
+Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
+Cohort = Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")]
+Control = Annotated[str, typer.Option(help="force or trajectory; a trained run keeps its own.")]
+Sensors = Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")]
+Output = Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")]
+Reference = Annotated[
+    str | None, typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME")
+]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--reality",
+        help="Effect that the filter does not know, as creep_share=0.3; may be repeated.",
+        metavar="FIELD=VALUE",
+    ),
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--device",
+        help="Another value of a field of the device, as cell_force_N=0.2; may be repeated.",
+        metavar="FIELD=VALUE",
+    ),
+]
+
+
+def fields_of(option: str, texts: list[str] | None, example: str) -> dict[str, float]:
+    """The fields and values that a repeated option names.
+
+    Raises:
+        InputError: a text is no field with a number.
+    """
+    found = {}
+    for text in texts or []:
+        name, _, value = text.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise InputError(f"{option}: {text!r} given, allowed is FIELD=VALUE with a number, as {example}") from None
+    return found
