@@ -124,6 +124,7 @@ class Device:
             "cell_force_N",
             "cell_moment_N_m",
             "cell_gain",
+            "brake_N_s_m",
         }
         for name, value in asdict(self).items():
             low = "0 or more" if name in may_be_zero else "more than 0"

@@ -37,6 +37,7 @@ from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm
 GOVERNOR_ONSET = 0.1
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
 STOP_ONSET_WIDTH = 0.5e-3
+BRAKE_ONSET = SOFT_SPEED * (1.0 + GOVERNOR_ONSET * (HARD[SPEED] - 1.0))  # m/s
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
@@ -153,7 +154,7 @@ def governor_force(device, jaw, limits, place, velocity):
     forward = end_stop(device, -fore_aft, far, -velocity[0]) - end_stop(device, fore_aft, far, velocity[0])
     force = (forward, left, up)
     speed = norm(velocity)
-    excess = speed - SOFT_SPEED * onset(SPEED)
+    excess = speed - BRAKE_ONSET
     if excess > 0.0:
         force = add(force, scale(-device.brake * excess / speed, velocity))
     return force

@@ -27,7 +27,6 @@ from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.estimation.tension_basis import basis_dtype
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
-    ROUNDS,
     conclude,
     predict_motion,
     tension_scratch_dtype,
@@ -176,7 +175,6 @@ def filter_tick(device, model, world, settings, scratch):
     gain = settings.gain_variance
     predict_motion(
         model,
-        settings.basis,
         world,
         scratch.usable,
         TICK,
@@ -192,14 +190,14 @@ def filter_tick(device, model, world, settings, scratch):
     variances = settings.measurement_variance
     update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
     if world.tick < EAGER_TICKS:
-        conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, gain, scratch.tension, 1)
+        conclude(world, settings.prior_mean, settings.prior_sd, gain, scratch.tension)
 
 
 @njit
 def end_step(world, settings, scratch):
     """Belief and its worth at the end of a control period."""
     gain = settings.gain_variance
-    conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, gain, scratch.tension, ROUNDS)
+    conclude(world, settings.prior_mean, settings.prior_sd, gain, scratch.tension)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 

@@ -229,7 +229,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
     variances = settings.measurement_variance
     update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
-    conclude(settings.basis, world, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch.tension, 1)
+    conclude(world, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch.tension)
     if settings.bound:
         for i in range(size):
             scratch.filter.state[i] = true_state(model, world, i)

@@ -25,6 +25,7 @@ import numpy as np
 from jawenv.compiled import njit
 from jawenv.estimation.body_sensitivity import propagate_body
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
+from jawenv.estimation.products import multiply_row
 from jawenv.estimation.sensitivity import propagate, sensitivity_fields
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
@@ -77,22 +78,6 @@ def parameter_variance(rate, time_constant, time, dt):
 
 
 @njit
-def multiply_row(left, i, right, product):
-    """Row i of ``product`` = row i of ``left`` times ``right``, four rows of ``right`` at a time."""
-    size = right.shape[0]
-    last = size - size % 4
-    for j in range(size):
-        value = 0.0
-        for k in range(last, size):
-            value += left[i, k] * right[k, j]
-        product[i, j] = value
-    for k in range(0, last, 4):
-        a, b, c, d = left[i, k], left[i, k + 1], left[i, k + 2], left[i, k + 3]
-        for j in range(size):
-            product[i, j] += a * right[k, j] + b * right[k + 1, j] + c * right[k + 2, j] + d * right[k + 3, j]
-
-
-@njit
 def predict_covariance(covariance, wrench_variance, scratch):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
@@ -101,7 +86,7 @@ def predict_covariance(covariance, wrench_variance, scratch):
     total, product, turned = scratch.total, scratch.product, scratch.turned
     size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
     for i in range(n_states):
-        multiply_row(total, i, covariance, product)
+        multiply_row(total, i, covariance, product, size, size)
         for k in range(columns):
             turned[k, i] = total[i, k]
     for i in range(n_states):

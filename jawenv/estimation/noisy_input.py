@@ -3,16 +3,16 @@
 The filter moves its jaw by the reading z = F + n. The noise n then moves the estimated motion, and with it the tensions
 that the filter expects there: the regressor and the next innovation share n. Where the force hardly changes, and so
 all that tells of the stiffness is how the jaw trembles, least squares would be biased by more than its sd: the
-regression with errors in its variables. A stiff position servo makes it worse, since F itself answers to the true
-motion. The cure is the corrected score (Nakamura 1990, Biometrika 77:127; Soderstrom 2007, Automatica 43:939): subtract
-the expectation that both give it.
+regression with errors in its variables. A device whose force answers to the true motion, by a stiff position servo or a
+brake, makes it worse. The cure is the corrected score (Nakamura 1990, Biometrika 77:127; Soderstrom 2007, Automatica
+43:939): subtract the expectation that both give it.
 
 With e = estimated less true motion, P its covariance, A and G the step's derivative by motion and wrench, K the gain,
 N the variance of n and W_u that of the unmodelled wrench:
 
 * ``tremble`` C = -cov(true motion, e). It becomes C (I - K H)^T in an update. In a step it becomes A C A^T + G W_u G^T;
-  where a servo holds the jaw, the first A and the first G are those of the closed loop (``servo_loop``). Without n and
-  servo C equals P: that an estimate is uncorrelated with its error is what makes the filter optimal. D = P - C is the
+  where the device answers, the first A and the first G are those of the closed loop (``closed_loop``). Without n and
+  answer C equals P: that an estimate is uncorrelated with its error is what makes the filter optimal. D = P - C is the
   covariance of estimated motion and e.
 * ``aftermath`` M: what a unit of T = cov(by_tension, e) takes from the score from now on. T becomes A T A^T in a step
   and (I - K H) T (I - K H)^T in an update, which takes h T h^T / (innovation's variance) of each reading's row h from
@@ -28,8 +28,9 @@ from __future__ import annotations
 from typing import Any
 
 from jawenv.compiled import njit
+from jawenv.estimation.closed_loop import closed_loop_fields, set_loop
 from jawenv.estimation.measurement import N_MEASUREMENTS
-from jawenv.estimation.servo_loop import servo_loop_fields, set_loop
+from jawenv.estimation.products import multiply
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
@@ -37,7 +38,7 @@ def noisy_input_fields(n_states: int) -> list[Any]:
     """Working memory of this file as fields of a dtype."""
     square = (n_states, n_states)
     return [
-        *servo_loop_fields(n_states),
+        *closed_loop_fields(n_states),
         ("crossed", "f8", square),
         ("halfway", "f8", square),
         ("shared", "f8", (N_WRENCH, n_states)),
@@ -50,22 +51,19 @@ def noisy_input_fields(n_states: int) -> list[Any]:
 @njit
 def carry(tremble, answer, wrench, wrench_variance, cell_variance, scratch):
     """C <- B C A^T + H W_u G^T, with [B, ..., H] the columns of ``answer``, H those from ``wrench`` on."""
-    total, crossed = scratch.total, scratch.crossed
+    turned = scratch.turned
     size = tremble.shape[0]
+    multiply(answer, scratch.crossed, tremble)
     for i in range(size):
-        for j in range(size):
-            value = 0.0
-            for k in range(size):
-                value += answer[i, k] * crossed[k, j]
-            for k in range(N_WRENCH):
-                unmodelled = wrench_variance[k] - cell_variance[k]
-                value += answer[i, wrench + k] * unmodelled * total[j, size + 1 + k]
-            tremble[i, j] = value
+        for k in range(N_WRENCH):
+            factor = answer[i, wrench + k] * (wrench_variance[k] - cell_variance[k])
+            for j in range(size):
+                tremble[i, j] += factor * turned[size + 1 + k, j]
 
 
 @njit
-def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, has_servo, dt, scratch):
-    """Carry C over a step.
+def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, answers, dt, scratch):
+    """Carry C over a step of which ``turned`` holds the transposed derivative.
 
     Leaves cov(reading, e) at the step's end in ``shared`` and half way D in ``halfway``. ``moved_cov`` holds A P, with
     P that of the step's start; ``predicted_cov`` is that of its end.
@@ -73,13 +71,8 @@ def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, has_
     total, crossed, halfway, shared = scratch.total, scratch.crossed, scratch.halfway, scratch.shared
     size = tremble.shape[0]
     wrench = size + 1
-    for i in range(size):
-        for j in range(size):
-            value = 0.0
-            for k in range(size):
-                value += tremble[i, k] * total[j, k]
-            crossed[i, j] = value
-    if has_servo:
+    multiply(tremble, scratch.turned, crossed)
+    if answers:
         set_loop(dt, scratch)
         carry(tremble, scratch.loop, size, wrench_variance, cell_variance, scratch)
     else:
@@ -87,9 +80,9 @@ def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, has_
     for k in range(N_WRENCH):
         for j in range(size):
             value = cell_variance[k] * total[j, wrench + k]
-            if has_servo:
+            if answers:
                 for i in range(size):
-                    value += 0.5 * scratch.servo[k, i] * (crossed[i, j] + tremble[i, j])
+                    value += 0.5 * scratch.answer[k, i] * (crossed[i, j] + tremble[i, j])
             shared[k, j] = value
     for i in range(size):
         for j in range(size):
@@ -115,7 +108,7 @@ def limit_aftermath(aftermath, predicted_cov):
 
 
 @njit
-def predict_aftermath(aftermath, cell_variance, has_servo, score, information, scratch):
+def predict_aftermath(aftermath, cell_variance, by_reading, score, information, scratch):
     """Carry M over a step; correct score and information about the load cell's gain.
 
     Leaves in ``spilt`` (6, n) what a unit of w (de/dq) adds to the score.
@@ -135,22 +128,12 @@ def predict_aftermath(aftermath, cell_variance, has_servo, score, information, s
             for i in range(size):
                 value += crossed[i, k] * scratch.halfway[j, i]
             spilt[k, j] = value
-            if has_servo:
+            if not by_reading:
                 continue
             score[last] += crossed[j, k] * shared[k, j]
             information[last, last] -= crossed[j, k] * cell_variance[k] * total[j, wrench + k]
-    for i in range(size):
-        for j in range(size):
-            value = 0.0
-            for k in range(size):
-                value += aftermath[i, k] * total[k, j]
-            crossed[i, j] = value
-    for i in range(size):
-        for j in range(size):
-            value = 0.0
-            for k in range(size):
-                value += total[k, i] * crossed[k, j]
-            aftermath[i, j] = value
+    multiply(aftermath, total, crossed)
+    multiply(scratch.turned, crossed, aftermath)
 
 
 @njit

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.estimator import Estimate
@@ -15,7 +14,6 @@ from jawenv.estimation.record import Record
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
-    ROUNDS,
     begin_belief,
     belief_fields,
     conclude,
@@ -67,8 +65,8 @@ class TensionFilter:
         )[0]
         settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
         settings["measurement_variance"], settings["wrench_variance"] = record.measurement_sd**2, record.wrench_sd**2
-        settings["cell_variance"], settings["has_servo"] = record.cell_sd**2, record.servo is not None
-        device = (record.servo or Device()).records()[0]
+        settings["cell_variance"] = record.cell_sd**2
+        device, settings["has_servo"] = record.answering()
         settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
         belief["motion"] = record.start_mean
         belief["motion_cov"] = np.diag(record.start_sd**2)
@@ -76,13 +74,13 @@ class TensionFilter:
         times = record.time[:: self.every]
         mean, cov = np.empty((len(times), 2 * muscles)), np.empty((len(times), 2 * muscles, 2 * muscles))
         filter_record(
-            record.jaw, device, basis, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
+            record.jaw, device, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
         )
         return Estimate(self.name, times, mean, cov)
 
 
 @njit
-def filter_record(jaw, device, basis, belief, measured, samples, settings, scratch, every, means, covs):
+def filter_record(jaw, device, belief, measured, samples, settings, scratch, every, means, covs):
     """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples; a belief every ``every`` ticks."""
     prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
     last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(6)
@@ -94,7 +92,6 @@ def filter_record(jaw, device, basis, belief, measured, samples, settings, scrat
             repair_samples(samples[tick - 1], last_sample, belief.trend, known, usable)
             predict_motion(
                 jaw,
-                basis,
                 belief,
                 usable,
                 settings.dt,
@@ -108,9 +105,9 @@ def filter_record(jaw, device, basis, belief, measured, samples, settings, scrat
         mark_usable(measured[tick], last, allowed, used)
         update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)
         if tick < EAGER_TICKS:
-            conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, 1)
+            conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
         if tick > 0 and tick % every == 0:
-            conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, ROUNDS)
+            conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
         if tick % every == 0:
             means[tick // every] = belief.belief_mean
             covs[tick // every] = belief.belief_cov

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +40,9 @@ class Record:
         jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
         prior: belief about the parameters before the record.
         parameter_names: p names.
-        servo: the device, if its motors held the jaw by a position servo: then its force answers to the jaw's motion.
-            None where forces were commanded.
+        device: whose force answers to the jaw's motion: its brake when the jaw is fast, its position servos under
+            trajectory control. None where the force does not.
+        control: what the motors were commanded: "force", or "trajectory".
         truth: (p,) the patient's natural-log parameters; None where nobody knows. For evaluation only.
         states: (T + 1, n) true motion; None where nobody knows. For evaluation only.
         wrenches: (T, 3, 6) true wrench of the device at the times of ``samples``; likewise.
@@ -62,7 +63,8 @@ class Record:
     jaw: Any
     prior: Prior
     parameter_names: tuple[str, ...]
-    servo: Device | None = None
+    device: Device | None = None
+    control: Literal["force", "trajectory"] = "force"
     truth: Array | None = None
     states: Array | None = None
     wrenches: Array | None = None
@@ -85,6 +87,10 @@ class Record:
             value = getattr(self, name)
             if value is not None and np.shape(value) != shape:
                 raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
+        if self.control not in ("force", "trajectory"):
+            raise InputError(f"record: control is {self.control!r}, allowed are 'force' and 'trajectory'")
+        if self.control == "trajectory" and self.device is None:
+            raise InputError("record: device is None, under trajectory control allowed is a jawenv.Device")
         steps = np.diff(self.time)
         if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")
@@ -98,6 +104,10 @@ class Record:
     def dt(self) -> float:
         """Length of a tick, s."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    def answering(self) -> tuple[Any, bool]:
+        """The device as a record of dtype ``DEVICE``, and whether its position servos act, as the kernels take them."""
+        return (self.device or Device(brake_N_s_m=0.0)).records()[0], self.control == "trajectory"
 
     def until(self, seconds: float) -> Record:
         """The record of its first ``seconds``.

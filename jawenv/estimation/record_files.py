@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,8 @@ _ABOUT = (
     "gain_sd",
     "start_mean",
     "start_sd",
-    "servo",
+    "device",
+    "control",
     "truth",
 )
 
@@ -80,7 +81,7 @@ def load_record(
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
-    servo: Device | None = None,
+    control: Literal["force", "trajectory"] | None = None,
     truth: Array | None = None,
 ) -> Record:
     """Read a recording. What neither the arguments nor the file says has the default named here.
@@ -92,10 +93,11 @@ def load_record(
         jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
         cohort: population whose prior is the belief before the record; ``"trismus"``.
         prior: a belief of one's own, in natural logs.
-        device: noise of encoders and load cell; ``jawenv.Device()``.
+        device: noise of encoders and load cell, and how the force answers to the jaw's motion; the noise of
+            ``jawenv.Device()``, and a force that does not answer.
         start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
         start_sd: (n,) its sd; so wide that the first reading decides.
-        servo: the device, if a position servo moved the jaw; None, which stands for commanded forces.
+        control: what the motors were commanded; ``"force"``.
         truth: (p,) natural-log parameters, if known; None.
 
     Raises:
@@ -130,6 +132,10 @@ def load_record(
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
     known = truth if truth is not None else about.get("truth")
+    commanded = control or about.get("control", "force")
+    moved_by = device or _device_of(about.get("device"), table.path)
+    if moved_by is None and commanded == "trajectory":
+        moved_by = Device()
     return Record(
         time=time,
         measured=measured,
@@ -143,7 +149,8 @@ def load_record(
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
-        servo=servo or _servo_of(about.get("servo"), table.path),
+        device=moved_by,
+        control=commanded,
         truth=None if known is None else np.array(known, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
         wrenches=_of_ticks(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
@@ -170,8 +177,9 @@ def _about(record: Record) -> dict[str, Any]:
         for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
     about["gain_sd"] = record.gain_sd
-    if record.servo is not None:
-        about["servo"] = asdict(record.servo)
+    about["control"] = record.control
+    if record.device is not None:
+        about["device"] = asdict(record.device)
     if record.truth is not None:
         about["truth"] = record.truth.tolist()
     return about
@@ -179,9 +187,9 @@ def _about(record: Record) -> dict[str, Any]:
 
 def _checked_about(table: Table) -> dict[str, Any]:
     """What the file says about itself, with numbers where numbers belong."""
-    texts = {"model", "cohort"}
+    texts = {"model", "cohort", "control"}
     for name, value in table.about.items():
-        if name in ("jaw", "servo"):
+        if name in ("jaw", "device"):
             continue
         try:
             right = isinstance(value, str) if name in texts else np.isfinite(np.array(value, dtype=np.float64)).all()
@@ -215,13 +223,13 @@ def _jaw_of(told: dict[str, Any], model: str, path: str) -> Any:
     return jaw
 
 
-def _servo_of(told: Any, path: str) -> Device | None:
+def _device_of(told: Any, path: str) -> Device | None:
     if told is None:
         return None
     try:
         return Device(**told)
     except TypeError:
-        raise InputError(f"{path}: servo is {str(told)[:40]!r}; allowed: fields of jawenv.Device") from None
+        raise InputError(f"{path}: device is {str(told)[:40]!r}; allowed: fields of jawenv.Device") from None
 
 
 def _prior(given: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:

@@ -18,7 +18,6 @@ from math import exp, factorial
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.special import roots_hermitenorm
 
@@ -38,6 +37,9 @@ MOST_NODES = 6
 def basis_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of the basis of each muscle's tension."""
     fields = [
+        ("middle", "f8", (n_muscles,)),  # exponent about which the nodes lie
+        ("width", "f8", (n_muscles,)),  # sd of log b that they span
+        ("abscissae", "f8", (n_nodes,)),  # of log b, in such sds
         ("nodes", "f8", (n_muscles, n_nodes)),
         ("centre", "f8", (n_muscles,)),
         ("polynomials", "f8", (n_muscles, n_nodes, n_nodes)),  # L_k's coefficients, lowest power of b first
@@ -68,13 +70,12 @@ def build_basis(jaw: Any, prior: Prior, n_nodes: int) -> NDArray[np.void]:
     """
     mean, sd = prior.mean.reshape(-1, 2)[:, 1], prior.sd.reshape(-1, 2)[:, 1]
     basis = np.zeros(1, dtype=basis_dtype(len(mean), n_nodes))
-    nodes = np.exp(mean[:, None] + sd[:, None] * roots_hermitenorm(n_nodes)[0])
-    basis["nodes"][0] = nodes
+    abscissae = roots_hermitenorm(n_nodes)[0]
+    basis["middle"][0], basis["width"][0], basis["abscissae"][0] = np.exp(mean), sd, abscissae
+    basis["nodes"][0] = np.exp(mean[:, None] + sd[:, None] * abscissae)
     basis["centre"][0] = _middle_strains(jaw)
-    for muscle, of_muscle in enumerate(nodes):
-        for k, node in enumerate(of_muscle):
-            others = np.delete(of_muscle, k)
-            basis["polynomials"][0, muscle, k] = polynomial.polyfromroots(others) / np.prod(node - others)
+    for muscle in range(len(mean)):
+        interpolate(basis["nodes"][0, muscle], basis["polynomials"][0, muscle])
     return basis
 
 
@@ -85,6 +86,39 @@ def _middle_strains(jaw: Any) -> NDArray[np.float64]:
     strain = np.linalg.norm(lines, axis=1) / jaw["l_o"] - 1.0
     means: NDArray[np.float64] = np.bincount(jaw["muscle"], weights=strain) / np.bincount(jaw["muscle"])
     return means
+
+
+@njit
+def interpolate(nodes, polynomials):
+    """Lagrange's polynomials through ``nodes`` (K): row k of ``polynomials`` (K, K), lowest power first."""
+    size = nodes.shape[0]
+    for k in range(size):
+        row = polynomials[k]
+        for p in range(size):
+            row[p] = 0.0
+        row[0] = 1.0
+        degree = 0
+        for j in range(size):
+            if j == k:
+                continue
+            gap = nodes[k] - nodes[j]
+            degree += 1
+            for p in range(degree, 0, -1):
+                row[p] = (row[p - 1] - nodes[j] * row[p]) / gap
+            row[0] *= -nodes[j] / gap
+
+
+@njit
+def copy_basis(target, source):
+    """Target = source for two bases of the same size."""
+    for i in range(source.nodes.shape[0]):
+        target.middle[i], target.width[i], target.centre[i] = source.middle[i], source.width[i], source.centre[i]
+        for k in range(source.nodes.shape[1]):
+            target.nodes[i, k] = source.nodes[i, k]
+            for p in range(source.nodes.shape[1]):
+                target.polynomials[i, k, p] = source.polynomials[i, k, p]
+    for k in range(source.nodes.shape[1]):
+        target.abscissae[k] = source.abscissae[k]
 
 
 @njit

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from jawenv.compiled import njit
-from jawenv.device.servo import set_servo
+from jawenv.device.answer import add_brake, add_servos
 from jawenv.estimation.ekf import mean_reading, move, set_muscles
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
@@ -37,15 +37,17 @@ from jawenv.estimation.noisy_input import (
     update_tremble,
 )
 from jawenv.estimation.posterior import believe, posterior_fields
+from jawenv.estimation.products import multiply, transpose
+from jawenv.estimation.refocus import refocus
 from jawenv.estimation.sensitivity import sensitivity_fields
-from jawenv.estimation.tension_basis import set_coefficients
+from jawenv.estimation.tension_basis import basis_dtype, copy_basis, set_coefficients
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import rotation
 from jawenv.mechanics.vec3 import vector3
 
 # Ticks at the start after each of which the belief is renewed: its first guess is far off.
 EAGER_TICKS = 20
-ROUNDS = 3  # at most, of the search for the belief at the end of a control period
+ROUNDS = 6  # at most, of the search for the belief: fewer stop short where a patient is far from the prior's mean
 
 
 def tension_count(n_muscles: int, n_nodes: int) -> int:
@@ -64,6 +66,7 @@ def belief_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
         ("aftermath", "f8", (n_states, n_states)),
         ("information", "f8", (size, size)),
         ("score", "f8", (size,)),
+        ("basis", basis_dtype(n_muscles, n_nodes)),
         ("nominal", "f8", (n_muscles, n_nodes)),
         ("belief_mean", "f8", (parameters,)),
         ("belief_cov", "f8", (parameters, parameters)),
@@ -81,10 +84,12 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("start_motion", "f8", (n_states,)),
         ("reading", "f8", (N_WRENCH,)),
         ("by_place", "f8", (n_states // 2, 3)),
-        ("servo", "f8", (N_WRENCH, n_states)),
+        ("answer", "f8", (N_WRENCH, n_states)),
+        ("speeds", "f8", (n_states // 2,)),
         ("line_wrench", "f8", (N_WRENCH, size)),
         ("moved", "f8", (n_states, size)),
         ("moved_cov", "f8", (n_states, n_states)),
+        ("turned", "f8", (n_states + 1 + N_WRENCH, n_states)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("gain", "f8", (n_states,)),
@@ -93,13 +98,14 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("change", "f8", (n_states,)),
         ("spare", "f8", (n_states,)),
         ("after", "f8", (n_muscles, n_nodes)),
+        ("carried", "f8", (n_nodes, n_nodes)),
         ("posterior", np.dtype(posterior_fields(n_muscles, n_nodes), align=True)),
     ]
     return np.dtype(fields, align=True)
 
 
 @njit
-def predict_motion(jaw, basis, belief, samples, dt, wrench_variance, cell_variance, device, has_servo, scratch):
+def predict_motion(jaw, belief, samples, dt, wrench_variance, cell_variance, device, has_servo, scratch):
     """Time update over one step: motion, its covariance, and its derivative by the coefficients.
 
     ``samples`` (3, 6) are the load cell's at start, middle and end; ``wrench_variance`` (6) is that of the wrench not
@@ -117,37 +123,44 @@ def predict_motion(jaw, basis, belief, samples, dt, wrench_variance, cell_varian
     body_to_head = rotation(q)
     bend = set_by_place(jaw, q, body_to_head, scratch)
     predict_cov(belief, wrench_variance, scratch)
-    if has_servo:
-        set_servo(device, vector3(jaw.mouthpiece), scratch.by_place, body_to_head, scratch.servo)
-    predict_tremble(belief.tremble, belief.motion_cov, wrench_variance, cell_variance, has_servo, dt, scratch)
+    answers = set_answer(jaw, belief.motion, device, has_servo, body_to_head, scratch)
+    predict_tremble(belief.tremble, belief.motion_cov, wrench_variance, cell_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
-    predict_aftermath(belief.aftermath, cell_variance, has_servo, belief.score, belief.information, scratch)
-    set_line_wrenches(jaw, basis, place, body_to_head, bend, belief.score, scratch)
+    predict_aftermath(belief.aftermath, cell_variance, not has_servo, belief.score, belief.information, scratch)
+    set_line_wrenches(jaw, belief.basis, place, body_to_head, bend, belief.score, scratch)
     predict_by_tension(belief.by_tension, scratch)
 
 
 @njit
+def set_answer(jaw, motion, device, has_servo, body_to_head, scratch):
+    """Into ``answer`` how the device's wrench falls as the jaw moves; False where it does not."""
+    half = scratch.speeds.shape[0]
+    mouthpiece = vector3(jaw.mouthpiece)
+    for i in range(half):
+        scratch.speeds[i] = 0.5 * (scratch.start_motion[half + i] + motion[half + i])
+    scratch.answer[:, :] = 0.0
+    if has_servo:
+        add_servos(device, mouthpiece, scratch.by_place, body_to_head, scratch.answer)
+    brakes = add_brake(device, mouthpiece, scratch.by_place, scratch.speeds, scratch.reading, scratch.answer)
+    return brakes or has_servo
+
+
+@njit
 def predict_cov(belief, wrench_variance, scratch):
-    """P <- A P A^T + G W G^T; leaves A P in ``moved_cov``."""
-    total, moved_cov, covariance = scratch.total, scratch.moved_cov, belief.motion_cov
+    """P <- A P A^T + G W G^T; leaves A P in ``moved_cov``, and the step's derivative transposed in ``turned``."""
+    total, turned, covariance = scratch.total, scratch.turned, belief.motion_cov
     size = covariance.shape[0]
     wrench = size + 1
+    transpose(total, turned)
+    multiply(total, covariance, scratch.moved_cov)
+    multiply(scratch.moved_cov, turned, covariance)
     for i in range(size):
-        for j in range(size):
-            moved_cov[i, j] = 0.0
-        for k in range(size):
-            factor = total[i, k]
-            for j in range(size):
-                moved_cov[i, j] += factor * covariance[k, j]
-    for i in range(size):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(size):
-                value += moved_cov[i, k] * total[j, k]
-            for k in range(N_WRENCH):
-                value += total[i, wrench + k] * wrench_variance[k] * total[j, wrench + k]
-            covariance[i, j] = value
-            covariance[j, i] = value
+        for k in range(N_WRENCH):
+            factor = total[i, wrench + k] * wrench_variance[k]
+            for j in range(i + 1):
+                covariance[i, j] += factor * turned[wrench + k, j]
+        for j in range(i):
+            covariance[j, i] = covariance[i, j]
 
 
 @njit
@@ -155,13 +168,8 @@ def predict_by_tension(by_tension, scratch):
     """The motion's derivative by the coefficients at the end of the step: A times the last one, and G times wrench."""
     total, moved = scratch.total, scratch.moved
     size, columns = by_tension.shape
+    multiply(total, by_tension, moved)
     for i in range(size):
-        for j in range(columns):
-            moved[i, j] = 0.0
-        for k in range(size):
-            factor = total[i, k]
-            for j in range(columns):
-                moved[i, j] += factor * by_tension[k, j]
         for k in range(N_WRENCH):
             factor = total[i, size + 1 + k]
             for j in range(columns):
@@ -240,8 +248,9 @@ def add_information(information, rows, weights):
 
 
 @njit
-def recentre(basis, belief, scratch):
+def recentre(belief, scratch):
     """Move motion and score to the belief's mean."""
+    basis = belief.basis
     size, columns = belief.motion.shape[0], belief.by_tension.shape[1]
     nodes = basis.nodes.shape[1]
     set_coefficients(basis, belief.belief_mean, scratch.after)
@@ -276,14 +285,15 @@ def begin_belief(basis, belief, prior_mean, prior_sd):
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0
+    copy_basis(belief.basis, basis)
     set_coefficients(basis, belief.belief_mean, belief.nominal)
 
 
 @njit
-def conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, rounds):
+def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     believe(
-        basis,
+        belief.basis,
         belief.information,
         belief.score,
         belief.nominal,
@@ -293,6 +303,7 @@ def conclude(basis, belief, prior_mean, prior_sd, gain_variance, scratch, rounds
         belief.belief_mean,
         belief.belief_cov,
         scratch.posterior,
-        rounds,
+        ROUNDS,
     )
-    recentre(basis, belief, scratch)
+    recentre(belief, scratch)
+    refocus(belief, scratch)

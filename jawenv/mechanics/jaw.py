@@ -56,6 +56,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("mobility", "f8", (n_lines,)),  # 1/kg, of the free mandible along a line, jaw closed
         ("tooth_mobility", "f8", (N_TEETH,)),  # 1/kg, of the same, straight down at a tooth
         ("condyle_mobility", "f8"),  # 1/kg, of the same, forward at the condyles
+        ("mouthpiece_mobility", "f8"),  # 1/kg, of the same, at the mouthpiece in the direction that gives way most
         ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
     ]
     return np.dtype(fields, align=True)
@@ -134,6 +135,7 @@ def build_jaw(
     jaw["mobility"] = mobility(mandible, muscles.insertion_m, along)
     jaw["tooth_mobility"] = mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0]))
     jaw["condyle_mobility"] = mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0]))
+    jaw["mouthpiece_mobility"] = largest_mobility(mandible, np.asarray(mandible.mouthpiece_m))
     jaw["muscle"] = muscles.muscle
     return jaw
 
@@ -144,6 +146,13 @@ def mobility(mandible: Mandible, points: NDArray[np.float64], along: NDArray[np.
     solved = turn @ np.linalg.inv(mandible.inertia_kg_m2).T
     result: NDArray[np.float64] = 1.0 / mandible.mass_kg + np.sum(turn * solved, axis=-1)
     return result
+
+
+def largest_mobility(mandible: Mandible, point: NDArray[np.float64]) -> float:
+    """``mobility`` of a point (3,) in the direction that has the largest."""
+    turns = np.cross(point - mandible.centre_of_mass_m, np.eye(3))
+    every = np.eye(3) / mandible.mass_kg + turns @ np.linalg.solve(mandible.inertia_kg_m2, turns.T)
+    return float(np.linalg.eigvalsh(every)[-1])
 
 
 def gravity_in_head(gravity: float, head_tilt_deg: float) -> NDArray[np.float64]:

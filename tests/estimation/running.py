@@ -6,7 +6,6 @@ import newton_euler as twin
 import numpy as np
 import two_condyles
 
-from jawenv.device.device import Device
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import expect
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
@@ -35,12 +34,13 @@ class Running:
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())
         self.variances, self.known, self.cell = record.measurement_sd**2, record.wrench_sd**2, record.cell_sd**2
-        self.device, self.has_servo = (record.servo or Device()).records()[0], np.uint8(record.servo is not None)
+        self.device, has_servo = record.answering()
+        self.has_servo = np.uint8(has_servo)
 
     def predict(self, k):
         record = self.record
         predict_motion(
-            record.jaw, self.basis, self.belief, record.samples[k], record.dt, self.known, self.cell, self.device,
+            record.jaw, self.belief, record.samples[k], record.dt, self.known, self.cell, self.device,
             self.has_servo, self.scratch,
         )  # fmt: skip
         follow_trend(self.belief["trend"], record.samples[k], record.dt)

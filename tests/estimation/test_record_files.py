@@ -43,7 +43,8 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
         jaw=jaw,
         prior=cohort("wide", rung.muscles).prior,
         parameter_names=names,
-        servo=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
+        device=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
+        control="trajectory" if seed % 4 == 1 else "force",
         truth=rng.normal(size=len(names)),
         states=rng.normal(size=(ticks + 1, size)),
         wrenches=rng.normal(size=(ticks, 3, 6)),
@@ -60,7 +61,7 @@ def same(one: Record, other: Record) -> None:
     np.testing.assert_allclose(other.prior.mean, one.prior.mean)
     np.testing.assert_allclose(other.prior.sd, one.prior.sd)
     assert other.parameter_names == one.parameter_names
-    assert other.servo == one.servo
+    assert (other.device, other.control) == (one.device, one.control)
     for field in one.jaw.dtype.names:
         np.testing.assert_allclose(other.jaw[field], one.jaw[field], rtol=1e-12, atol=1e-15, err_msg=field)
 
@@ -110,7 +111,7 @@ def test_a_file_of_ones_own_gets_the_defaults(tmp_path):
     assert record.wrench_sd[0] == pytest.approx(np.hypot(device.unmodelled_force_N, device.cell_force_N / 2**0.5))
     np.testing.assert_allclose(record.cell_sd, np.repeat([device.cell_force_N, device.cell_moment_N_m], 3) / 2**0.5)
     assert record.gain_sd == device.cell_gain
-    assert record.servo is None, "forces were commanded"
+    assert record.device is None and record.control == "force", "a force that does not answer"
     assert record.truth is None and record.states is None
 
 
@@ -126,13 +127,23 @@ def test_noise_and_prior_can_be_given(tmp_path):
     np.testing.assert_allclose(record.prior.mean, cohort("healthy", model_named("sides").muscles).prior.mean)
 
 
-def test_a_servo_is_the_files_or_the_callers(tmp_path):
+def test_what_moved_the_jaw_is_the_files_or_the_callers(tmp_path):
     own, given = jawenv.Device(servo_damping_N_s_m=7.0), jawenv.Device(servo_damping_N_s_m=9.0)
-    record = replace(random_record("jaw", 2, 0.01, 0), servo=own)
+    record = replace(random_record("jaw", 2, 0.01, 0), device=own, control="trajectory")
     save_record(record, tmp_path / "one.csv")
-    assert load_record(tmp_path / "one.csv").servo == own
-    assert load_record(tmp_path / "one.csv", servo=given).servo == given
-    assert load_record(written(tmp_path, *ROWS), servo=given).servo == given
+    of_file = load_record(tmp_path / "one.csv")
+    assert (of_file.device, of_file.control) == (own, "trajectory")
+    of_caller = load_record(tmp_path / "one.csv", device=given, control="force")
+    assert (of_caller.device, of_caller.control) == (given, "force")
+    assert load_record(written(tmp_path, *ROWS), control="trajectory").device == jawenv.Device()
+
+
+def test_a_servo_needs_a_device():
+    record = random_record("jaw", 2, 0.01, 0)
+    with pytest.raises(jawenv.InputError, match="device is None, under trajectory control"):
+        replace(record, device=None, control="trajectory")
+    with pytest.raises(jawenv.InputError, match="control is 'torque', allowed are 'force' and 'trajectory'"):
+        replace(record, control="torque")
 
 
 def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
@@ -183,9 +194,10 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
         (ROWS, '# gain_sd: "much"\n' + HEADER, ["gain_sd", "much", "number"]),
         (ROWS, "# wrench_sd: [1, 2]\n" + HEADER, ["wrench_sd", "(6,)"]),
         (ROWS, "# cell_sd: [9, 0, 0, 0, 0, 0]\n" + HEADER, ["cell_sd", "wrench_sd"]),
-        (ROWS, '# servo: {"spring": 1}\n' + HEADER, ["servo", "spring", "Device"]),
-        (ROWS, '# servo: {"servo_stiffness_N_m": "stiff"}\n' + HEADER, ["servo_stiffness_N_m", "stiff"]),
-        (ROWS, '# servo: "stiff"\n' + HEADER, ["servo", "stiff", "Device"]),
+        (ROWS, '# device: {"spring": 1}\n' + HEADER, ["device", "spring", "Device"]),
+        (ROWS, '# device: {"servo_stiffness_N_m": "stiff"}\n' + HEADER, ["servo_stiffness_N_m", "stiff"]),
+        (ROWS, '# device: "stiff"\n' + HEADER, ["device", "stiff", "Device"]),
+        (ROWS, '# control: "torque"\n' + HEADER, ["control", "torque", "trajectory"]),
         (ROWS, "# wrench_sd: some\n" + HEADER, ["wrench_sd", "row 1", "JSON"]),
     ],
 )

@@ -64,6 +64,15 @@ def test_mobilities_are_those_of_a_free_body(jaw):
         assert stated == pytest.approx(along @ (along / jaw["mass"] + np.cross(turning, arm)), rel=1e-12)
 
 
+def test_the_mouthpiece_gives_way_most_in_one_direction(jaw, rng):
+    arm = jaw["mouthpiece"] - jaw["centre_of_mass"]
+    ways = rng.normal(size=(20_000, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    turning = np.linalg.solve(jaw["inertia"], np.cross(arm, ways).T).T
+    found = np.sum(ways * (ways / jaw["mass"] + np.cross(turning, arm)), axis=1)
+    assert 0.999 * jaw["mouthpiece_mobility"] < found.max() <= jaw["mouthpiece_mobility"] * (1 + 1e-12)
+
+
 def test_steps_are_halved_until_they_are_short_enough():
     assert parts_needed(LARGEST_PHASE / 0.01, 0.01, 1) == 1
     assert parts_needed(1.01 * LARGEST_PHASE / 0.01, 0.01, 1) == 2

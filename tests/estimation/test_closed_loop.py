@@ -9,11 +9,11 @@ from running import Running
 from scipy.linalg import expm
 
 import jawenv
-from jawenv.device.servo import set_servo
+from jawenv.device.answer import add_servos
 from jawenv.estimation.body_sensitivity import body_rate_and_sensitivity
+from jawenv.estimation.closed_loop import LONGEST_PHASE, MOST_SQUARINGS, set_loop, set_rates, squarings_needed
 from jawenv.estimation.line_wrenches import middle_of, set_by_place
 from jawenv.estimation.sensitivity import rate_and_sensitivity
-from jawenv.estimation.servo_loop import LONGEST_PHASE, MOST_SQUARINGS, set_loop, set_rates, squarings_needed
 from jawenv.mechanics.kinematics import rotation
 
 DEVICE = jawenv.Device().records()[0]
@@ -41,7 +41,8 @@ class Loop:
         q, _ = middle_of(self.jaw, self.state, self.state)
         set_by_place(self.jaw, q, rotation(q), self.scratch)
         mouthpiece = tuple(float(v) for v in self.jaw["mouthpiece"])
-        set_servo(DEVICE, mouthpiece, self.scratch["by_place"], rotation(q), self.scratch["servo"])
+        self.scratch["answer"] = 0.0
+        add_servos(DEVICE, mouthpiece, self.scratch["by_place"], rotation(q), self.scratch["answer"])
 
     def state_rate(self, state, wrench):
         if self.size == 10:
@@ -54,7 +55,7 @@ class Loop:
         """(n, n + 6) of the closed loop by complex steps."""
         by_state = twin.derivative(lambda s: self.state_rate(s, self.wrench), self.state)
         by_wrench = twin.derivative(lambda w: self.state_rate(self.state, w), self.wrench)
-        return np.hstack([by_state - by_wrench @ self.scratch["servo"], by_wrench])
+        return np.hstack([by_state - by_wrench @ self.scratch["answer"], by_wrench])
 
 
 MODELS = ["jaw", "hinge", "bilateral"]

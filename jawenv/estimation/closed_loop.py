@@ -1,8 +1,8 @@
-"""One step of the true motion's deviations while a position servo holds the jaw: what load cell and filter cannot see.
+"""One step of the true motion's deviations while the device answers to them: what load cell and filter cannot see.
 
-A servo swings the jaw within a step, and so the step is resolved: the exponential of the loop's matrix, by the Taylor
-polynomial of degree four of a short part of the step, squared until it is whole: of a quarter, for the jaw that hangs
-open; of less where the teeth or the discs of two condyles make it stiff.
+A position servo swings the jaw within a step, and so the step is resolved: the exponential of the loop's matrix, by the
+Taylor polynomial of degree four of a short part of the step, squared until it is whole: of a quarter, for the jaw that
+hangs open; of less where the teeth or the discs of two condyles make it stiff.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from math import sqrt
 from typing import Any
 
 from jawenv.compiled import njit
+from jawenv.estimation.products import multiply
 from jawenv.mechanics.dynamics import N_WRENCH
 
 LONGEST_PHASE = 2.0  # rad in a part, of a bound that is about three times what the servo swings by
@@ -19,7 +20,7 @@ DEGREE = 4
 ARM = 0.1  # m: an angle counts as much as what it moves at this arm
 
 
-def servo_loop_fields(n_states: int) -> list[Any]:
+def closed_loop_fields(n_states: int) -> list[Any]:
     """Working memory of this file as fields of a dtype."""
     wide = (n_states, n_states + N_WRENCH)
     return [("rates", "f8", wide), ("loop", "f8", wide), ("power", "f8", wide), ("multiplied", "f8", wide)]
@@ -27,9 +28,9 @@ def servo_loop_fields(n_states: int) -> list[Any]:
 
 @njit
 def set_rates(scratch):
-    """Into ``rates`` (n, n + 6) the derivative of the state's rate by state and unmodelled wrench, servo included.
+    """Into ``rates`` (n, n + 6) the derivative of the state's rate by state and unmodelled wrench.
 
-    From the last stage of ``propagate``.
+    From the last stage of ``propagate``, and the device's answer.
     """
     rates, by_state, by_input, by_angle = scratch.rates, scratch.by_state, scratch.by_input, scratch.by_angle
     size = rates.shape[0]
@@ -48,22 +49,8 @@ def set_rates(scratch):
         for j in range(size):
             value = by_state[i, j]
             for k in range(N_WRENCH):
-                value -= by_input[i, inputs + k] * scratch.servo[k, j]
+                value -= by_input[i, inputs + k] * scratch.answer[k, j]
             rates[half + i, j] = value
-
-
-@njit
-def multiply(left, right, product):
-    """Product (n, m) of the first n columns of ``left`` and ``right`` (n, m)."""
-    size, columns = product.shape
-    for i in range(size):
-        for j in range(columns):
-            product[i, j] = 0.0
-        for k in range(size):
-            factor = left[i, k]
-            if factor != 0.0:
-                for j in range(columns):
-                    product[i, j] += factor * right[k, j]
 
 
 @njit

@@ -1,18 +1,18 @@
-"""The servo's answer to the jaw's motion, against differences of the wrench that the motors give."""
+"""The answer of servos and brake to the jaw's motion, against differences of the wrench that the device gives."""
 
 import newton_euler as twin
 import numpy as np
 import pytest
 
 import jawenv
+from jawenv.device.answer import add_brake, add_servos
 from jawenv.device.comfort import limits_dtype
-from jawenv.device.motors import device_wrench
-from jawenv.device.servo import set_servo
+from jawenv.device.motors import BRAKE_ONSET, YIELD_FORCE, device_wrench
 from jawenv.envs.world import MOTORS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.kinematics import rotation
 
-TRAJECTORY = np.uint8(1)
+FORCE, TRAJECTORY = np.uint8(0), np.uint8(1)
 POSES = [(4e-3, 0.0, 0.2, 0.0, 0.0), (8e-3, 1e-3, 0.3, 0.08, -0.05), (0.0, -2e-3, 0.05, -0.1, 0.07)]
 STEP = 1e-7
 
@@ -45,15 +45,15 @@ class Held:
         from_closed = place + arms - self.jaw["mouthpiece"] - self.device["point"]
         self.motors["target"] = np.sum(from_closed * self.device["direction"], axis=1)
 
-    def wrench(self, state):
-        """(6,) the motors' own at a state."""
+    def wrench(self, state, control=TRAJECTORY):
+        """(6,) the device's at a state."""
         lift = (0.0, 0.0)
         if self.condyles == 2:
             height, slope, _ = twin.fossa(self.jaw, state[0])
             lift = float(state[2] - height), float(state[8] - slope * state[6])
             state = np.delete(state, [2, 8])
         q, u = tuple(float(v) for v in state[:5]), tuple(float(v) for v in state[5:])
-        return np.array(device_wrench(self.device, self.jaw, self.limits, self.motors, q, u, lift, 0.0, TRAJECTORY)[0])
+        return np.array(device_wrench(self.device, self.jaw, self.limits, self.motors, q, u, lift, 0.0, control)[0])
 
     def by_place(self):
         """Directions of the reference point and axes of the angles, body axes, from the independent jaw."""
@@ -66,10 +66,33 @@ class Held:
         return np.vstack([slides @ R, twin.angle_axes(self.pose).T])
 
     def servo(self):
-        found = np.full((6, len(self.start)), np.nan)
+        found = np.zeros((6, len(self.start)))
         body_to_head = rotation(tuple(self.pose))
-        set_servo(self.device, tuple(self.jaw["mouthpiece"]), self.by_place(), body_to_head, found)
+        add_servos(self.device, tuple(self.jaw["mouthpiece"]), self.by_place(), body_to_head, found)
         return found
+
+    def moving(self, speeds):
+        """The state at the pose with these velocities of its coordinates."""
+        half = len(self.start) // 2
+        return np.concatenate([self.start[:half], speeds])
+
+    def by_speed(self, state):
+        """(6, n / 2) by what the wrench falls as each velocity grows, the motors' forces commanded."""
+        half = len(state) // 2
+        falls = [
+            (self.wrench(state - STEP * one, FORCE) - self.wrench(state + STEP * one, FORCE)) / (2.0 * STEP)
+            for one in np.eye(len(state))[half:]
+        ]
+        return np.column_stack(falls)
+
+    def brake(self, state):
+        """Whether the brake works at a state, and its answer."""
+        found = np.zeros((6, len(state)))
+        speeds = state[len(state) // 2 :]
+        works = add_brake(
+            self.device, tuple(self.jaw["mouthpiece"]), self.by_place(), speeds, self.wrench(state, FORCE), found
+        )
+        return works, found
 
 
 @pytest.mark.parametrize("condyles", [1, 2])
@@ -94,3 +117,34 @@ def test_stiffness_and_damping_each_in_its_own_half():
     np.testing.assert_array_equal(softer.servo()[:, half:], usual.servo()[:, half:])
     np.testing.assert_allclose(looser.servo()[:, half:], 0.5 * usual.servo()[:, half:], rtol=1e-12)
     np.testing.assert_array_equal(looser.servo()[:, :half], usual.servo()[:, :half])
+
+
+def fast(held, rng, speed):
+    """Random velocities with which the mouthpiece has this speed (m/s)."""
+    half = len(held.start) // 2
+    speeds = np.concatenate([0.1 * rng.normal(size=half - 3), 2.0 * rng.normal(size=3)])
+    spin = np.cross(speeds[-3:], held.jaw["mouthpiece"])
+    return speeds * speed / np.linalg.norm(speeds[:-3] @ held.by_place()[:-3] + spin)
+
+
+@pytest.mark.parametrize("condyles", [1, 2])
+@pytest.mark.parametrize("pose", POSES)
+@pytest.mark.parametrize("speed", [0.07, 0.2, 0.5])
+def test_the_wrench_falls_by_the_brake_as_the_jaw_moves_faster(pose, condyles, speed, rng):
+    """With motors that push, half yield, and have yielded altogether."""
+    held = Held(pose, condyles)
+    held.motors["thrust"] = rng.normal(size=4)
+    state = held.moving(fast(held, rng, speed))
+    works, answer = held.brake(state)
+    half = len(state) // 2
+    falls = held.by_speed(state)
+    assert works and np.abs(falls).max() > 1.0
+    assert (held.device["brake"] * (speed - BRAKE_ONSET) < YIELD_FORCE) == (speed < 0.3)
+    np.testing.assert_array_equal(answer[:, :half], 0.0)
+    np.testing.assert_allclose(answer[:, half:], falls, rtol=1e-6, atol=1e-6 * np.abs(falls).max())
+
+
+def test_a_slow_jaw_is_not_braked(rng):
+    held = Held(POSES[1], 1)
+    works, answer = held.brake(held.moving(fast(held, rng, 0.99 * BRAKE_ONSET)))
+    assert not works and not answer.any()

@@ -1,0 +1,80 @@
+"""The bound on how fast the device can swing the jaw, and a tick of the truth that stops and brake make stiff."""
+
+import gymnasium as gym
+import newton_euler as twin
+import numpy as np
+import pytest
+
+from jawenv.device.motors import ON_PATH, device_wrench
+from jawenv.device.stiffness import device_rate
+from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick
+from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.stiffness import fastest_rate
+
+STEP = 1e-7
+
+
+class Tick:
+    """One world at the start of a tick, and what moves it."""
+
+    def __init__(self, control, seed=2):
+        env = gym.make("jawenv/Jaw-v0", control=control).unwrapped
+        env.reset(seed=seed)
+        simulation = env.simulation
+        self.world, self.device, self.settings = simulation.worlds[0], simulation.device[0], simulation.settings[0]
+        self.scratch, self.trajectory = simulation._scratches[0], np.uint8(control == "trajectory")
+        self.scratch["effective"], self.scratch["unmodelled"] = self.world["muscles"], 0.0
+        self.world["motors"]["cap"] = 50.0
+
+    def rate(self, state, since=0.0):
+        """(10,) rate of the state under the device."""
+        world, parts = self.world, (tuple(float(v) for v in half) for half in np.split(state, 2))
+        q, u = parts
+        wrench, _ = device_wrench(
+            self.device, world["jaw"], world["limits"], world["motors"], q, u, ON_PATH, since, self.trajectory
+        )
+        q_rate, u_rate = state_rate(world["jaw"], world["muscles"], q, u, wrench)
+        return np.array(q_rate + u_rate)
+
+    def fastest(self, state):
+        """The largest eigenvalue of the motion near a state, by differences."""
+        columns = [(self.rate(state + STEP * one) - self.rate(state - STEP * one)) / (2 * STEP) for one in np.eye(10)]
+        return np.abs(np.linalg.eigvals(np.column_stack(columns))).max()
+
+    def bound(self, state):
+        jaw = self.world["jaw"]
+        own = fastest_rate(jaw, self.world["muscles"], tuple(float(v) for v in state[:5]))
+        return own + device_rate(self.device, jaw, self.trajectory)
+
+
+@pytest.mark.parametrize("control", ["force", "trajectory"])
+def test_no_mode_is_faster_than_the_bound(control, rng):
+    """Past the stops of opening and slide, and fast: measured 0.28 to 0.55 of the bound."""
+    tick, shares = Tick(control), []
+    for _ in range(60):
+        state = tick.world["state"].copy()
+        state[:5] += rng.uniform(0.0, 1.0, 5) * [3e-3, 5e-3, 0.3, 0.05, 0.05]
+        state[5:] += rng.normal(size=5) * [0.05, 0.05, 1.0, 1.0, 1.0]
+        shares.append(tick.fastest(state) / tick.bound(state))
+    assert max(shares) < 1.0 and max(shares) > 0.2, (min(shares), max(shares))
+
+
+@pytest.mark.parametrize("control", ["force", "trajectory"])
+def test_a_tick_in_which_the_brake_works_is_resolved(control, rng):
+    """A jaw at several times the soft speed, against steps of a 64th of a tick; the usual steps are far off."""
+    apart = {"taken": 0.0, "usual": 0.0}
+    for _ in range(10):
+        tick = Tick(control)
+        start = tick.world["state"].copy()
+        start[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
+        fine, h = start.copy(), TICK / 64
+        for step in range(64):
+            fine = twin.runge_kutta(lambda since, s, tick=tick, t=step * h: tick.rate(s, t + since), fine, h)
+        for name in apart:
+            tick.world["state"] = start
+            if name == "taken":
+                assert midline_tick(tick.device, tick.world, tick.scratch, tick.settings) == 1.0
+            else:
+                midline_steps(tick.device, tick.world, tick.scratch, tick.settings, SUBSTEPS)
+            apart[name] = max(apart[name], np.abs(tick.world["state"] - fine)[2:5].max())
+    assert apart["taken"] < 1e-4 < apart["usual"], apart
