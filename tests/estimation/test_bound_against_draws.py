@@ -86,14 +86,14 @@ def scatter(records, found):
     return errors, np.mean([bound - bound @ before @ bound for bound in bounds], axis=0), np.mean(bounds, axis=0)
 
 
-def check_size(whitened, draws):
+def assert_size(whitened, draws):
     """Trace: (n - 1) tr(S / expected) is chi-squared with (n - 1) p degrees of freedom; 99.9 % of it."""
     freedom = (draws - 1) * len(whitened)
     low, high = chi2.ppf(SURE, freedom) / freedom
     assert low < np.trace(whitened) / len(whitened) < high
 
 
-def check_volume(whitened, draws):
+def assert_volume(whitened, draws):
     """Determinant: (n - 1)^p det(S / expected) is a product of chi-squared with n - 1, ..., n - p; 99.9 % of it."""
     p = len(whitened)
     product = np.prod([np.random.default_rng(i).chisquare(draws - 1 - i, 200_000) for i in range(p)], axis=0)
@@ -101,7 +101,7 @@ def check_volume(whitened, draws):
     assert low < np.linalg.det(whitened) < high
 
 
-def check_inverse(errors, expected):
+def assert_inverse(errors, expected):
     """Diagonal of the inverse: that of the expected inverse is Wishart's, chi-squared with n - p degrees; 99.9 % each.
 
     For S of Wishart with mean C, (n - 1) (C^-1)_ii / (S^-1)_ii is chi-squared with n - 1 - p + 1 degrees of freedom.
@@ -112,16 +112,16 @@ def check_inverse(errors, expected):
     assert (low < ratio).all() and (ratio < high).all()
 
 
-def check(errors, expected):
+def assert_inside(errors, expected):
     """All of it, and that the estimates are hardly off to one side.
 
     The exponential of b bends the problem: a bias of the second order is left, up to 0.14 sd in these draws.
     """
     factor = np.linalg.cholesky(expected)
     whitened = np.linalg.solve(factor, np.linalg.solve(factor, np.cov(errors.T)).T)
-    check_size(whitened, len(errors))
-    check_volume(whitened, len(errors))
-    check_inverse(errors, expected)
+    assert_size(whitened, len(errors))
+    assert_volume(whitened, len(errors))
+    assert_inverse(errors, expected)
     assert (np.abs(errors.mean(axis=0)) < 0.3 * np.sqrt(np.diag(expected))).all()
 
 
@@ -132,10 +132,10 @@ def test_twelve_parameters_scatter_as_the_bound_of_the_full_model_says():
     assert (np.sqrt(np.diag(bound)) < 0.1).all()
     for record, result in zip(records, found, strict=True):
         assert not smoother._Problem(record).divide(result.path), "every step is taken whole"
-    check(errors, expected)
+    assert_inside(errors, expected)
 
 
 def test_one_muscle_scatters_as_the_bound_of_the_hinge_says():
     """A patient of the cohort, who rests on the teeth: there steps are divided, in fewer draws."""
     errors, expected, _ = scatter(*drawn("hinge", Push(), 7.2, 1.0, 200))
-    check(errors, expected)
+    assert_inside(errors, expected)

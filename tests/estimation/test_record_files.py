@@ -51,7 +51,7 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
     )
 
 
-def same(one: Record, other: Record) -> None:
+def assert_same(one: Record, other: Record) -> None:
     arrays = "time measured samples start_mean start_sd measurement_sd wrench_sd cell_sd gain_sd truth states wrenches"
     for name in arrays.split():
         a, b = getattr(one, name), getattr(other, name)
@@ -79,7 +79,7 @@ def test_what_is_saved_comes_back(tmp_path_factory, model, ticks, dt, seed, tilt
     path = tmp_path_factory.mktemp("records") / f"one.{ending}"
     record = random_record(model, ticks, dt, seed, tilt)
     save_record(record, path)
-    same(record, load_record(path))
+    assert_same(record, load_record(path))
 
 
 def test_truth_may_be_unknown_and_the_geometry_ones_own(tmp_path):
@@ -87,7 +87,7 @@ def test_truth_may_be_unknown_and_the_geometry_ones_own(tmp_path):
     record.jaw["mass"] = 0.123
     record = replace(record, truth=None, states=None, wrenches=None)
     save_record(record, tmp_path / "one.csv")
-    same(record, load_record(tmp_path / "one.csv"))
+    assert_same(record, load_record(tmp_path / "one.csv"))
 
 
 def written(tmp_path, *rows, header=HEADER):
