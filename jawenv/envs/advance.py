@@ -169,7 +169,9 @@ def filter_tick(device, model, world, settings, scratch):
     """The filter's part of a tick, given what the sensors read."""
     for k in range(6):
         scratch.known[k] = settings.wrench_variance[k]
-    lost = repair_samples(scratch.samples, world.last_sample, world.trend, scratch.known, scratch.usable)
+    lost = repair_samples(
+        scratch.samples, world.last_sample, world.held_sample, world.lost_for, TICK, scratch.known, scratch.usable
+    )
     for k in range(6):
         world.reading[k] = mean_reading(scratch.usable, k)
     gain = settings.gain_variance

@@ -226,6 +226,8 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         keep_tick(model, world, settings, scratch, ticks)
     world.last_measured[:] = np.nan
     world.last_sample[:] = np.nan
+    world.held_sample[:] = 0.0
+    world.lost_for[:] = 0.0
     mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
     variances = settings.measurement_variance
     update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)

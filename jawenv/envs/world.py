@@ -59,6 +59,8 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np
         ("reading", "f8", 6),  # load cell, body axes
         ("last_measured", "f8", N_MEASUREMENTS),
         ("last_sample", "f8", 6),
+        ("held_sample", "f8", 6),
+        ("lost_for", "f8", 6),  # s since the load cell's component was believed
         ("log_det_prior", "f8"),
         ("log_det", "f8"),
         ("log_det_bound", "f8"),

@@ -84,12 +84,13 @@ def filter_record(jaw, device, belief, measured, samples, settings, scratch, eve
     """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples; a belief every ``every`` ticks."""
     prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
     last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(6)
+    held, lost_for = np.zeros(6), np.zeros(6)
     used, allowed = np.empty(measured.shape[1], np.uint8), np.ones(measured.shape[1], np.uint8)
     usable = np.empty(samples.shape[1:])
     for tick in range(measured.shape[0]):
         if tick > 0:
             known[:] = settings.wrench_variance
-            repair_samples(samples[tick - 1], last_sample, belief.trend, known, usable)
+            repair_samples(samples[tick - 1], last_sample, held, lost_for, settings.dt, known, usable)
             predict_motion(
                 jaw,
                 belief,

@@ -10,8 +10,10 @@ from math import isfinite
 
 from jawenv.compiled import njit
 
-# Sd of the device's wrench about its recent mean, where a tick's samples cannot be used: what the motors can change.
-LOST_FORCE, LOST_MOMENT = 3.0, 0.1
+# Where a tick's samples cannot be used, the device's wrench has changed since the last that could by an sd of so much
+# per second, and by no more than so much: what the motors can do.
+FORCE_RATE, LOST_FORCE = 50.0, 3.0
+MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
 
 
 @njit
@@ -31,23 +33,35 @@ def mark_usable(measured, last, allowed, used):
 
 
 @njit
-def repair_samples(samples, last, trend, variance, usable):
-    """Copy ``samples`` (3, 6) to ``usable``; a component that is missing or frozen there becomes its ``trend``.
+def repair_samples(samples, last, held, lost_for, dt, variance, usable):
+    """Copy ``samples`` (3, 6) to ``usable``; a component that is missing or frozen there is ``held`` from before.
 
-    ``variance`` (6), that of the wrench not known, grows for those by ``LOST_FORCE`` or ``LOST_MOMENT`` squared;
-    ``last`` (6) becomes the last sample. Returns how many components are replaced.
+    Args:
+        samples: The load cell's in a tick.
+        last: (6,) the last sample, believed or not; becomes the last of these.
+        held: (6,) the last that was believed.
+        lost_for: (6,) s since then.
+        dt: Length of the tick, s.
+        variance: (6,) that of the wrench not known; grows for what is held, the more the longer it is.
+        usable: (3, 6), overwritten.
+
+    Returns:
+        How many components are held.
     """
-    replaced = 0
+    number = 0
     for k in range(samples.shape[1]):
         good, previous = True, last[k]
         for i in range(samples.shape[0]):
             good = good and isfinite(samples[i, k]) and samples[i, k] != previous
             previous = samples[i, k]
         last[k] = previous
+        if good:
+            held[k], lost_for[k] = previous, 0.0
+        else:
+            lost_for[k] += dt
+            sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
+            variance[k] += sd * sd
+            number += 1
         for i in range(samples.shape[0]):
-            usable[i, k] = samples[i, k] if good else trend[k]
-        if not good:
-            lost = LOST_FORCE if k < 3 else LOST_MOMENT
-            variance[k] += lost * lost
-            replaced += 1
-    return replaced
+            usable[i, k] = samples[i, k] if good else held[k]
+    return number

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.estimation.readings import LOST_FORCE, LOST_MOMENT, mark_usable, repair_samples
+from jawenv.estimation.readings import FORCE_RATE, LOST_FORCE, LOST_MOMENT, MOMENT_RATE, mark_usable, repair_samples
 
 EVERY = np.ones(12, dtype=np.uint8)
 
@@ -58,19 +58,19 @@ def test_what_is_not_allowed_is_neither_used_nor_missed(rng):
 
 
 class Cell:
-    """A load cell's samples, the last ones, their trend and the variance of the wrench not known."""
+    """A load cell's samples, the last ones, those believed last, and the variance of the wrench not known."""
 
     def __init__(self, rng):
-        self.samples, self.last, self.trend = rng.normal(size=(3, 6)), rng.normal(size=6), rng.normal(size=6)
-        self.before = rng.uniform(0.01, 0.02, 6)
-        self.variance, self.usable = self.before.copy(), np.full((3, 6), np.nan)
+        self.samples, self.last, self.held = rng.normal(size=(3, 6)), rng.normal(size=6), rng.normal(size=6)
+        self.lost_for, self.before = np.zeros(6), rng.uniform(0.01, 0.02, 6)
+        self.usable = np.full((3, 6), np.nan)
 
-    def repair(self):
-        given = self.samples.copy()
-        replaced = repair_samples(self.samples, self.last, self.trend, self.variance, self.usable)
+    def repair(self, dt=0.01):
+        given, self.variance = self.samples.copy(), self.before.copy()
+        number = repair_samples(self.samples, self.last, self.held, self.lost_for, dt, self.variance, self.usable)
         np.testing.assert_array_equal(self.samples, given)
         np.testing.assert_array_equal(self.last, given[2])
-        return replaced
+        return number
 
 
 def test_good_samples_pass(rng):
@@ -78,21 +78,48 @@ def test_good_samples_pass(rng):
     assert cell.repair() == 0
     np.testing.assert_array_equal(cell.usable, cell.samples)
     np.testing.assert_array_equal(cell.variance, cell.before)
+    np.testing.assert_array_equal(cell.held, cell.samples[2])
 
 
-def test_a_component_that_fails_becomes_its_trend_and_is_doubted(rng):
+def test_a_component_that_fails_is_held_and_doubted(rng):
     """By one missing sample, by one that repeats the last tick's, by two that are the same."""
     cell = Cell(rng)
+    held = cell.held.copy()
     cell.samples[1, 0] = np.nan
     cell.samples[0, 2] = cell.last[2]
     cell.samples[2, 5] = cell.samples[1, 5]
     assert cell.repair() == 3
     failed, good = [0, 2, 5], [1, 3, 4]
-    np.testing.assert_array_equal(cell.usable[:, failed], np.tile(cell.trend[failed], (3, 1)))
+    np.testing.assert_array_equal(cell.usable[:, failed], np.tile(held[failed], (3, 1)))
     np.testing.assert_array_equal(cell.usable[:, good], cell.samples[:, good])
-    np.testing.assert_allclose(
-        cell.variance - cell.before, np.array([LOST_FORCE, 0.0, LOST_FORCE, 0.0, 0.0, LOST_MOMENT]) ** 2, rtol=1e-9
-    )
+    force, moment = 0.01 * FORCE_RATE, 0.01 * MOMENT_RATE
+    np.testing.assert_allclose(cell.variance - cell.before, np.array([force, 0, force, 0, 0, moment]) ** 2, rtol=1e-9)
+
+
+def test_the_longer_it_is_held_the_more_it_is_doubted(rng):
+    """Up to what the motors can do; twice as fast over a tick that is twice as long."""
+    cell, slow = Cell(rng), Cell(rng)
+    held, added = cell.held.copy(), []
+    cell.samples[:] = slow.samples[:] = np.nan
+    for _ in range(20):
+        assert cell.repair() == 6
+        np.testing.assert_array_equal(cell.usable, np.tile(held, (3, 1)))
+        added.append(np.sqrt(cell.variance - cell.before))
+    assert slow.repair(dt=0.02) == 6
+    np.testing.assert_allclose(np.sqrt(slow.variance - slow.before), added[1], rtol=1e-9)
+    assert (np.diff(added[:6], axis=0)[:, :3] > 0.0).all()
+    np.testing.assert_allclose(added[-1], np.repeat([LOST_FORCE, LOST_MOMENT], 3), rtol=1e-9)
+
+
+def test_a_frozen_sensor_stays_what_it_was_when_last_believed(rng):
+    cell = Cell(rng)
+    cell.repair()
+    frozen = cell.samples[2].copy()
+    for _ in range(3):
+        cell.samples[:] = frozen
+        assert cell.repair() == 6
+        np.testing.assert_array_equal(cell.usable, np.tile(frozen, (3, 1)))
+    np.testing.assert_allclose(cell.lost_for, 0.03)
 
 
 def test_after_a_lost_sample_the_next_is_believed(rng):
@@ -101,3 +128,4 @@ def test_after_a_lost_sample_the_next_is_believed(rng):
     assert cell.repair() == 6
     cell.samples = rng.normal(size=(3, 6))
     assert cell.repair() == 0
+    np.testing.assert_array_equal(cell.lost_for, 0.0)
