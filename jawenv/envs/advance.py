@@ -28,6 +28,7 @@ from jawenv.estimation.tension_basis import basis_dtype
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
     conclude,
+    forget_settling,
     predict_motion,
     tension_scratch_dtype,
     update_motion,
@@ -191,6 +192,7 @@ def filter_tick(device, model, world, settings, scratch):
     world.left_out += lost / (settings.channels * settings.ticks_per_step)
     variances = settings.measurement_variance
     update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
+    forget_settling(model, world, world.tick)
     if world.tick < EAGER_TICKS:
         conclude(world, settings.prior_mean, settings.prior_sd, gain, scratch.tension)
 

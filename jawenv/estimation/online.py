@@ -17,6 +17,7 @@ from jawenv.estimation.tension_filter import (
     begin_belief,
     belief_fields,
     conclude,
+    forget_settling,
     predict_motion,
     tension_scratch_dtype,
     update_motion,
@@ -105,6 +106,7 @@ def filter_record(jaw, device, belief, measured, samples, settings, scratch, eve
             follow_trend(belief.trend, usable, settings.dt)
         mark_usable(measured[tick], last, allowed, used)
         update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)
+        forget_settling(jaw, belief, tick)
         if tick < EAGER_TICKS:
             conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
         if tick > 0 and tick % every == 0:

@@ -47,6 +47,9 @@ from jawenv.mechanics.vec3 import vector3
 
 # Ticks at the start after each of which the belief is renewed: its first guess is far off.
 EAGER_TICKS = 20
+# Ticks at the start of which nothing is learned on a jaw with two condyles: 0.1 mm of an encoder's noise are 10 N of a
+# disc, and until the discs' pressures are known, what they push passes for tension.
+SETTLING_TICKS = 10
 ROUNDS = 6  # at most, of the search for the belief: fewer stop short where a patient is far from the prior's mean
 
 
@@ -232,6 +235,14 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
         belief.motion[k] += change[k]
     add_information(belief.information, scratch.by_tension_rows, weights)
     update_aftermath(belief.aftermath, scratch.rows, gains, weights, scratch.spare)
+
+
+@njit
+def forget_settling(jaw, belief, tick):
+    """Drop what the innovations said in the ticks in which a jaw settles on its discs, in the filter's knowledge."""
+    if jaw.condyles == 2 and tick < SETTLING_TICKS:
+        belief.score[:] = 0.0
+        belief.information[:, :] = 0.0
 
 
 @njit

@@ -226,3 +226,17 @@ def test_a_sensor_that_dies_costs_information_alone():
             into.append(error @ np.linalg.solve(estimate.cov[-1], error))
     assert max(of_belief) < 40.0
     assert np.nan_to_num(of_naive, nan=np.inf).min() > 1000.0, "it is lost, or broken"
+
+
+@pytest.mark.parametrize(("name", "settles"), [("Jaw", False), ("JawBilateral", True)])
+def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
+    """For 0.1 s nothing is learned; then the claims hold: without that, mean NEES/12 of 9 after 2 s."""
+    run = jawenv.play(
+        load_agent(SWINGS), patients=16, seed=5000, env_id=f"jawenv/{name}-v0", env_kwargs={"episode_s": 2.0}
+    )
+    learned = run.information_claimed[:, 1]
+    np.testing.assert_allclose(learned, 0.0, atol=1e-9) if settles else np.testing.assert_array_less(1.0, learned)
+    assert (run.information_claimed[:, 3] > 1.0).all()
+    error = run.belief_mean[:, -1] - run.truth
+    nees = np.einsum("ni,nij,nj->n", error, np.linalg.inv(run.belief_cov[:, -1]), error)
+    assert nees.mean() / 12 < 1.6
