@@ -3,10 +3,10 @@
 import newton_euler as twin
 import numpy as np
 import pytest
+from far_limits import far_limits
 
 import jawenv
 from jawenv.device.answer import add_brake, add_servos
-from jawenv.device.comfort import limits_dtype
 from jawenv.device.motors import BRAKE_ONSET, YIELD_FORCE, device_wrench
 from jawenv.envs.world import MOTORS
 from jawenv.mechanics import build_jaw
@@ -15,15 +15,6 @@ from jawenv.mechanics.kinematics import rotation
 FORCE, TRAJECTORY = np.uint8(0), np.uint8(1)
 POSES = [(4e-3, 0.0, 0.2, 0.0, 0.0), (8e-3, 1e-3, 0.3, 0.08, -0.05), (0.0, -2e-3, 0.05, -0.1, 0.07)]
 STEP = 1e-7
-
-
-def far_limits():
-    limits = np.zeros(1, dtype=limits_dtype(6))[0]
-    for name in limits.dtype.names:
-        limits[name] = 10.0
-    limits["path"] = limits["rest_opening"] = limits["rest_side"] = limits["rest_condyle_side"] = 0.0
-    limits["condyle_middle"] = 0.0
-    return limits
 
 
 class Held:

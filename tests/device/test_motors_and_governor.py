@@ -3,9 +3,10 @@
 import newton_euler as twin
 import numpy as np
 import pytest
+from far_limits import far_limits
 
 import jawenv
-from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED, limits_dtype
+from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED
 from jawenv.device.device import DEVICE
 from jawenv.device.motors import GOVERNOR_ONSET, ON_PATH, command_motors, device_wrench
 from jawenv.envs.world import MOTORS
@@ -30,13 +31,7 @@ def motors():
 
 @pytest.fixture
 def limits():
-    """Limits that nothing reaches."""
-    record = np.zeros(1, dtype=limits_dtype(6))[0]
-    for name in record.dtype.names:
-        record[name] = 10.0
-    record["path"] = record["rest_opening"] = record["rest_side"] = record["rest_condyle_side"] = 0.0
-    record["condyle_middle"] = 0.0
-    return record
+    return far_limits()
 
 
 def command(device, jaw, motors, action, control=FORCE_CONTROL, q=Q, u=STILL):
