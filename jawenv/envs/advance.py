@@ -23,7 +23,7 @@ from jawenv.estimation.ekf import (
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, measure
 from jawenv.estimation.readings import mark_usable, repair_samples
-from jawenv.estimation.sensitivity import N_SAMPLES
+from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
 from jawenv.estimation.tension_basis import basis_dtype
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
@@ -53,8 +53,7 @@ def settings_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
         ("record", "u1"),
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
-        ("wrench_variance", "f8", 6),
-        ("cell_variance", "f8", 6),
+        ("noise_variance", "f8", N_NOISE),
         ("gain_variance", "f8"),
         ("basis", basis_dtype(n_muscles, n_nodes)),
         ("prior_mean", "f8", (2 * n_muscles,)),
@@ -80,7 +79,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> 
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("usable", "f8", (N_SAMPLES, 6)),  # of these what is believed
-        ("known", "f8", 6),  # variance of the wrench not known
+        ("known", "f8", N_NOISE),  # variance of the wrench not known
         ("used", "u1", N_MEASUREMENTS),
         ("faults", "f8", 20),
         ("fractions", "f8", N_LIMITS),
@@ -137,7 +136,7 @@ def advance_bound(model, world, settings, scratch):
     """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
     state = scratch.filter.state
     move(model, world.muscles, state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-    predict_covariance(world.bound, settings.wrench_variance, scratch.filter)
+    predict_covariance(world.bound, settings.noise_variance, scratch.filter)
     for i in range(state.shape[0]):
         state[i] = true_state(model, world, i)
     update_covariance(model, state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
@@ -168,8 +167,7 @@ def end_tick(device, model, world, settings, scratch, ticks):
 @njit
 def filter_tick(device, model, world, settings, scratch):
     """The filter's part of a tick, given what the sensors read."""
-    for k in range(6):
-        scratch.known[k] = settings.wrench_variance[k]
+    scratch.known[:] = settings.noise_variance
     lost = repair_samples(
         scratch.samples, world.last_sample, world.held_sample, world.lost_for, TICK, scratch.known, scratch.usable
     )
@@ -182,7 +180,6 @@ def filter_tick(device, model, world, settings, scratch):
         scratch.usable,
         TICK,
         scratch.known,
-        settings.cell_variance,
         device,
         settings.trajectory,
         scratch.tension,

@@ -12,6 +12,7 @@ from jawenv.envs.plants import true_state
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.record import Record
 from jawenv.estimation.sensitivity import N_SAMPLES
+from jawenv.mechanics.dynamics import N_WRENCH
 
 if TYPE_CHECKING:
     from jawenv.envs.simulation import Simulation
@@ -55,8 +56,8 @@ def record_of(simulation: Simulation, index: int) -> Record:
         start_mean=rows["believed"][0].copy(),
         start_sd=simulation.start_sd(index),
         measurement_sd=np.sqrt(settings["measurement_variance"]),
-        wrench_sd=np.sqrt(settings["wrench_variance"]),
-        cell_sd=np.sqrt(settings["cell_variance"]),
+        wrench_sd=np.sqrt(settings["noise_variance"][:N_WRENCH]),
+        cell_sd=np.sqrt(settings["noise_variance"][N_WRENCH:]),
         gain_sd=float(simulation.device[0]["cell_gain"]),
         jaw=simulation.models[index].copy(),
         prior=simulation.cohort.prior,

@@ -188,8 +188,9 @@ class Simulation:
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
-        settings["wrench_variance"] = np.repeat([unmodelled[0] + cell_force, unmodelled[1] + cell_moment], 3)
-        settings["cell_variance"] = np.repeat([cell_force, cell_moment], 3)
+        constant = [unmodelled[0] + cell_force, unmodelled[1] + cell_moment]
+        # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
+        settings["noise_variance"] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         settings["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
         settings["channels"] = int(settings["used"].sum()) + N_WRENCH

@@ -26,7 +26,7 @@ BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 10
 
 
 @njit
-def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
+def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
     """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``."""
     wrench = with_gain(sample, trend, gain)
     acceleration = linearise_body(
@@ -50,7 +50,7 @@ def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch):
             a, b, c, d = by_state[i, k], by_state[i, k + 1], by_state[i, k + 2], by_state[i, k + 3]
             for j in range(columns):
                 slope[6 + i, j] += a * stage[k, j] + b * stage[k + 1, j] + c * stage[k + 2, j] + d * stage[k + 3, j]
-    add_inputs(slope, scratch.by_input, trend)
+    add_inputs(slope, scratch.by_input, trend, tilt)
     return angle_rates(pose, omega), acceleration
 
 
@@ -82,8 +82,9 @@ def propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, parts, scra
         q, u = start_q, start_u
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for step in range(4):
-            sample = between_samples(samples, stage_share(part, step, parts))
-            rates, acceleration = body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, scratch)
+            share = stage_share(part, step, parts)
+            sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+            rates, acceleration = body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
             velocity = (u[0], u[1], u[2], rates[0], rates[1], rates[2])
             weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
             sum_q, sum_u = plus_six(sum_q, weight, velocity), plus_six(sum_u, weight, acceleration)

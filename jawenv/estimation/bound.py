@@ -19,6 +19,7 @@ from jawenv.errors import InputError
 from jawenv.estimation.ekf import follow_trend, move, predict_covariance, update_covariance
 from jawenv.estimation.path import Path, path_of
 from jawenv.estimation.record import Record
+from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 
@@ -59,7 +60,7 @@ def bound_path(
     used,
     covariance,
     measurement_variance,
-    wrench_variance,
+    noise_variance,
     dt,
     every,
     kept,
@@ -71,13 +72,13 @@ def bound_path(
     ``kept`` (K, p, p), and that after the last tick into its last row.
     """
     n_states, size, ticks = states.shape[1], kept.shape[1], wrenches.shape[0]
-    trend = np.zeros(wrench_variance.shape[0])
+    trend = np.zeros(N_WRENCH)
     state = np.empty(n_states)
     for tick in range(ticks + 1):
         if tick > 0:
             state[:] = states[tick - 1]
             move(jaw, muscles, state, wrenches[tick - 1], trend, 0.0, dt, scratch)
-            predict_covariance(covariance, wrench_variance, scratch)
+            predict_covariance(covariance, noise_variance, scratch)
             follow_trend(trend, samples[tick - 1], dt)
         update_covariance(jaw, states[tick], covariance, measurement_variance, used[tick], scratch)
         if tick % every == 0 or tick == ticks:
@@ -125,7 +126,7 @@ def bound_of(path: Path, record: Record, every: int) -> Bound:
         path.used,
         path.covariance.copy(),
         path.measurement_variance,
-        path.wrench_variance,
+        path.noise_variance,
         path.dt,
         every,
         kept,

@@ -8,7 +8,7 @@ gain error g of the load cell (1); 23 in all by default. The sizes come with the
 * g is considered, not estimated (Schmidt 1966): its prior uncertainty spreads to everything that it touches, and is
   never thought to have become smaller.
 * What g makes of the readings' departure from their trend is too fast to correlate: it adds to the process noise.
-* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell.
+* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, which also tilts.
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
@@ -26,7 +26,7 @@ from jawenv.compiled import njit
 from jawenv.estimation.body_sensitivity import propagate_body
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.products import multiply_row
-from jawenv.estimation.sensitivity import propagate, sensitivity_fields
+from jawenv.estimation.sensitivity import N_NOISE, propagate, sensitivity_fields
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
@@ -40,7 +40,7 @@ def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
 def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
     """Dtype of the filter's working memory."""
     n_filter = filter_size(n_muscles, n_states)
-    n_columns = n_filter + N_WRENCH
+    n_columns = n_filter + N_NOISE
     fields = [
         *sensitivity_fields(n_muscles, n_lines, n_states),
         ("muscles", "f8", (n_lines, 2)),
@@ -50,7 +50,7 @@ def filter_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N
         ("row", "f8", (n_states,)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
-        ("wrench_variance", "f8", (N_WRENCH,)),
+        ("noise_variance", "f8", (N_NOISE,)),
         ("shift", "f8", (n_filter,)),
         ("gain", "f8", (n_filter,)),
     ]
@@ -78,10 +78,10 @@ def parameter_variance(rate, time_constant, time, dt):
 
 
 @njit
-def predict_covariance(covariance, wrench_variance, scratch):
+def predict_covariance(covariance, noise_variance, scratch):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
-    Both products share one pass: [F P, G W] times [F, G]^T.
+    ``noise_variance`` (12) is W's diagonal. Both products share one pass: [F P, G W] times [F, G]^T.
     """
     total, product, turned = scratch.total, scratch.product, scratch.turned
     size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
@@ -93,8 +93,8 @@ def predict_covariance(covariance, wrench_variance, scratch):
         for j in range(n_states, size):
             covariance[i, j] = product[i, j]
             covariance[j, i] = product[i, j]
-        for k in range(N_WRENCH):
-            product[i, size + k] = total[i, size + k] * wrench_variance[k]
+        for k in range(N_NOISE):
+            product[i, size + k] = total[i, size + k] * noise_variance[k]
     for i in range(n_states):
         for j in range(n_states):
             scratch.row[j] = 0.0
@@ -128,11 +128,12 @@ def follow_trend(trend, samples, dt):
 
 
 @njit
-def set_wrench_variance(known, gain_variance, samples, trend, scratch):
-    """Variance of the wrench not known: ``known`` (6) and the gain's share of what the trend does not follow."""
+def set_noise_variance(known, gain_variance, samples, trend, scratch):
+    """Variance of the wrench not known: ``known`` (12) and the gain's share of what the trend does not follow."""
     for k in range(N_WRENCH):
         fast = mean_reading(samples, k) - trend[k]
-        scratch.wrench_variance[k] = known[k] + gain_variance * fast * fast
+        scratch.noise_variance[k] = known[k] + gain_variance * fast * fast
+        scratch.noise_variance[N_WRENCH + k] = known[N_WRENCH + k]
 
 
 @njit

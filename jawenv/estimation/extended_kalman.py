@@ -105,7 +105,7 @@ def run_filter(
         record.samples,
         record.dt,
         record.measurement_sd**2,
-        record.wrench_sd**2,
+        record.noise_variance,
         noise,
         linear,
         SMALLEST * np.exp(record.prior.mean),

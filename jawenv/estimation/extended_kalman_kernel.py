@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from math import log
 
+import numpy as np
+
 from jawenv.compiled import njit
 from jawenv.estimation.ekf import (
     follow_trend,
@@ -16,13 +18,14 @@ from jawenv.estimation.ekf import (
     predict_covariance,
     reduce_covariance,
     set_muscles,
-    set_wrench_variance,
+    set_noise_variance,
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
+from jawenv.mechanics.dynamics import N_WRENCH
 
 
 @njit
-def predict_plain(jaw, mean, covariance, samples, trend, dt, wrench_variance, noise, linear, floor, logs, scratch):
+def predict_plain(jaw, mean, covariance, samples, trend, dt, noise_variance, noise, linear, floor, logs, scratch):
     """Time update over one tick; ``noise`` (p) is added to the variances of the parameters.
 
     A linear parameter that has fallen below ``floor`` (p) counts as that: a muscle has no negative tension.
@@ -37,8 +40,8 @@ def predict_plain(jaw, mean, covariance, samples, trend, dt, wrench_variance, no
             by_log = 1.0 / max(mean[first + j], floor[j])
             for i in range(first):
                 scratch.total[i, first + j] *= by_log
-    set_wrench_variance(wrench_variance, covariance[gain, gain], samples, trend, scratch)
-    predict_covariance(covariance, scratch.wrench_variance, scratch)
+    set_noise_variance(noise_variance, covariance[gain, gain], samples, trend, scratch)
+    predict_covariance(covariance, scratch.noise_variance, scratch)
     for j in range(logs.shape[0]):
         covariance[first + j, first + j] += noise[j]
 
@@ -67,7 +70,7 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 @njit
 def filter_record(
-    jaw, means, covariance, measured, samples, dt, variances, wrench_variance, noise, linear, floor,
+    jaw, means, covariance, measured, samples, dt, variances, noise_variance, noise, linear, floor,
     kept, kept_cov, scratch,
 ):  # fmt: skip
     """Filter a record of T ticks.
@@ -81,7 +84,7 @@ def filter_record(
         samples: (T, 3, 6) of the load cell.
         dt: s.
         variances: (12,) of the encoders.
-        wrench_variance: (6,) of the wrench not known.
+        noise_variance: (12,) of the wrench not known, constant over a tick and tilting.
         noise: (T, p) variance that the parameters receive in each tick.
         linear: Whether the parameters are F_o and b themselves.
         floor: (p,) least value of a linear parameter.
@@ -91,14 +94,14 @@ def filter_record(
     """
     parameters = floor.shape[0]
     first = means.shape[1] - 1 - parameters
-    trend, logs = wrench_variance * 0.0, floor * 0.0
+    trend, logs = np.zeros(N_WRENCH), floor * 0.0
     place = 0
     for k in range(means.shape[0]):
         if k > 0:
             for j in range(means.shape[1]):
                 means[k, j] = means[k - 1, j]
             predict_plain(
-                jaw, means[k], covariance, samples[k - 1], trend, dt, wrench_variance, noise[k - 1],
+                jaw, means[k], covariance, samples[k - 1], trend, dt, noise_variance, noise[k - 1],
                 linear, floor, logs, scratch,
             )  # fmt: skip
             follow_trend(trend, samples[k - 1], dt)

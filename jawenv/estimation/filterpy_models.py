@@ -12,6 +12,7 @@ from jawenv.estimation.initial import mean_readings, parameter_noise, trends, wo
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.numpy_model import measurement_with_derivative, step_with_derivative
 from jawenv.estimation.record import Record
+from jawenv.estimation.sensitivity import N_NOISE
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.newton_euler import measurement
 
@@ -35,7 +36,7 @@ class Model(ABC):
         self.fast = mean_readings(record) - self.trends
         self.variances = record.measurement_sd**2
         self.tick = 0
-        self.total = np.zeros((self.n, self.size + N_WRENCH))  # derivative of what was moved last
+        self.total = np.zeros((self.n, self.size + N_NOISE))  # derivative of what was moved last
 
     @abstractmethod
     def moved(self, x: Array) -> Array:
@@ -58,13 +59,14 @@ class Model(ABC):
     def transition(self) -> Array:
         """F (s, s), of what was moved last."""
         F = np.eye(self.size)
-        F[: self.n] = self.total[:, :-N_WRENCH]
+        F[: self.n] = self.total[:, :-N_NOISE]
         return F
 
     def process_noise(self, gain_variance: float) -> Array:
         """Q (s, s), of what was moved last."""
-        record, G = self.record, self.total[:, -N_WRENCH:]
-        variance = record.wrench_sd**2 + gain_variance * self.fast[self.tick] ** 2
+        record, G = self.record, self.total[:, -N_NOISE:]
+        variance = record.noise_variance
+        variance[:N_WRENCH] += gain_variance * self.fast[self.tick] ** 2
         Q = np.diag(np.concatenate([np.zeros(self.n), np.full(len(record.prior.mean), self.noise[self.tick]), [0.0]]))
         Q[: self.n, : self.n] = (G * variance) @ G.T
         return Q

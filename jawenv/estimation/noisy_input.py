@@ -49,20 +49,20 @@ def noisy_input_fields(n_states: int) -> list[Any]:
 
 
 @njit
-def carry(tremble, answer, wrench, wrench_variance, cell_variance, scratch):
+def carry(tremble, answer, wrench, noise_variance, scratch):
     """C <- B C A^T + H W_u G^T, with [B, ..., H] the columns of ``answer``, H those from ``wrench`` on."""
     turned = scratch.turned
     size = tremble.shape[0]
     multiply(answer, scratch.crossed, tremble)
     for i in range(size):
         for k in range(N_WRENCH):
-            factor = answer[i, wrench + k] * (wrench_variance[k] - cell_variance[k])
+            factor = answer[i, wrench + k] * (noise_variance[k] - noise_variance[N_WRENCH + k])
             for j in range(size):
                 tremble[i, j] += factor * turned[size + 1 + k, j]
 
 
 @njit
-def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, answers, dt, scratch):
+def predict_tremble(tremble, predicted_cov, noise_variance, answers, dt, scratch):
     """Carry C over a step of which ``turned`` holds the transposed derivative.
 
     Leaves cov(reading, e) at the step's end in ``shared`` and half way D in ``halfway``. ``moved_cov`` holds A P, with
@@ -74,12 +74,12 @@ def predict_tremble(tremble, predicted_cov, wrench_variance, cell_variance, answ
     multiply(tremble, scratch.turned, crossed)
     if answers:
         set_loop(dt, scratch)
-        carry(tremble, scratch.loop, size, wrench_variance, cell_variance, scratch)
+        carry(tremble, scratch.loop, size, noise_variance, scratch)
     else:
-        carry(tremble, total, wrench, wrench_variance, cell_variance, scratch)
+        carry(tremble, total, wrench, noise_variance, scratch)
     for k in range(N_WRENCH):
         for j in range(size):
-            value = cell_variance[k] * total[j, wrench + k]
+            value = noise_variance[N_WRENCH + k] * total[j, wrench + k]
             if answers:
                 for i in range(size):
                     value += 0.5 * scratch.answer[k, i] * (crossed[i, j] + tremble[i, j])
@@ -108,7 +108,7 @@ def limit_aftermath(aftermath, predicted_cov):
 
 
 @njit
-def predict_aftermath(aftermath, cell_variance, by_reading, score, information, scratch):
+def predict_aftermath(aftermath, noise_variance, by_reading, score, information, scratch):
     """Carry M over a step; correct score and information about the load cell's gain.
 
     Leaves in ``spilt`` (6, n) what a unit of w (de/dq) adds to the score.
@@ -131,7 +131,7 @@ def predict_aftermath(aftermath, cell_variance, by_reading, score, information, 
             if not by_reading:
                 continue
             score[last] += crossed[j, k] * shared[k, j]
-            information[last, last] -= crossed[j, k] * cell_variance[k] * total[j, wrench + k]
+            information[last, last] -= crossed[j, k] * noise_variance[N_WRENCH + k] * total[j, wrench + k]
     multiply(aftermath, total, crossed)
     multiply(scratch.turned, crossed, aftermath)
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.estimation.sensitivity import N_NOISE
 from jawenv.mechanics import newton_euler
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.newton_euler import Array
@@ -67,7 +68,7 @@ def reading_at(samples: Real, share: float) -> Real:
     return np.array(weights) @ samples
 
 
-def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: Array | float = 0.0) -> Array:
+def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: Array | None = None) -> Array:
     """Motion at the end of a step.
 
     Args:
@@ -77,34 +78,37 @@ def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: A
         samples: (3, 6) of the load cell at the start, the middle and the end of the step (N, N m).
         trend: (6,) what it read of late.
         dt: s.
-        wrench: (..., 6) that the load cell does not read.
+        wrench: (..., 12) that the load cell does not read: constant over the step, and what it grows by until its end.
 
     Returns:
         (..., 10).
     """
     motion, parameters, gain = mean[..., :N_STATES], mean[..., N_STATES:-1], mean[..., -1:]
+    wrench = np.zeros(N_NOISE) if wrench is None else wrench
+    level, growth = wrench[..., :N_WRENCH], wrench[..., N_WRENCH:]
     parts = parts_needed(fastest_rate(jaw, parameters.real, motion[..., :5].real), dt)
     for part in range(parts):
 
         def rate(since: float, state: Array, part: int = part) -> Array:
-            reading = reading_at(samples, part / parts + since / dt)
-            return newton_euler.state_rate(jaw, parameters, state, reading + gain * trend + wrench)
+            share = part / parts + since / dt
+            unread = level + (2.0 * share - 1.0) * growth
+            return newton_euler.state_rate(jaw, parameters, state, reading_at(samples, share) + gain * trend + unread)
 
         motion = newton_euler.runge_kutta(rate, motion, dt / parts)
     return motion
 
 
 def step_with_derivative(jaw: Any, mean: Real, samples: Real, trend: Real, dt: float) -> tuple[Real, Real]:
-    """Motion (10,) at the end of a step, and its derivative (10, 10 + p + 1 + 6).
+    """Motion (10,) at the end of a step, and its derivative (10, 10 + p + 1 + 12).
 
-    The columns are motion, natural-log parameters, gain error, and a wrench that is constant over the step and not
-    read. Arguments as of ``step``, of one state.
+    The columns are motion, natural-log parameters, gain error, and the wrench that is not read: constant over the step,
+    and tilting from -1 to 1. Arguments as of ``step``, of one state.
     """
 
     def moved(points: Array) -> Array:
-        return step(jaw, points[..., :-N_WRENCH], samples, trend, dt, points[..., -N_WRENCH:])
+        return step(jaw, points[..., :-N_NOISE], samples, trend, dt, points[..., -N_NOISE:])
 
-    return with_derivative(moved, np.concatenate([mean, np.zeros(N_WRENCH)]))
+    return with_derivative(moved, np.concatenate([mean, np.zeros(N_NOISE)]))
 
 
 def measurement_with_derivative(jaw: Any, state: Real) -> tuple[Real, Real]:

@@ -28,6 +28,7 @@ from jawenv.estimation.ekf import move
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.path import Path, path_of
 from jawenv.estimation.record import Record
+from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 
@@ -109,7 +110,7 @@ def derivatives(path: Path) -> tuple[Array, Array, Array]:
         by_state,
         by_parameter,
         rows,
-        np.zeros(path.wrench_variance.shape[0]),
+        np.zeros(N_WRENCH),
         path.scratch,
     )
     return by_state, by_parameter, rows
@@ -141,7 +142,7 @@ def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
 def frozen_rank(path: Path, rows: Array, tick: int, scale: Array) -> int:
     """Rank of H, H A, H A^2, ... with A frozen at the start of a tick, columns scaled by ``scale`` (m,)."""
     size, n_states = len(scale), path.states.shape[1]
-    joint, trend = np.zeros((size, size)), np.zeros(path.wrench_variance.shape[0])
+    joint, trend = np.zeros((size, size)), np.zeros(N_WRENCH)
     rates = np.empty((n_states, size))
     rates_at(
         path.jaw, path.muscles, path.states[tick], path.wrenches[tick], trend, np.empty(n_states), rates, path.scratch

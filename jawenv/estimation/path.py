@@ -28,7 +28,7 @@ class Path:
         used: (T + 1, 12) uint8, which encoder values were read.
         covariance: (n + p + 1, n + p + 1) before the first measurement: motion, parameters, gain error.
         measurement_variance: (12,).
-        wrench_variance: (6,) of the wrench not known, new in each tick.
+        noise_variance: (12,) of the wrench not known, new in each tick: constant over it, and tilting.
         dt: s.
         scratch: working memory of the filter's kernels.
     """
@@ -41,7 +41,7 @@ class Path:
     used: NDArray[np.uint8]
     covariance: Array
     measurement_variance: Array
-    wrench_variance: Array
+    noise_variance: Array
     dt: float
     scratch: Any
 
@@ -77,7 +77,7 @@ def path_of(record: Record, parameters: Array | None = None) -> Path:
         used=np.isfinite(record.measured).astype(np.uint8),
         covariance=np.diag(np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]]) ** 2),
         measurement_variance=record.measurement_sd**2,
-        wrench_variance=record.wrench_sd**2,
+        noise_variance=record.noise_variance,
         dt=record.dt,
         scratch=scratch,
     )

@@ -105,6 +105,11 @@ class Record:
         """Length of a tick, s."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
 
+    @property
+    def noise_variance(self) -> Array:
+        """(12,) variance of the wrench not known, as ``sensitivity`` has it: constant over a tick, and tilting."""
+        return np.concatenate([self.wrench_sd**2, self.cell_sd**2])
+
     def answering(self) -> tuple[Any, bool]:
         """The device as a record of dtype ``DEVICE``, and whether its position servos act, as the kernels take them."""
         return (self.device or Device(brake_N_s_m=0.0)).records()[0], self.control == "trajectory"

@@ -39,7 +39,7 @@ from jawenv.estimation.noisy_input import (
 from jawenv.estimation.posterior import believe, posterior_fields
 from jawenv.estimation.products import multiply, transpose
 from jawenv.estimation.refocus import refocus
-from jawenv.estimation.sensitivity import sensitivity_fields
+from jawenv.estimation.sensitivity import N_NOISE, sensitivity_fields
 from jawenv.estimation.tension_basis import basis_dtype, copy_basis, set_coefficients
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import rotation
@@ -92,7 +92,7 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("line_wrench", "f8", (N_WRENCH, size)),
         ("moved", "f8", (n_states, size)),
         ("moved_cov", "f8", (n_states, n_states)),
-        ("turned", "f8", (n_states + 1 + N_WRENCH, n_states)),
+        ("turned", "f8", (n_states + 1 + N_NOISE, n_states)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("gain", "f8", (n_states,)),
@@ -108,11 +108,11 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
 
 
 @njit
-def predict_motion(jaw, belief, samples, dt, wrench_variance, cell_variance, device, has_servo, scratch):
+def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, scratch):
     """Time update over one step: motion, its covariance, and its derivative by the coefficients.
 
-    ``samples`` (3, 6) are the load cell's at start, middle and end; ``wrench_variance`` (6) is that of the wrench not
-    known, unmodelled and load-cell noise together, ``cell_variance`` (6) that of the noise of the samples' mean.
+    ``samples`` (3, 6) are the load cell's at start, middle and end; ``noise_variance`` (12) is that of the wrench not
+    known: constant over the step, unmodelled and load-cell noise together; and tilting, the load cell's noise alone.
     ``device`` is a record of dtype ``DEVICE``; its motors' servos are asked for where ``has_servo``.
     """
     size = belief.motion.shape[0]
@@ -125,11 +125,11 @@ def predict_motion(jaw, belief, samples, dt, wrench_variance, cell_variance, dev
     q, place = middle_of(jaw, scratch.start_motion, belief.motion)
     body_to_head = rotation(q)
     bend = set_by_place(jaw, q, body_to_head, scratch)
-    predict_cov(belief, wrench_variance, scratch)
+    predict_cov(belief, noise_variance, scratch)
     answers = set_answer(jaw, belief.motion, device, has_servo, body_to_head, scratch)
-    predict_tremble(belief.tremble, belief.motion_cov, wrench_variance, cell_variance, answers, dt, scratch)
+    predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
-    predict_aftermath(belief.aftermath, cell_variance, not has_servo, belief.score, belief.information, scratch)
+    predict_aftermath(belief.aftermath, noise_variance, not has_servo, belief.score, belief.information, scratch)
     set_line_wrenches(jaw, belief.basis, place, body_to_head, bend, belief.score, scratch)
     predict_by_tension(belief.by_tension, scratch)
 
@@ -149,7 +149,7 @@ def set_answer(jaw, motion, device, has_servo, body_to_head, scratch):
 
 
 @njit
-def predict_cov(belief, wrench_variance, scratch):
+def predict_cov(belief, noise_variance, scratch):
     """P <- A P A^T + G W G^T; leaves A P in ``moved_cov``, and the step's derivative transposed in ``turned``."""
     total, turned, covariance = scratch.total, scratch.turned, belief.motion_cov
     size = covariance.shape[0]
@@ -158,8 +158,8 @@ def predict_cov(belief, wrench_variance, scratch):
     multiply(total, covariance, scratch.moved_cov)
     multiply(scratch.moved_cov, turned, covariance)
     for i in range(size):
-        for k in range(N_WRENCH):
-            factor = total[i, wrench + k] * wrench_variance[k]
+        for k in range(N_NOISE):
+            factor = total[i, wrench + k] * noise_variance[k]
             for j in range(i + 1):
                 covariance[i, j] += factor * turned[wrench + k, j]
         for j in range(i):

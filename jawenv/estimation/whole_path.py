@@ -1,9 +1,9 @@
 """Kernels of the smoother: the least-squares problem of a whole record about one path, and the rolling out of paths.
 
 A *path* is a motion x_0, ..., x_T that the model makes exactly: x_k+1 = f(x_k, parameters, readings_k + w_k), with the
-wrench w_k that nobody knows, constant over a tick. Linearised about a path, the problem is solved exactly by a Kalman
-filter forward and the adjoint recursion of Bryson & Frazier backward (Bierman 1977, Factorization Methods for Discrete
-Sequential Estimation, chapter 10). That inverts no covariance, so six noises may well move ten states.
+wrench w_k that nobody knows, a part constant over a tick and one that tilts (``sensitivity``). Linearised about a path,
+the problem is solved exactly by a Kalman filter forward and the adjoint recursion of Bryson & Frazier backward (Bierman
+1977, Factorization Methods for Discrete Sequential Estimation, chapter 10). That inverts no covariance.
 
 f takes a tick in as many parts as it is told, not in as many as the state asks for, as the filters' does: a path that
 came over the threshold between two numbers of parts would change its cost by a jump, at which a search gets stuck.
@@ -25,7 +25,7 @@ from jawenv.estimation.ekf import (
     set_muscles,
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
-from jawenv.estimation.sensitivity import N_SAMPLES, copy_matrix, propagate_in, step_parts
+from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, step_parts
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.equilibrium import solve_in_place
 
@@ -34,7 +34,7 @@ def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
     """Dtype of what the sweep forward leaves of one time for the sweep backward."""
     size = n_states + n_parameters + 1
     fields = [
-        ("total", "f8", (n_states, size + N_WRENCH)),  # derivative of the tick that ends at this time
+        ("total", "f8", (n_states, size + N_NOISE)),  # derivative of the tick that ends at this time
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("gains", "f8", (N_MEASUREMENTS, size)),  # P h of each scalar reading
         ("variance", "f8", (N_MEASUREMENTS,)),  # of its innovation; 0 if it was not read
@@ -76,10 +76,10 @@ def divide(jaw, states, parameters, dt, parts, scratch):
 
 @njit
 def push(jaw, state, samples, trend, wrench, dt, parts, scratch):
-    """Move ``state`` (n) over one tick under the readings and ``wrench`` (6); leaves the derivative in the scratch."""
+    """Move ``state`` (n) over one tick under the readings and ``wrench`` (12); leaves the derivative in the scratch."""
     for i in range(samples.shape[0]):
         for k in range(N_WRENCH):
-            scratch.pushed[i, k] = samples[i, k] + wrench[k]
+            scratch.pushed[i, k] = samples[i, k] + wrench[k] + (i - 1.0) * wrench[N_WRENCH + k]
     inner = scratch.filter
     if jaw.condyles == 2:
         propagate_body_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, dt, parts, inner)
@@ -128,13 +128,13 @@ def sweep_forward(
     Args:
         jaw: Record of dtype ``jaw_dtype``.
         states: (T + 1, n) motion of the path.
-        wrenches: (T, 6) wrenches of the path.
+        wrenches: (T, 12) wrenches of the path.
         mean: (s,) of the deviation before the first reading; changed to that after the last.
         covariance: (s, s) likewise, with zeros for the gain error.
         considered: (s,) derivative of the true deviation minus ``mean`` by the gain error; likewise.
         measured: (T + 1, 12); NaN was not read.
         variances: (12,) of the encoders.
-        wrench_variances: (T, 6) of the unknown wrenches.
+        wrench_variances: (T, 12) of the unknown wrenches.
         sweeps: (T + 1,) records of dtype ``sweep_dtype``, with the path's derivatives as ``roll_out`` leaves them; the
             rest is filled.
         scratch: Working memory.
@@ -148,11 +148,11 @@ def sweep_forward(
             carry(inner.total, mean, scratch.before)
             carry(inner.total, considered, scratch.before)
             for i in range(n_states):
-                for j in range(N_WRENCH):
+                for j in range(N_NOISE):
                     mean[i] -= inner.total[i, size + j] * wrenches[k - 1, j]
-            for j in range(N_WRENCH):
-                inner.wrench_variance[j] = wrench_variances[k - 1, j]
-            predict_covariance(covariance, inner.wrench_variance, inner)
+            for j in range(N_NOISE):
+                inner.noise_variance[j] = wrench_variances[k - 1, j]
+            predict_covariance(covariance, inner.noise_variance, inner)
         take_readings(jaw, states[k], mean, covariance, considered, measured[k], variances, sweep, inner)
         for j in range(size):
             sweep.mean[j] = mean[j]
@@ -162,7 +162,7 @@ def sweep_forward(
 
 @njit
 def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch):
-    """The least-squares motion (T + 1, n), as deviation from the path, and the wrenches (T, 6) that go with it."""
+    """The least-squares motion (T + 1, n), as deviation from the path, and the wrenches (T, 12) that go with it."""
     n_states, size = to_states.shape[1], scratch.adjoint.shape[0]
     adjoint = scratch.adjoint
     for j in range(size):
@@ -182,7 +182,7 @@ def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch):
                     adjoint[j] -= sweep.rows[i, j] * weight / sweep.variance[i]
         if k == 0:
             break
-        for j in range(N_WRENCH):
+        for j in range(N_NOISE):
             to_wrenches[k - 1, j] = 0.0
             for i in range(n_states):
                 to_wrenches[k - 1, j] -= wrench_variances[k - 1, j] * sweep.total[i, size + j] * adjoint[i]
@@ -196,20 +196,20 @@ def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch):
 
 @njit
 def steer(total, missed, wrench_variance, tolerance, wrench, scratch):
-    """Add to ``wrench`` (6) what brings a state that ``missed`` its target by so much (n) back, as far as it pays.
+    """Add to ``wrench`` (12) what brings a state that ``missed`` its target by so much (n) back, as far as it pays.
 
     The most probable wrench for a miss that is observed with variances ``tolerance`` (n).
     """
     n_states, matrix, right = missed.shape[0], scratch.matrix, scratch.right
-    first = total.shape[1] - N_WRENCH
+    first = total.shape[1] - N_NOISE
     for i in range(n_states):
         right[i] = missed[i]
         for j in range(n_states):
             matrix[i, j] = tolerance[i] if i == j else 0.0
-            for k in range(N_WRENCH):
+            for k in range(N_NOISE):
                 matrix[i, j] += total[i, first + k] * wrench_variance[k] * total[j, first + k]
     solve_in_place(matrix, right)
-    for k in range(N_WRENCH):
+    for k in range(N_NOISE):
         for i in range(n_states):
             wrench[k] += wrench_variance[k] * total[i, first + k] * right[i]
 
@@ -239,7 +239,7 @@ def roll_out(
     Args:
         jaw: Record of dtype ``jaw_dtype``.
         states: (T + 1, n) the motion wanted; row 0 is taken as it is, the others become those of the path.
-        wrenches: (T, 6) the wrenches wanted, likewise.
+        wrenches: (T, 12) the wrenches wanted, likewise.
         parameters: (p,) logs.
         tolerance: (n,) variances within which the motion wanted is kept.
         measured: (T + 1, 12); NaN was not read.
@@ -248,7 +248,7 @@ def roll_out(
         dt: s.
         parts: (T,) into how many parts each tick is divided.
         variances: (12,) of the encoders.
-        wrench_variances: (T, 6) of the unknown wrenches.
+        wrench_variances: (T, 12) of the unknown wrenches.
         sweeps: (T + 1,) records of dtype ``sweep_dtype``; their ``total`` becomes the path's.
         scratch: Working memory.
 
@@ -270,8 +270,9 @@ def roll_out(
             states[k + 1, i] = states[k, i]
         push(jaw, states[k + 1], samples[k], trends[k], wrench, dt, parts[k], scratch)
         copy_matrix(sweeps[k + 1].total, inner.total)
-        for j in range(N_WRENCH):
-            cost += 0.5 * wrench[j] * wrench[j] / wrench_variances[k, j]
+        for j in range(N_NOISE):
+            if wrench_variances[k, j] > 0.0:
+                cost += 0.5 * wrench[j] * wrench[j] / wrench_variances[k, j]
         cost += cost_of_readings(jaw, states[k + 1], measured[k + 1], variances, inner)
         if not np.isfinite(cost):
             return cost

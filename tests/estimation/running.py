@@ -33,15 +33,15 @@ class Running:
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())
-        self.variances, self.known, self.cell = record.measurement_sd**2, record.wrench_sd**2, record.cell_sd**2
+        self.variances, self.known = record.measurement_sd**2, record.noise_variance
         self.device, has_servo = record.answering()
         self.has_servo = np.uint8(has_servo)
 
     def predict(self, k):
         record = self.record
         predict_motion(
-            record.jaw, self.belief, record.samples[k], record.dt, self.known, self.cell, self.device,
-            self.has_servo, self.scratch,
+            record.jaw, self.belief, record.samples[k], record.dt, self.known, self.device, self.has_servo,
+            self.scratch,
         )  # fmt: skip
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 

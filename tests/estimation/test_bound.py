@@ -55,7 +55,7 @@ def short_record():
 
 @cache
 def jacobians():
-    """(T, 10, 29) by motion, parameters, gain and unmodelled wrench, and (T + 1, 12, 10) of the encoders."""
+    """(T, 10, 35) by motion, parameters, gain and the wrench not known, and (T + 1, 12, 10) of the encoders."""
     record, steps = short_record(), []
     for tick in range(len(record.samples)):
         mean = np.concatenate([record.states[tick], record.truth, [0.0]])
@@ -68,11 +68,11 @@ def parameter_information(record):
     """Schur complement of the parameters in the information matrix of the whole path, load-cell gain known.
 
     The unknowns are the first motion, the parameters and the unmodelled wrench of every tick, by which all motions are
-    given: the process noise has rank six in ten dimensions, and information about the motions themselves has no matrix.
+    given: a motion that cannot move, or a load cell without noise, has no information matrix of its own.
     """
     steps, rows = jacobians()
     ticks, first = len(steps), N + P
-    prior = np.concatenate([record.start_sd, record.prior.sd, np.tile(record.wrench_sd, ticks)])
+    prior = np.concatenate([record.start_sd, record.prior.sd, np.tile(np.sqrt(record.noise_variance), ticks)])
     information = np.diag(1.0 / prior**2)
     by_all = np.eye(N, len(prior))
     for tick in range(ticks + 1):
@@ -82,7 +82,7 @@ def parameter_information(record):
         if tick < ticks:
             by_all = steps[tick][:, :N] @ by_all
             by_all[:, N:first] += steps[tick][:, N:first]
-            by_all[:, first + 6 * tick : first + 6 * tick + 6] += steps[tick][:, first + 1 :]
+            by_all[:, first + 12 * tick : first + 12 * tick + 12] += steps[tick][:, first + 1 :]
     # In units of the prior's sds, so that the factor is well conditioned.
     information *= np.outer(prior, prior)
     chosen = np.arange(N, first)
@@ -118,12 +118,12 @@ def test_the_gain_error_is_considered_as_schmidt_does():
     steps, rows = jacobians()
     size = N + P + 1
     covariance = np.diag(np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]]) ** 2)
-    R, W = np.diag(record.measurement_sd**2), np.diag(record.wrench_sd**2)
+    R, W = np.diag(record.measurement_sd**2), np.diag(record.noise_variance)
     for tick in range(len(rows)):
         if tick > 0:
             F = np.eye(size)
             F[:N] = steps[tick - 1][:, :size]
-            G = np.zeros((size, 6))
+            G = np.zeros((size, 12))
             G[:N] = steps[tick - 1][:, size:]
             covariance = F @ covariance @ F.T + G @ W @ G.T
         H = np.hstack([rows[tick], np.zeros((12, P + 1))])

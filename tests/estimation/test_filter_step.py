@@ -22,7 +22,7 @@ from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 DT = 0.01
 STATE, PARAMETERS, GAIN = slice(0, 10), slice(10, 22), 22
-WRENCH_VARIANCE = np.array([0.012, 0.012, 0.012, 1e-5, 1e-5, 1e-5])
+NOISE_VARIANCE = np.repeat([0.012, 1e-5, 2.4e-3, 1e-6], 3)
 VARIANCES = np.repeat([1e-4, 1.7e-3, 1e-3, 2e-2], 3) ** 2
 ALL = np.ones(12, dtype=np.uint8)
 POINT = np.tile(np.repeat([1, 0], 3), 2).astype(np.uint8)
@@ -59,15 +59,15 @@ class Belief:
         self.samples = self.trend + rng.normal(size=(3, 6)) * [0.5, 0.5, 0.5, 0.02, 0.02, 0.02]
 
 
-def model_step(jaw, mean, samples, trend, wrench=0.0):
+def model_step(jaw, mean, samples, trend, wrench=None):
     """The independent step of the ten states; complex-safe."""
     return step(jaw, mean, samples, trend, DT, wrench)
 
 
 def jacobians(jaw, belief):
-    """Dense F (23, 23) and G (23, 6)."""
+    """Dense F (23, 23) and G (23, 12)."""
     _, by_all = step_with_derivative(jaw, belief.mean, belief.samples, belief.trend, DT)
-    F, G = np.eye(23), np.zeros((23, 6))
+    F, G = np.eye(23), np.zeros((23, 12))
     F[STATE], G[STATE] = by_all[:, :23], by_all[:, 23:]
     return F, G
 
@@ -75,7 +75,7 @@ def jacobians(jaw, belief):
 def run_predict(jaw, belief, scratch, noise=0.0):
     mean, covariance = belief.mean.copy(), belief.covariance.copy()
     predict_plain(
-        jaw, mean, covariance, belief.samples, belief.trend, DT, WRENCH_VARIANCE, np.full(12, noise),
+        jaw, mean, covariance, belief.samples, belief.trend, DT, NOISE_VARIANCE, np.full(12, noise),
         False, np.zeros(12), np.empty(12), scratch,
     )  # fmt: skip
     return mean, covariance
@@ -96,7 +96,7 @@ def assert_same_mean(actual, expected, covariance, relative=1e-9):
 
 
 def test_the_step_and_its_jacobian(jaw, rng, scratch):
-    """All 29 columns: states, log-parameters, load-cell gain, unmodelled wrench."""
+    """All 35 columns: states, log-parameters, load-cell gain, wrench not known, constant and tilting."""
     for _ in range(10):
         belief = Belief(rng)
         F, G = jacobians(jaw, belief)
@@ -107,7 +107,9 @@ def test_the_step_and_its_jacobian(jaw, rng, scratch):
         np.testing.assert_allclose(state, expected, rtol=1e-10, atol=1e-12)
         total = np.hstack([F[STATE], G[STATE]])
         for rows in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10)):
-            for columns in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29)):
+            for columns in (
+                slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10), PARAMETERS, GAIN, slice(23, 29), slice(29, 35)
+            ):  # fmt: skip
                 wrong = np.abs(scratch["total"][rows, columns] - total[rows, columns]).max()
                 assert wrong <= 1e-8 * np.abs(total[rows, columns]).max()
 
@@ -132,6 +134,29 @@ def test_the_jacobian_where_stops_are_pressed_and_the_step_is_divided(jaw, rng, 
         unit = np.abs(total).max(axis=0)
         assert (np.abs(scratch["total"] - total) / unit).max() < 1e-9
     assert len(divisions) > 1
+
+
+def test_noise_of_three_samples_acts_as_a_constant_and_a_tilting_one(jaw, rng):
+    """Each with the variance of the samples' mean: on the teeth, where a constant one alone is far off."""
+    wrong, without = [], []
+    for _ in range(10):
+        belief = Belief(rng)
+        belief.mean[0], belief.mean[2] = rng.uniform(0.0, 1e-3), rng.uniform(-0.02, -0.005)
+
+        def moved(values, belief=belief):
+            return model_step(jaw, belief.mean, values.reshape(values.shape[:-1] + (3, 6)), belief.trend)
+
+        by_samples = twin.derivative(moved, belief.samples.ravel())
+        _, G = jacobians(jaw, belief)
+        variance = np.repeat([2.4e-3, 1e-6], 3)
+        exact = by_samples @ np.diag(np.tile(2.0 * variance, 3)) @ by_samples.T
+        constant = G[STATE, :6] @ np.diag(variance) @ G[STATE, :6].T
+        sd = np.sqrt(np.diag(exact))
+        both = constant + G[STATE, 6:] @ np.diag(variance) @ G[STATE, 6:].T
+        wrong.append(np.abs((both - exact) / np.outer(sd, sd)).max())
+        without.append(np.abs((constant - exact) / np.outer(sd, sd)).max())
+    assert max(wrong) < 0.2
+    assert max(without) > 0.6
 
 
 def test_a_step_is_divided_at_the_same_rates():
@@ -162,7 +187,8 @@ def test_prediction_is_the_dense_one(jaw, rng, scratch):
         F, G = jacobians(jaw, belief)
         moved = model_step(jaw, belief.mean, belief.samples, belief.trend)
         Q = np.diag(np.concatenate([np.zeros(10), np.full(12, noise), [0.0]]))
-        W = np.diag(WRENCH_VARIANCE + belief.covariance[GAIN, GAIN] * fast_reading(belief) ** 2)
+        W = np.diag(NOISE_VARIANCE)
+        W[:6, :6] += np.diag(belief.covariance[GAIN, GAIN] * fast_reading(belief) ** 2)
         expected = F @ belief.covariance @ F.T + G @ W @ G.T + Q
         assert_same_mean(mean, np.concatenate([moved, belief.mean[10:]]), expected)
         assert_same_covariance(covariance, expected)

@@ -58,9 +58,9 @@ class Joint:
         F = np.eye(len(self.mean))
         F[:n, :n] = A
         reading = trend if record.control == "trajectory" else np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0
-        F[:n, n:] = G @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading)
+        F[:n, n:] = G[:, :6] @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading)
         self.P = F @ self.P @ F.T
-        self.P[:n, :n] += G @ np.diag(record.wrench_sd**2) @ G.T
+        self.P[:n, :n] += G @ np.diag(record.noise_variance) @ G.T
         self.mean = F @ (self.mean - np.concatenate([before, 0.0 * self.mean[n:]]))
         self.mean[:n] += after
 
