@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.compiled import njit
 from jawenv.errors import InputError
@@ -11,7 +14,8 @@ from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.record import Record
-from jawenv.estimation.tension_basis import build_basis, nodes_needed
+from jawenv.estimation.sensitivity import N_NOISE
+from jawenv.estimation.tension_basis import build_basis, expand_coefficients, nodes_needed
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
     begin_belief,
@@ -23,12 +27,13 @@ from jawenv.estimation.tension_filter import (
     update_motion,
 )
 
+Array = NDArray[np.float64]
+
 _SETTINGS = [
     ("dt", "f8"),
     ("gain_variance", "f8"),
     ("measurement_variance", "f8", N_MEASUREMENTS),
-    ("wrench_variance", "f8", 6),
-    ("cell_variance", "f8", 6),
+    ("noise_variance", "f8", N_NOISE),
     ("has_servo", "u1"),
 ]
 
@@ -53,44 +58,98 @@ class TensionFilter:
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at the start and after every ``every`` ticks."""
-        states, muscles = len(record.start_mean), len(record.parameter_names) // 2
-        nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
-        basis = build_basis(record.jaw, record.prior, nodes)[0]
-        belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
-        scratch = np.zeros(1, dtype=tension_scratch_dtype(muscles, lines, states, nodes))[0]
-        settings = np.zeros(
-            1,
-            dtype=np.dtype(
-                [*_SETTINGS, ("prior_mean", "f8", 2 * muscles), ("prior_sd", "f8", 2 * muscles)], align=True
-            ),
-        )[0]
-        settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
-        settings["measurement_variance"], settings["wrench_variance"] = record.measurement_sd**2, record.wrench_sd**2
-        settings["cell_variance"] = record.cell_sd**2
-        device, settings["has_servo"] = record.answering()
-        settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
-        belief["motion"] = record.start_mean
-        belief["motion_cov"] = np.diag(record.start_sd**2)
-        begin_belief(basis, belief, record.prior.mean, record.prior.sd)
-        times = record.time[:: self.every]
-        mean, cov = np.empty((len(times), 2 * muscles)), np.empty((len(times), 2 * muscles, 2 * muscles))
+        times, size = record.time[:: self.every], len(record.prior.mean)
+        mean, cov = np.empty((len(times), size)), np.empty((len(times), size, size))
+        belief, settings, scratch, device = _begin(record, record.prior.mean)
         filter_record(
-            record.jaw, device, belief, record.measured, record.samples, settings, scratch, self.every, mean, cov
+            record.jaw,
+            device,
+            belief,
+            record.measured,
+            record.samples,
+            settings,
+            scratch,
+            EAGER_TICKS,
+            self.every,
+            mean,
+            cov,
         )
         return Estimate(self.name, times, mean, cov)
 
 
+def score_at(record: Record, parameters: Array) -> tuple[Array, Array]:
+    """First derivative of the record's log-likelihood by parameters and gain error, and its information matrix.
+
+    The motion is integrated out: the filter runs over the record with a belief that stays at ``parameters``. The score
+    is that of ``tension_filter``, rid of what the load cell's noise biases.
+
+    Args:
+        record: the record.
+        parameters: (p,) natural logs.
+
+    Returns:
+        (p + 1,) score and (p + 1, p + 1) information about the natural logs and, last, the load cell's gain error,
+        about a gain error of 0.
+    """
+    belief, settings, scratch, device = _begin(record, parameters)
+    never, size = len(record.time) + 1, len(parameters)
+    kept = np.empty((1, size)), np.empty((1, size, size))
+    filter_record(record.jaw, device, belief, record.measured, record.samples, settings, scratch, 0, never, *kept)
+    lower = np.tril(belief["information"])
+    information = lower + np.tril(lower, -1).T
+    by_log = _by_log(belief, parameters)
+    return by_log.T @ belief["score"], by_log.T @ information @ by_log
+
+
+def _by_log(belief: Any, parameters: Array) -> Array:
+    """Derivative (m K + 1, p + 1) of coefficients and gain error by natural logs and gain error."""
+    muscles, nodes = belief["nominal"].shape
+    means, twice = np.empty((muscles, nodes)), np.empty((muscles, nodes, 3))
+    expand_coefficients(belief["basis"], parameters, np.zeros((2 * muscles, 2 * muscles)), means, twice)
+    by_log = np.zeros((muscles * nodes + 1, 2 * muscles + 1))
+    for muscle in range(muscles):
+        by_log[muscle * nodes : (muscle + 1) * nodes, 2 * muscle : 2 * muscle + 2] = twice[muscle, :, :2]
+    by_log[-1, -1] = 1.0
+    return by_log
+
+
+def _begin(record: Record, parameters: Array) -> tuple[Any, Any, Any, Any]:
+    """The filter's memory before the first reading, its settings and scratch, and the device.
+
+    ``parameters`` (p,) are those that the motion is filtered with at first.
+    """
+    states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+    nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
+    basis = build_basis(record.jaw, record.prior, nodes)[0]
+    belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
+    scratch = np.zeros(1, dtype=tension_scratch_dtype(muscles, lines, states, nodes))[0]
+    of_prior = [("prior_mean", "f8", 2 * muscles), ("prior_sd", "f8", 2 * muscles)]
+    settings = np.zeros(1, dtype=np.dtype([*_SETTINGS, *of_prior], align=True))[0]
+    settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
+    settings["measurement_variance"], settings["noise_variance"] = record.measurement_sd**2, record.noise_variance
+    device, settings["has_servo"] = record.answering()
+    settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
+    belief["motion"] = record.start_mean
+    belief["motion_cov"] = np.diag(record.start_sd**2)
+    begin_belief(basis, belief, parameters, record.prior.sd)
+    return belief, settings, scratch, device
+
+
 @njit
-def filter_record(jaw, device, belief, measured, samples, settings, scratch, every, means, covs):
-    """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples; a belief every ``every`` ticks."""
+def filter_record(jaw, device, belief, measured, samples, settings, scratch, eager, every, means, covs):
+    """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples.
+
+    The belief is renewed after each of the first ``eager`` ticks and every ``every`` ticks, and then kept in ``means``
+    and ``covs``.
+    """
     prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
-    last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(6)
+    last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(N_NOISE)
     held, lost_for = np.zeros(6), np.zeros(6)
     used, allowed = np.empty(measured.shape[1], np.uint8), np.ones(measured.shape[1], np.uint8)
     usable = np.empty(samples.shape[1:])
     for tick in range(measured.shape[0]):
         if tick > 0:
-            known[:] = settings.wrench_variance
+            known[:] = settings.noise_variance
             repair_samples(samples[tick - 1], last_sample, held, lost_for, settings.dt, known, usable)
             predict_motion(
                 jaw,
@@ -98,7 +157,6 @@ def filter_record(jaw, device, belief, measured, samples, settings, scratch, eve
                 usable,
                 settings.dt,
                 known,
-                settings.cell_variance,
                 device,
                 settings.has_servo,
                 scratch,
@@ -107,7 +165,7 @@ def filter_record(jaw, device, belief, measured, samples, settings, scratch, eve
         mark_usable(measured[tick], last, allowed, used)
         update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)
         forget_settling(jaw, belief, tick)
-        if tick < EAGER_TICKS:
+        if tick < eager:
             conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
         if tick > 0 and tick % every == 0:
             conclude(belief, prior_mean, prior_sd, gain_variance, scratch)

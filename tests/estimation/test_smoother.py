@@ -6,14 +6,21 @@ import newton_euler as twin
 import numpy as np
 import pytest
 from recorded import opening, recording
+from running import Running
 from test_filter_step import model_step
 
+import jawenv
+from agents import load_agent
 from jawenv.errors import InputError
 from jawenv.estimation import smoother
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.extended_kalman import ExtendedKalman
 from jawenv.estimation.measurement import measure
+from jawenv.estimation.online import score_at
 from jawenv.estimation.smoother import IteratedSmoother
+from jawenv.estimation.tension_basis import set_coefficients
+
+TILT = np.array([-1.0, 0.0, 1.0])[:, None]  # of a tick's three samples
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +32,7 @@ def record():
 class Dense:
     """All residuals of a record, in sds, as a function of all unknowns; complex-safe.
 
-    Unknowns: first motion (10), log-parameters (12), wrench of every tick (6 each), and last the gain error.
+    Unknowns: first motion (10), log-parameters (12), wrench of every tick (12 each), and last the gain error.
     """
 
     def __init__(self, record):
@@ -35,12 +42,13 @@ class Dense:
         self.trends = np.zeros((self.ticks, 6))
         for k in range(1, self.ticks):
             self.trends[k] = self.trends[k - 1] + follow * (mean[k - 1] - self.trends[k - 1])
-        self.wrench_sd = np.sqrt(record.wrench_sd**2 + (record.gain_sd * (mean - self.trends)) ** 2)
+        constant = np.sqrt(record.wrench_sd**2 + (record.gain_sd * (mean - self.trends)) ** 2)
+        self.wrench_sd = np.hstack([constant, np.tile(record.cell_sd, (self.ticks, 1))])
 
     def residuals(self, unknowns):
         record = self.record
         motion, parameters, gain = unknowns[:10], unknowns[10:22], unknowns[-1]
-        wrenches = unknowns[22:-1].reshape(self.ticks, 6)
+        wrenches = unknowns[22:-1].reshape(self.ticks, 12)
         parts = [(motion - record.start_mean) / record.start_sd, (parameters - record.prior.mean) / record.prior.sd]
         parts.append((wrenches / self.wrench_sd).ravel())
         for k in range(self.ticks + 1):
@@ -75,7 +83,7 @@ def test_the_solution_is_the_minimum_of_the_independent_cost_and_its_covariance_
     considered = -inverse @ by_unknowns.T @ by_gain
     cov = (inverse + 0.05**2 * np.outer(considered, considered))[10:22, 10:22]
     sd = np.sqrt(np.diag(cov))
-    assert np.abs((result.cov - cov) / np.outer(sd, sd)).max() < 1e-5
+    assert np.abs((result.path_cov - cov) / np.outer(sd, sd)).max() < 1e-5
     assert (sd < 0.999 * short.prior.sd).any(), "the record teaches something"
 
 
@@ -101,7 +109,7 @@ def test_the_cost_falls_with_every_step_and_the_start_does_not_matter(monkeypatc
             assert result.converged
             assert (np.diff(result.costs) < 0.0).all()
         assert far.costs[0] > near.costs[0]
-        assert (np.abs(far.path.parameters - near.path.parameters) < 1e-2 * np.sqrt(np.diag(near.cov))).all()
+        assert (np.abs(far.path.parameters - near.path.parameters) < 1e-2 * np.sqrt(np.diag(near.path_cov))).all()
 
 
 def as_the_model_has_it(record, rng):
@@ -115,7 +123,7 @@ def as_the_model_has_it(record, rng):
     return replace(
         record,
         measured=measured,
-        samples=record.samples + path.wrenches[:, None],
+        samples=record.samples + path.wrenches[:, None, :6] + TILT * path.wrenches[:, None, 6:],
         start_mean=path.states[0] + sd * rng.normal(size=10),
         start_sd=sd,
         measurement_sd=0.01 * record.measurement_sd,
@@ -134,8 +142,64 @@ def test_where_all_is_linear_the_filter_ends_where_the_smoother_does(record):
     sd = smoothed.sd[-1]
     assert np.median(sd) < 0.5 * 2e-3
     assert (np.abs(smoothed.mean[-1] - record.prior.mean) / sd).max() > 1.0
-    assert (np.abs(smoothed.mean[-1] - filtered.mean[-1]) / sd).max() < 0.05
+    assert (np.abs(smoothed.mean[-1] - filtered.mean[-1]) / sd).max() < 0.1
     np.testing.assert_allclose(filtered.cov[-1] / np.outer(sd, sd), smoothed.cov[-1] / np.outer(sd, sd), atol=0.02)
+
+
+def of_parameters_and_gain(function, point):
+    """Derivative of ``function`` (p) by central differences, a row to a value."""
+    steps = 1e-5 * np.eye(len(point))
+    return np.array([(function(point + step) - function(point - step)) / 2e-5 for step in steps]).T
+
+
+@pytest.mark.parametrize("control", ["force", "trajectory"])
+def test_the_score_is_that_of_the_filter_that_stays_at_the_parameters(record, control):
+    """Step by step, and by logs by way of differences of the coefficients."""
+    short = replace(record.until(0.5), control=control)
+    parameters = short.prior.mean + 0.1
+    running = Running(short, parameters).run(len(short.samples))
+    shape = running.belief["nominal"].shape
+
+    def coefficients(values):
+        found = np.empty(shape)
+        set_coefficients(running.basis, values, found)
+        return found.ravel()
+
+    by_log = np.zeros((shape[0] * shape[1] + 1, 13))
+    by_log[:-1, :-1], by_log[-1, -1] = of_parameters_and_gain(coefficients, parameters), 1.0
+    score, information = score_at(short, parameters)
+    unit = np.sqrt(np.diag(information))
+    np.testing.assert_allclose(score / unit, by_log.T @ running.belief["score"] / unit, rtol=0, atol=1e-6)
+    expected = by_log.T @ running.information @ by_log
+    np.testing.assert_allclose(information / np.outer(unit, unit), expected / np.outer(unit, unit), rtol=0, atol=1e-6)
+
+
+def test_no_other_parameters_are_more_probable_once_the_motion_is_integrated_out(record):
+    """The step that is left, in sds."""
+    short = record.until(2.0)
+    result = IteratedSmoother().smooth(short)
+    score, information = score_at(short, result.mean)
+    known = np.diag(np.append(short.prior.sd, short.gain_sd) ** -2.0)
+    away = known @ np.append(short.prior.mean - result.mean, 0.0)
+    joint = np.linalg.inv(information + known)
+    sd = np.sqrt(np.diag(result.cov))
+    assert np.abs((joint @ (score + away))[:12] / sd).max() < 0.02
+    np.testing.assert_allclose(result.cov / np.outer(sd, sd), joint[:12, :12] / np.outer(sd, sd), atol=0.02)
+    assert np.abs((result.mean - result.path.parameters) / sd).max() > 0.02
+
+
+def test_the_most_probable_parameters_are_better_than_those_of_the_most_probable_path():
+    """Twelve patients who are moved quickly; root mean squares 0.87 and 1.02 of the claimed sd."""
+    kwargs = {"record": True, "episode_s": 20.0}
+    played = jawenv.play(load_agent("chirp"), patients=12, seed=10_000, env_kwargs=kwargs)
+    of_path, of_mean = [], []
+    for record in played.records:
+        result = IteratedSmoother().smooth(record)
+        sd = np.sqrt(np.diag(result.cov))
+        of_path.append((result.path.parameters - record.truth) / sd)
+        of_mean.append((result.mean - record.truth) / sd)
+    assert np.mean(np.square(of_path)) > 1.2 * np.mean(np.square(of_mean))
+    assert 0.7 < np.sqrt(np.mean(np.square(of_mean))) < 1.2
 
 
 def test_errors_are_as_large_as_claimed_and_close_to_the_bound():
@@ -145,7 +209,7 @@ def test_errors_are_as_large_as_claimed_and_close_to_the_bound():
     errors = np.array([estimate.mean[-1] for estimate in estimates]) - played.truth
     nees = [error @ np.linalg.solve(estimate.cov[-1], error) for error, estimate in zip(errors, estimates, strict=True)]
     assert 0.6 < np.mean(nees) / 12 < 1.4
-    assert 0.8 < np.sqrt(np.mean((errors / played.bound_sd[:, -1]) ** 2)) < 1.2
+    assert 0.8 < np.sqrt(np.mean((errors / played.bound_sd[:, -1]) ** 2)) < 1.15
 
 
 @pytest.mark.parametrize("model", ["hinge", "bilateral"])
