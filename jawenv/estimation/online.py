@@ -15,7 +15,7 @@ from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.record import Record
 from jawenv.estimation.sensitivity import N_NOISE
-from jawenv.estimation.tension_basis import build_basis, expand_coefficients, nodes_needed
+from jawenv.estimation.tension_basis import build_basis, nodes_needed
 from jawenv.estimation.tension_filter import (
     EAGER_TICKS,
     begin_belief,
@@ -28,6 +28,8 @@ from jawenv.estimation.tension_filter import (
 )
 
 Array = NDArray[np.float64]
+
+SEARCHES = 5  # for the belief at the end of a record, from the prior's covariance
 
 _SETTINGS = [
     ("dt", "f8"),
@@ -77,40 +79,26 @@ class TensionFilter:
         return Estimate(self.name, times, mean, cov)
 
 
-def score_at(record: Record, parameters: Array) -> tuple[Array, Array]:
-    """First derivative of the record's log-likelihood by parameters and gain error, and its information matrix.
+def belief_about(record: Record, parameters: Array) -> tuple[Array, Array]:
+    """What a whole record says of the parameters if the motion is filtered as if they were ``parameters``.
 
-    The motion is integrated out: the filter runs over the record with a belief that stays at ``parameters``. The score
-    is that of ``tension_filter``, rid of what the load cell's noise biases.
+    The filter runs over the record without learning, and makes its belief at the end: the likelihood with the motion
+    integrated out, about a path that no early guess has bent.
 
     Args:
         record: the record.
         parameters: (p,) natural logs.
 
     Returns:
-        (p + 1,) score and (p + 1, p + 1) information about the natural logs and, last, the load cell's gain error,
-        about a gain error of 0.
+        (p,) mean and (p, p) covariance.
     """
     belief, settings, scratch, device = _begin(record, parameters)
-    never, size = len(record.time) + 1, len(parameters)
+    never, size = len(record.time), len(parameters)
     kept = np.empty((1, size)), np.empty((1, size, size))
     filter_record(record.jaw, device, belief, record.measured, record.samples, settings, scratch, 0, never, *kept)
-    lower = np.tril(belief["information"])
-    information = lower + np.tril(lower, -1).T
-    by_log = _by_log(belief, parameters)
-    return by_log.T @ belief["score"], by_log.T @ information @ by_log
-
-
-def _by_log(belief: Any, parameters: Array) -> Array:
-    """Derivative (m K + 1, p + 1) of coefficients and gain error by natural logs and gain error."""
-    muscles, nodes = belief["nominal"].shape
-    means, twice = np.empty((muscles, nodes)), np.empty((muscles, nodes, 3))
-    expand_coefficients(belief["basis"], parameters, np.zeros((2 * muscles, 2 * muscles)), means, twice)
-    by_log = np.zeros((muscles * nodes + 1, 2 * muscles + 1))
-    for muscle in range(muscles):
-        by_log[muscle * nodes : (muscle + 1) * nodes, 2 * muscle : 2 * muscle + 2] = twice[muscle, :, :2]
-    by_log[-1, -1] = 1.0
-    return by_log
+    for _ in range(SEARCHES):
+        conclude(belief, settings["prior_mean"], settings["prior_sd"], settings["gain_variance"], scratch)
+    return belief["belief_mean"].copy(), belief["belief_cov"].copy()
 
 
 def _begin(record: Record, parameters: Array) -> tuple[Any, Any, Any, Any]:

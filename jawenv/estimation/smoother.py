@@ -9,8 +9,8 @@ them.
 Then the most probable parameters, whatever the motion. The two differ, as wherever there are as many unknowns as
 readings (Neyman & Scott 1948, Econometrica 16:1): the cost of a path prefers parameters that make the variance of the
 innovations large, and takes the load cell's noise for force. Under ``chirp`` and ``prbs`` the errors of the path's
-parameters are 1.28 times the bound, those of the most probable ones 1.07 and 0.99 times (48 patients, 30 s). Newton's
-method on the likelihood with the motion integrated out begins where the path ends (``online.score_at``).
+parameters are 1.28 times the bound, those of the most probable ones 1.07 and 0.99 times (48 patients, 30 s). The
+motion has to be integrated out (``integrated``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from jawenv.errors import InputError
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.extended_kalman import ExtendedKalman, run_filter
 from jawenv.estimation.initial import initial_belief, trends
-from jawenv.estimation.online import score_at
+from jawenv.estimation.integrated import integrate_out
 from jawenv.estimation.record import Record
 from jawenv.estimation.sensitivity import N_NOISE
 from jawenv.estimation.whole_path import (
@@ -45,9 +45,6 @@ REACH = 4.0  # prior sds within which the search begins
 # How close a path follows the motion wanted: a tenth of what is known before the first reading, back within two ticks.
 CLOSE, TICKS_BACK = 0.1, 2.0
 SMALLEST_STEP = 1e-4  # of a Gauss-Newton step
-NEWTON_STEPS = 10  # at most, on the likelihood with the motion integrated out, until one is
-SMALL_STEP = 0.01  # sds of every parameter or less
-SMALLEST_GAIN = 1e-9  # sd of the gain error below which it is as good as known
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +72,7 @@ class Smoothed:
         path: it.
         path_cov: (p, p) of its parameters: inverse of the Gauss-Newton Hessian, with the load cell's gain error
             considered.
-        mean: (p,) the most probable natural-log parameters, the motion integrated out.
+        mean: (p,) of the natural-log parameters, the motion integrated out.
         cov: (p, p) of them.
         costs: of every path on the way, the first included, since the model's steps were last divided anew.
         step: largest change of a parameter that the last step asked for, in posterior sds.
@@ -92,7 +89,7 @@ class Smoothed:
 
 
 class IteratedSmoother:
-    """Maximum a posteriori over a whole record: Gauss-Newton with step halving, then Newton on the parameters alone.
+    """Maximum a posteriori over a whole record: Gauss-Newton with step halving, then the parameters alone.
 
     The model divides its steps where the jaw is stiff, on its teeth above all. They stay divided as the paths on the
     way asked for, so that the cost has no jumps in which the search would end.
@@ -100,8 +97,8 @@ class IteratedSmoother:
     Along the path the load cell's gain error is considered: the path is that for a gain error of 0, and what one of
     ``record.gain_sd`` would do to it is added to its covariance. The parameters' likelihood has it integrated out.
 
-    The covariance is that of the tangents at the mode. Where a record says little, in the first seconds of a slow
-    maneuver, the posterior is not normal, and errors are larger than it claims. Where a condyle lifts off its disc the
+    Where a record says little the posterior is not normal: mean and covariance are those of posterior linearisation
+    (``posterior``), as the filter's are; the path's are its mode and tangents. Where a condyle lifts off its disc the
     cost has a kink, and the minimum may lie in one: the search then ends without convergence, a fraction of an sd away
     from where the tangents would have it.
 
@@ -159,24 +156,7 @@ class IteratedSmoother:
                 costs = [path.cost]
             elif size <= self.tolerance or better is None:
                 break
-        return Smoothed(path, cov, *_integrated(record, path.parameters), tuple(costs), size, size <= self.tolerance)
-
-
-def _integrated(record: Record, parameters: Array) -> tuple[Array, Array]:
-    """Mean and covariance of the parameters with the motion integrated out, by Newton's method from ``parameters``."""
-    prior = record.prior
-    known = np.append(prior.sd, max(record.gain_sd, SMALLEST_GAIN)) ** -2.0
-    mean = parameters
-    for _ in range(NEWTON_STEPS):
-        score, information = score_at(record, mean)
-        joint = np.asarray(np.linalg.inv(information + np.diag(known)), dtype=np.float64)
-        step, cov = joint[:-1] @ (score + known * np.append(prior.mean - mean, 0.0)), joint[:-1, :-1]
-        if not np.isfinite(step).all():
-            break
-        mean = mean + step / max(1.0, float(np.abs(step / prior.sd).max()))
-        if (np.abs(step) < SMALL_STEP * np.sqrt(np.diag(cov))).all():
-            break
-    return mean, cov
+        return Smoothed(path, cov, *integrate_out(record, path.parameters), tuple(costs), size, size <= self.tolerance)
 
 
 class _Problem:
