@@ -12,7 +12,7 @@ from test_filter_step import model_step
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
-from jawenv.estimation import smoother
+from jawenv.estimation import integrated, smoother
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.extended_kalman import ExtendedKalman
 from jawenv.estimation.measurement import measure
@@ -172,6 +172,24 @@ def test_the_record_is_linearised_about_what_is_found(record):
     assert np.abs((again - result.mean) / sd).max() < 0.02
     np.testing.assert_allclose(cov / np.outer(sd, sd), result.cov / np.outer(sd, sd), atol=0.02)
     assert np.abs((result.mean - result.path.parameters) / sd).max() > 0.02
+
+
+def test_of_several_beliefs_that_stay_the_one_that_fits_is_taken():
+    """One point's readings, 10 s: from the prior the first patient ends elsewhere, from a growing record the second."""
+    kwargs = {"record": True, "episode_s": 10.0, "sensors": "point"}
+    played = jawenv.play(load_agent("opening_with_swings_and_fore_aft"), patients=2, seed=5000, env_kwargs=kwargs)
+    for record in played.records:
+        estimate = IteratedSmoother().estimate(record)
+        error = estimate.mean[-1] - record.truth
+        assert error @ np.linalg.solve(estimate.cov[-1], error) / 12 < 2.5
+    first, second = played.records
+
+    def share(record, belief):
+        error = belief[0] - record.truth
+        return error @ np.linalg.solve(belief[1], error) / 12
+
+    assert share(first, integrated._settle(first, first.prior.mean, 10)) > 10.0
+    assert share(second, integrated._settle(second, integrated._grown(second), 10)) > 10.0
 
 
 @pytest.mark.parametrize("every", [5, 20])
