@@ -37,7 +37,7 @@ class Loop:
         parts = tuple(tuple(float(v) for v in half) for half in np.split(self.state, 2))
         self.scratch["stage"] = 0.0
         rate = body_rate_and_sensitivity if self.size == 12 else rate_and_sensitivity
-        rate(self.jaw, muscles, *parts, self.wrench, NOTHING, 0.0, self.scratch)
+        rate(self.jaw, muscles, *parts, self.wrench, NOTHING, 0.0, 0.0, self.scratch)
         q, _ = middle_of(self.jaw, self.state, self.state)
         set_by_place(self.jaw, q, rotation(q), self.scratch)
         mouthpiece = tuple(float(v) for v in self.jaw["mouthpiece"])
