@@ -14,7 +14,6 @@ from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
 from jawenv.envs.recording import keep_tick
 from jawenv.estimation.ekf import (
     filter_scratch_dtype,
-    follow_trend,
     mean_force,
     mean_reading,
     move,
@@ -22,17 +21,9 @@ from jawenv.estimation.ekf import (
     update_covariance,
 )
 from jawenv.estimation.measurement import N_MEASUREMENTS, measure
-from jawenv.estimation.readings import mark_usable, repair_samples
-from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
-from jawenv.estimation.tension_basis import basis_dtype
-from jawenv.estimation.tension_filter import (
-    EAGER_TICKS,
-    conclude,
-    forget_settling,
-    predict_motion,
-    tension_scratch_dtype,
-    update_motion,
-)
+from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew
+from jawenv.estimation.sensitivity import N_SAMPLES
+from jawenv.estimation.tick import EAGER_TICKS, filter_settings_fields, learn, take_readings
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
@@ -45,19 +36,12 @@ N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 
 
-def settings_dtype(n_muscles: int, n_nodes: int) -> np.dtype[np.void]:
+def settings_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
-        ("trajectory", "u1"),
+        *filter_settings_fields(n_muscles, n_states, n_nodes),
         ("bound", "u1"),
         ("record", "u1"),
-        ("used", "u1", N_MEASUREMENTS),
-        ("measurement_variance", "f8", N_MEASUREMENTS),
-        ("noise_variance", "f8", N_NOISE),
-        ("gain_variance", "f8"),
-        ("basis", basis_dtype(n_muscles, n_nodes)),
-        ("prior_mean", "f8", (2 * n_muscles,)),
-        ("prior_sd", "f8", (2 * n_muscles,)),
         ("reality", REALITY),
         ("channels", "i8"),  # readings in a tick
         ("steps", "i8"),
@@ -70,7 +54,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> 
     """Dtype of one thread's working memory."""
     fields = [
         ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
-        ("tension", tension_scratch_dtype(n_muscles, n_lines, n_states, n_nodes)),
+        ("tension", online_scratch_dtype(n_muscles, n_lines, n_states, n_nodes)),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
@@ -78,9 +62,6 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> 
         ("acted", "f8"),  # 1 when the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
-        ("usable", "f8", (N_SAMPLES, 6)),  # of these what is believed
-        ("known", "f8", N_NOISE),  # variance of the wrench not known
-        ("used", "u1", N_MEASUREMENTS),
         ("faults", "f8", 20),
         ("fractions", "f8", N_LIMITS),
         ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
@@ -159,46 +140,28 @@ def end_tick(device, model, world, settings, scratch, ticks):
         scratch.faults,
     )
     world.tick += 1
-    if settings.record:
-        keep_tick(model, world, settings, scratch, ticks)
-    filter_tick(device, model, world, settings, scratch)
+    keep_tick(model, world, settings, scratch, ticks)
+    filter_tick(device, model, world, settings, scratch, ticks)
 
 
 @njit
-def filter_tick(device, model, world, settings, scratch):
-    """The filter's part of a tick, given what the sensors read."""
-    scratch.known[:] = settings.noise_variance
-    lost = repair_samples(
-        scratch.samples, world.last_sample, world.held_sample, world.lost_for, TICK, scratch.known, scratch.usable
-    )
-    for k in range(6):
-        world.reading[k] = mean_reading(scratch.usable, k)
-    gain = settings.gain_variance
-    predict_motion(
-        model,
-        world,
-        scratch.usable,
-        TICK,
-        scratch.known,
-        device,
-        settings.trajectory,
-        scratch.tension,
-    )
-    follow_trend(world.trend, scratch.usable, TICK)
-    lost += mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
+def filter_tick(device, model, world, settings, scratch, ticks):
+    """The filter's part of a tick, given what the sensors read and ``ticks`` keep."""
+    tension = scratch.tension
+    lost = take_readings(model, device, world, scratch.measured, scratch.samples, world.tick, settings, tension)
     world.left_out += lost / (settings.channels * settings.ticks_per_step)
-    variances = settings.measurement_variance
-    update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
-    forget_settling(model, world, world.tick)
+    for k in range(6):
+        world.reading[k] = mean_reading(tension.usable, k)
+    if world.tick < ticks.shape[0] and ends_window(world, settings, tension):
+        renew(model, device, world, ticks, world.tick, settings, tension)
     if world.tick < EAGER_TICKS:
-        conclude(world, settings.prior_mean, settings.prior_sd, gain, scratch.tension)
+        learn(world, settings, tension)
 
 
 @njit
 def end_step(world, settings, scratch):
     """Belief and its worth at the end of a control period."""
-    gain = settings.gain_variance
-    conclude(world, settings.prior_mean, settings.prior_sd, gain, scratch.tension)
+    learn(world, settings, scratch.tension)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 

@@ -16,8 +16,8 @@ from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.recording import keep_tick
 from jawenv.estimation.ekf import set_muscles, update_covariance
 from jawenv.estimation.measurement import measure
-from jawenv.estimation.readings import mark_usable
-from jawenv.estimation.tension_filter import begin_belief, conclude, update_motion
+from jawenv.estimation.tension_filter import begin_belief
+from jawenv.estimation.tick import begin_motion, learn, take_readings
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
@@ -41,9 +41,6 @@ TENSION_MARGIN = 1.5  # soft limit of a muscle's tension over its tension at the
 CONDYLE_BACK = -0.5e-3
 CONDYLE_FREE = 2.0e-3
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
-
-# What the filter knows of the motion before the first measurement: 1 mm, 1 degree, 1 mm/s, 0.01 rad/s.
-PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 1e-3, 0.0175, 1e-3, 0.01
 
 BEGINNING_SCRATCH = np.dtype(
     [
@@ -153,31 +150,6 @@ def reset_motors(device, world):
 
 
 @njit
-def can_move(jaw, i):
-    """Whether motion i of (q, u) is free: a coordinate that is held is known, and stays so."""
-    if jaw.condyles == 2:
-        return True
-    if i == 0 or i == 5:
-        return jaw.free_x != 0
-    if i == 1 or i == 6:
-        return jaw.free_y != 0
-    # Pitch (theta, and the second of the angular velocities) is always free, yaw and roll both or none.
-    return i == 2 or i == 8 or jaw.inertia_contact_inverse[2, 2] > 0.0
-
-
-@njit
-def motion_sd(jaw, i):
-    """Prior sd of motion i of (q, u): places come first, then three angles, and so for the speeds."""
-    if not can_move(jaw, i):
-        return 0.0
-    places = 3 if jaw.condyles == 2 else 2
-    k = i % (places + 3)
-    if i < places + 3:
-        return PLACE_SD if k < places else ANGLE_SD
-    return VELOCITY_SD if k < places else RATE_SD
-
-
-@njit
 def prior_covariance(world, settings, covariance):
     """The joint prior over motion, log-parameters and gain, for the bound's recursion."""
     first = world.motion.shape[0]
@@ -195,13 +167,9 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
     size = world.motion.shape[0]
-    world.motion_cov[:, :] = 0.0
     for i in range(size):
-        sd = motion_sd(model, i)
-        world.motion[i] = true_state(model, world, i) + sd * normals[i]
-        world.motion_cov[i, i] = sd * sd
-        if settings.record:
-            ticks[0].believed[i] = world.motion[i]
+        ticks[0].believed[i] = true_state(model, world, i) + settings.start_sd[i] * normals[i]
+    begin_motion(world, ticks[0].believed, settings.start_sd)
     begin_belief(settings.basis, world, settings.prior_mean, settings.prior_sd)
     world.cell_gain = device.cell_gain * normals[size]
     world.bound[:, :] = np.nan
@@ -222,16 +190,10 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         scratch.samples,
         scratch.faults,
     )
-    if settings.record:
-        keep_tick(model, world, settings, scratch, ticks)
-    world.last_measured[:] = np.nan
-    world.last_sample[:] = np.nan
-    world.held_sample[:] = 0.0
-    world.lost_for[:] = 0.0
-    mark_usable(scratch.measured, world.last_measured, settings.used, scratch.used)
+    keep_tick(model, world, settings, scratch, ticks)
+    take_readings(model, device, world, scratch.measured, scratch.samples, 0, settings, scratch.tension)
+    learn(world, settings, scratch.tension)
     variances = settings.measurement_variance
-    update_motion(model, world, scratch.measured, variances, scratch.used, scratch.tension)
-    conclude(world, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch.tension)
     if settings.bound:
         for i in range(size):
             scratch.filter.state[i] = true_state(model, world, i)

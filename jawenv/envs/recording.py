@@ -33,13 +33,22 @@ def tick_dtype(n_states: int) -> np.dtype[np.void]:
 
 @njit
 def keep_tick(model, world, settings, scratch, ticks):
-    """Write the tick that has just ended into row ``world.tick`` of ``ticks``."""
+    """Write the tick that has just ended into row ``world.tick`` of ``ticks``, as long as there are rows.
+
+    What is true is kept only where episodes are recorded.
+    """
+    if world.tick >= ticks.shape[0]:
+        return
     row = ticks[world.tick]
     for i in range(row.measured.shape[0]):
         row.measured[i] = scratch.measured[i] if settings.used[i] else np.nan
     for i in range(row.samples.shape[0]):
         for k in range(6):
             row.samples[i, k] = scratch.samples[i, k]
+    if not settings.record:
+        return
+    for i in range(row.wrench.shape[0]):
+        for k in range(6):
             row.wrench[i, k] = scratch.wrench[i, k]
     for i in range(row.state.shape[0]):
         row.state[i] = true_state(model, world, i)
@@ -54,7 +63,7 @@ def record_of(simulation: Simulation, index: int) -> Record:
         measured=rows["measured"].copy(),
         samples=rows["samples"][1:].copy(),
         start_mean=rows["believed"][0].copy(),
-        start_sd=simulation.start_sd(index),
+        start_sd=settings["start_sd"].copy(),
         measurement_sd=np.sqrt(settings["measurement_variance"]),
         wrench_sd=np.sqrt(settings["noise_variance"][:N_WRENCH]),
         cell_sd=np.sqrt(settings["noise_variance"][N_WRENCH:]),

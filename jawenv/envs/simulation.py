@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
 from jawenv.device.device import Device, device_of
 from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
-from jawenv.envs.beginning import BEGINNING_SCRATCH, begin, motion_sd
+from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
 from jawenv.envs.recording import tick_dtype
+from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
+from jawenv.estimation.replay import LAST_WINDOW
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
+from jawenv.estimation.tick import leaves_pose_open
 from jawenv.ladder import Estimator, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -37,6 +40,7 @@ Reward = Literal["uncertainty", "bound", "score"]
 
 REDRAWS = 200
 LARGEST = 1e6  # of the numeric arguments
+REPLAYED = 4 * LAST_WINDOW  # ticks kept for the filter's last window, of which encoders may lose three quarters
 
 
 @dataclass(frozen=True)
@@ -150,8 +154,8 @@ class Simulation:
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
         self._n_nodes = nodes_needed(self.cohort.prior)
-        self.settings = self._build_settings()
         sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, self._n_nodes
+        self.settings = self._build_settings(sizes[2])
         self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
         self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
         self._gravity = default_mandible().gravity
@@ -161,8 +165,7 @@ class Simulation:
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))
         self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
-        ticks = configuration.steps * configuration.ticks_per_step if configuration.record else 0
-        self.ticks = np.zeros((num_worlds, ticks + 1), dtype=tick_dtype(sizes[2]))
+        self.ticks = np.zeros((num_worlds, self._kept_ticks() + 1), dtype=tick_dtype(sizes[2]))
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
@@ -173,16 +176,25 @@ class Simulation:
 
         return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
 
-    def _build_settings(self) -> NDArray[np.void]:
+    def _kept_ticks(self) -> int:
+        """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
+        ticks = self.configuration.steps * self.configuration.ticks_per_step
+        replayed = ticks if self.settings["pose_open"][0] else REPLAYED
+        return ticks if self.configuration.record else min(ticks, replayed)
+
+    def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration, device = self.configuration, self.device[0]
-        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), self._n_nodes))
+        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), n_states, self._n_nodes))
         settings = records[0]
+        settings["dt"] = TICK
         settings["trajectory"] = configuration.control == "trajectory"
         settings["bound"] = configuration.needs_bound
         settings["record"] = configuration.record
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
+        settings["start_sd"] = start_sd(self._jaw, self._known_condyles)
+        settings["pose_open"] = leaves_pose_open(settings["used"] != 0, settings["start_sd"])
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
@@ -294,11 +306,6 @@ class Simulation:
     def tick_s(self) -> float:
         """Length of a tick, s."""
         return TICK
-
-    def start_sd(self, index: int) -> NDArray[np.float64]:
-        """(n,) sd of the motion of world ``index`` as it is believed before the first measurement."""
-        size = self.ticks.dtype["state"].shape[0]
-        return np.array([motion_sd(self.models[index], i) for i in range(size)])
 
     def info(self, worlds: Any) -> dict[str, Any]:
         """Fresh info of one of this simulation's worlds, or of an array of them."""

@@ -9,7 +9,6 @@ import numpy as np
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.ekf import filter_size
-from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.tension_filter import belief_fields
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
@@ -57,10 +56,6 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np
         ("left_out", "f8"),  # share of the last step's readings that were not believed
         *belief_fields(n_muscles, n_states, n_nodes),
         ("reading", "f8", 6),  # load cell, body axes
-        ("last_measured", "f8", N_MEASUREMENTS),
-        ("last_sample", "f8", 6),
-        ("held_sample", "f8", 6),
-        ("lost_for", "f8", 6),  # s since the load cell's component was believed
         ("log_det_prior", "f8"),
         ("log_det", "f8"),
         ("log_det_bound", "f8"),

@@ -9,35 +9,24 @@ from numpy.typing import NDArray
 
 from jawenv.compiled import njit
 from jawenv.errors import InputError
-from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.measurement import N_MEASUREMENTS
-from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.record import Record
-from jawenv.estimation.sensitivity import N_NOISE
+from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew, replay
+from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_filter import (
+from jawenv.estimation.tension_filter import begin_belief, belief_fields
+from jawenv.estimation.tick import (
     EAGER_TICKS,
-    begin_belief,
-    belief_fields,
-    conclude,
-    forget_settling,
-    predict_motion,
-    tension_scratch_dtype,
-    update_motion,
+    begin_motion,
+    filter_settings_fields,
+    learn,
+    leaves_pose_open,
+    take_readings,
 )
+from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
-
-SEARCHES = 5  # for the belief at the end of a record, from the prior's covariance
-
-_SETTINGS = [
-    ("dt", "f8"),
-    ("gain_variance", "f8"),
-    ("measurement_variance", "f8", N_MEASUREMENTS),
-    ("noise_variance", "f8", N_NOISE),
-    ("has_servo", "u1"),
-]
 
 
 class TensionFilter:
@@ -60,23 +49,38 @@ class TensionFilter:
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at the start and after every ``every`` ticks."""
+        run = FilterRun(record)
         times, size = record.time[:: self.every], len(record.prior.mean)
         mean, cov = np.empty((len(times), size)), np.empty((len(times), size, size))
-        belief, settings, scratch, device = _begin(record, record.prior.mean)
-        filter_record(
-            record.jaw,
-            device,
-            belief,
-            record.measured,
-            record.samples,
-            settings,
-            scratch,
-            EAGER_TICKS,
-            self.every,
-            mean,
-            cov,
-        )
+        filter_record(*run.arguments, self.every, mean, cov)
         return Estimate(self.name, times, mean, cov)
+
+
+class FilterRun:
+    """What the kernels need to filter a record: the jaw, the device, and memory as before the first reading.
+
+    Args:
+        record: it.
+    """
+
+    def __init__(self, record: Record) -> None:
+        """Make the arrays; the belief is the prior."""
+        states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+        nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
+        settings = np.zeros(1, dtype=np.dtype(filter_settings_fields(muscles, states, nodes), align=True))[0]
+        device, settings["trajectory"] = record.answering()
+        settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
+        settings["measurement_variance"], settings["noise_variance"] = record.measurement_sd**2, record.noise_variance
+        settings["used"], settings["start_sd"] = True, record.start_sd
+        settings["pose_open"] = leaves_pose_open(np.asarray(np.isfinite(record.measured).any(axis=0)), record.start_sd)
+        settings["basis"] = build_basis(record.jaw, record.prior, nodes)[0]
+        settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
+        self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
+        scratch = np.zeros(1, dtype=online_scratch_dtype(muscles, lines, states, nodes))[0]
+        rows = _rows(record)
+        self.settings = settings
+        self.arguments = record.jaw, device, self.belief, rows, settings, scratch
+        self.last = len(rows) - 1
 
 
 def belief_about(record: Record, parameters: Array) -> tuple[Array, Array]:
@@ -92,71 +96,45 @@ def belief_about(record: Record, parameters: Array) -> tuple[Array, Array]:
     Returns:
         (p,) mean and (p, p) covariance.
     """
-    belief, settings, scratch, device = _begin(record, parameters)
-    never, size = len(record.time), len(parameters)
-    kept = np.empty((1, size)), np.empty((1, size, size))
-    filter_record(record.jaw, device, belief, record.measured, record.samples, settings, scratch, 0, never, *kept)
-    for _ in range(SEARCHES):
-        conclude(belief, settings["prior_mean"], settings["prior_sd"], settings["gain_variance"], scratch)
+    run = FilterRun(record)
+    jaw, device, belief, rows, settings, scratch = run.arguments
+    replay_about(jaw, device, belief, rows, run.last, settings, scratch, np.ascontiguousarray(parameters))
     return belief["belief_mean"].copy(), belief["belief_cov"].copy()
 
 
-def _begin(record: Record, parameters: Array) -> tuple[Any, Any, Any, Any]:
-    """The filter's memory before the first reading, its settings and scratch, and the device.
-
-    ``parameters`` (p,) are those that the motion is filtered with at first.
-    """
-    states, muscles = len(record.start_mean), len(record.parameter_names) // 2
-    nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
-    basis = build_basis(record.jaw, record.prior, nodes)[0]
-    belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
-    scratch = np.zeros(1, dtype=tension_scratch_dtype(muscles, lines, states, nodes))[0]
-    of_prior = [("prior_mean", "f8", 2 * muscles), ("prior_sd", "f8", 2 * muscles)]
-    settings = np.zeros(1, dtype=np.dtype([*_SETTINGS, *of_prior], align=True))[0]
-    settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
-    settings["measurement_variance"], settings["noise_variance"] = record.measurement_sd**2, record.noise_variance
-    device, settings["has_servo"] = record.answering()
-    settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
-    belief["motion"] = record.start_mean
-    belief["motion_cov"] = np.diag(record.start_sd**2)
-    begin_belief(basis, belief, parameters, record.prior.sd)
-    return belief, settings, scratch, device
+def _rows(record: Record) -> Any:
+    """The record's readings as ``replay`` takes them."""
+    fields = [
+        ("measured", "f8", N_MEASUREMENTS),
+        ("samples", "f8", (N_SAMPLES, N_WRENCH)),
+        ("believed", "f8", (len(record.start_mean),)),
+    ]
+    rows = np.zeros(len(record.time), dtype=np.dtype(fields, align=True))
+    rows["measured"], rows["samples"][1:] = record.measured, record.samples
+    rows["believed"][0] = record.start_mean
+    return rows
 
 
 @njit
-def filter_record(jaw, device, belief, measured, samples, settings, scratch, eager, every, means, covs):
-    """Run the filter over (T + 1, 12) readings and (T, 3, 6) load-cell samples.
+def replay_about(jaw, device, belief, rows, tick, settings, scratch, parameters):
+    """``replay`` about parameters (p) that nothing is known of but the prior."""
+    begin_belief(settings.basis, belief, parameters, settings.prior_sd)
+    replay(jaw, device, belief, rows, tick, settings, scratch)
 
-    The belief is renewed after each of the first ``eager`` ticks and every ``every`` ticks, and then kept in ``means``
-    and ``covs``.
-    """
-    prior_mean, prior_sd, gain_variance = settings.prior_mean, settings.prior_sd, settings.gain_variance
-    last, last_sample, known = np.full(measured.shape[1], np.nan), np.full(6, np.nan), np.empty(N_NOISE)
-    held, lost_for = np.zeros(6), np.zeros(6)
-    used, allowed = np.empty(measured.shape[1], np.uint8), np.ones(measured.shape[1], np.uint8)
-    usable = np.empty(samples.shape[1:])
-    for tick in range(measured.shape[0]):
-        if tick > 0:
-            known[:] = settings.noise_variance
-            repair_samples(samples[tick - 1], last_sample, held, lost_for, settings.dt, known, usable)
-            predict_motion(
-                jaw,
-                belief,
-                usable,
-                settings.dt,
-                known,
-                device,
-                settings.has_servo,
-                scratch,
-            )
-            follow_trend(belief.trend, usable, settings.dt)
-        mark_usable(measured[tick], last, allowed, used)
-        update_motion(jaw, belief, measured[tick], settings.measurement_variance, used, scratch)
-        forget_settling(jaw, belief, tick)
-        if tick < eager:
-            conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
+
+@njit
+def filter_record(jaw, device, belief, rows, settings, scratch, every, means, covs):
+    """Run the filter over ``rows`` (T + 1); after every ``every`` ticks the belief goes to ``means`` and ``covs``."""
+    begin_motion(belief, rows[0].believed, settings.start_sd)
+    begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
+    for tick in range(rows.shape[0]):
+        take_readings(jaw, device, belief, rows[tick].measured, rows[tick].samples, tick, settings, scratch)
+        if ends_window(belief, settings, scratch):
+            renew(jaw, device, belief, rows, tick, settings, scratch)
+        if tick < EAGER_TICKS:
+            learn(belief, settings, scratch)
         if tick > 0 and tick % every == 0:
-            conclude(belief, prior_mean, prior_sd, gain_variance, scratch)
+            learn(belief, settings, scratch)
         if tick % every == 0:
             means[tick // every] = belief.belief_mean
             covs[tick // every] = belief.belief_cov

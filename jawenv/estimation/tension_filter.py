@@ -19,6 +19,7 @@ of the readings instead, for what the servo answers to the filter's own errors i
 
 from __future__ import annotations
 
+from math import log
 from typing import Any
 
 import numpy as np
@@ -45,8 +46,6 @@ from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import rotation
 from jawenv.mechanics.vec3 import vector3
 
-# Ticks at the start after each of which the belief is renewed: its first guess is far off.
-EAGER_TICKS = 20
 # Ticks at the start of which nothing is learned on a jaw with two condyles: 0.1 mm of an encoder's noise are 10 N of a
 # disc, and until the discs' pressures are known, what they push passes for tension.
 SETTLING_TICKS = 10
@@ -74,13 +73,19 @@ def belief_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
         ("belief_mean", "f8", (parameters,)),
         ("belief_cov", "f8", (parameters, parameters)),
         ("trend", "f8", (N_WRENCH,)),
+        ("read", "i8"),  # ticks at the end of which an encoder was believed
+        ("misfit", "f8"),  # minus log-likelihood of the readings, but for a constant, given the beliefs of their time
+        ("last_measured", "f8", (N_MEASUREMENTS,)),
+        ("last_sample", "f8", (N_WRENCH,)),
+        ("held_sample", "f8", (N_WRENCH,)),
+        ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was believed
     ]
 
 
-def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
-    """Dtype of the filter's working memory."""
+def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> list[Any]:
+    """The filter's working memory as fields of a dtype."""
     size = tension_count(n_muscles, n_nodes)
-    fields = [
+    return [
         *sensitivity_fields(0, n_lines, n_states),
         *noisy_input_fields(n_states),
         ("muscles", "f8", (n_lines, 2)),
@@ -104,7 +109,6 @@ def tension_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: 
         ("carried", "f8", (n_nodes, n_nodes)),
         ("posterior", np.dtype(posterior_fields(n_muscles, n_nodes), align=True)),
     ]
-    return np.dtype(fields, align=True)
 
 
 @njit
@@ -220,6 +224,7 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
             variance += h[k] * gain[k]
         inverse = 1.0 / variance
         weights[i] = inverse
+        belief.misfit += 0.5 * (innovation * innovation * inverse + log(variance))
         update_tremble(tremble, h, gain, inverse, scratch.spare)
         for k in range(size):
             factor = gain[k] * inverse
@@ -281,13 +286,23 @@ def recentre(belief, scratch):
 
 
 @njit
-def begin_belief(basis, belief, prior_mean, prior_sd):
-    """The prior, before any measurement; ``motion`` and ``motion_cov`` the caller has set."""
-    for i in range(prior_mean.shape[0]):
-        belief.belief_mean[i] = prior_mean[i]
-        for j in range(prior_mean.shape[0]):
+def begin_belief(basis, belief, log_parameters, prior_sd):
+    """Before any measurement: ``log_parameters`` (p), as uncertain as the prior is.
+
+    The mean of the prior, or another guess to filter with; ``motion`` and ``motion_cov`` the caller has set.
+    """
+    for i in range(log_parameters.shape[0]):
+        belief.belief_mean[i] = log_parameters[i]
+        for j in range(log_parameters.shape[0]):
             belief.belief_cov[i, j] = 0.0
         belief.belief_cov[i, i] = prior_sd[i] * prior_sd[i]
+    copy_basis(belief.basis, basis)
+    forget_readings(belief)
+
+
+@njit
+def forget_readings(belief):
+    """Nothing has been measured yet; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
     for i in range(belief.motion_cov.shape[0]):
         for j in range(belief.motion_cov.shape[0]):
@@ -296,14 +311,22 @@ def begin_belief(basis, belief, prior_mean, prior_sd):
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0
-    copy_basis(belief.basis, basis)
-    set_coefficients(basis, belief.belief_mean, belief.nominal)
+    belief.read = 0
+    belief.misfit = 0.0
+    belief.last_measured[:] = np.nan
+    belief.last_sample[:] = np.nan
+    belief.held_sample[:] = 0.0
+    belief.lost_for[:] = 0.0
+    set_coefficients(belief.basis, belief.belief_mean, belief.nominal)
 
 
 @njit
 def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
-    """The belief about the parameters from all information so far; motion and score move to its mean."""
-    believe(
+    """The belief about the parameters from all information so far; motion and score move to its mean.
+
+    True when the search for it has converged.
+    """
+    converged = believe(
         belief.basis,
         belief.information,
         belief.score,
@@ -318,3 +341,4 @@ def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
     )
     recentre(belief, scratch)
     refocus(belief, scratch)
+    return converged

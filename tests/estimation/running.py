@@ -13,7 +13,7 @@ from jawenv.estimation.tension_filter import (
     begin_belief,
     belief_fields,
     predict_motion,
-    tension_scratch_dtype,
+    tension_fields,
     update_motion,
 )
 
@@ -27,9 +27,8 @@ class Running:
         nodes = nodes_needed(record.prior)
         self.basis = build_basis(record.jaw, record.prior, nodes)[0]
         self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, self.size, nodes), align=True))[0]
-        self.scratch = np.zeros(
-            1, dtype=tension_scratch_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes)
-        )[0]  # fmt: skip
+        fields = tension_fields(muscles, len(record.jaw["l_o"]), self.size, nodes)
+        self.scratch = np.zeros(1, dtype=np.dtype(fields, align=True))[0]
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())

@@ -1,0 +1,85 @@
+"""The online filter's work in one tick of the sensors, and what it is told of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.compiled import njit
+from jawenv.estimation.ekf import follow_trend
+from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.readings import mark_usable, repair_samples
+from jawenv.estimation.sensitivity import N_NOISE
+from jawenv.estimation.tension_basis import basis_dtype
+from jawenv.estimation.tension_filter import conclude, forget_settling, predict_motion, update_motion
+
+# Ticks at the start after each of which the belief is renewed: its first guess is far off.
+EAGER_TICKS = 20
+
+
+def filter_settings_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
+    """What a filter knows of device, patient and prior, as fields of a dtype."""
+    return [
+        ("dt", "f8"),
+        ("trajectory", "u1"),
+        ("used", "u1", N_MEASUREMENTS),
+        ("pose_open", "u1"),
+        ("measurement_variance", "f8", N_MEASUREMENTS),
+        ("noise_variance", "f8", N_NOISE),
+        ("gain_variance", "f8"),
+        ("start_sd", "f8", n_states),  # of the motion before the first reading
+        ("basis", basis_dtype(n_muscles, n_nodes)),
+        ("prior_mean", "f8", (2 * n_muscles,)),
+        ("prior_sd", "f8", (2 * n_muscles,)),
+    ]
+
+
+def leaves_pose_open(used: NDArray[np.bool_], start_sd: NDArray[np.float64]) -> bool:
+    """Whether the readings used (12) have fewer numbers than the jaw has coordinates that can move."""
+    half = len(start_sd) // 2
+    return int(np.sum(used[: N_MEASUREMENTS // 2])) < int(np.sum(start_sd[:half] > 0.0))
+
+
+@njit
+def begin_motion(belief, motion, sd):
+    """The motion (n) believed before the first reading, and its sds (n)."""
+    belief.motion_cov[:, :] = 0.0
+    for i in range(sd.shape[0]):
+        belief.motion[i] = motion[i]
+        belief.motion_cov[i, i] = sd[i] * sd[i]
+
+
+@njit
+def take_readings(jaw, device, belief, measured, samples, tick, settings, scratch):
+    """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
+
+    Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
+    """
+    lost = 0
+    if tick > 0:
+        scratch.known[:] = settings.noise_variance
+        lost += repair_samples(
+            samples,
+            belief.last_sample,
+            belief.held_sample,
+            belief.lost_for,
+            settings.dt,
+            scratch.known,
+            scratch.usable,
+        )
+        predict_motion(jaw, belief, scratch.usable, settings.dt, scratch.known, device, settings.trajectory, scratch)
+        follow_trend(belief.trend, scratch.usable, settings.dt)
+    lost += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
+    if scratch.used.any():
+        belief.read += 1
+    update_motion(jaw, belief, measured, settings.measurement_variance, scratch.used, scratch)
+    forget_settling(jaw, belief, tick)
+    return lost
+
+
+@njit
+def learn(belief, settings, scratch):
+    """The belief about the parameters from all information so far; True when the search for it has converged."""
+    return conclude(belief, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch)
