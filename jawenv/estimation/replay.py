@@ -156,8 +156,9 @@ def replay(jaw, device, belief, rows, tick, settings, scratch):
     density = -belief.misfit
     gain = belief.score.shape[0] - 1
     if settings.gain_variance > 0.0:
-        score = belief.score[gain]
-        density += 0.5 * score * score / (belief.information[gain, gain] + 1.0 / settings.gain_variance)
+        score, known = belief.score[gain], belief.information[gain, gain]
+        density += 0.5 * score * score / (known + 1.0 / settings.gain_variance)
+        density -= 0.5 * log(1.0 + known * settings.gain_variance)
     for i in range(settings.prior_sd.shape[0]):
         away = (belief.belief_mean[i] - settings.prior_mean[i]) / settings.prior_sd[i]
         density -= 0.5 * away * away

@@ -89,3 +89,19 @@ def test_estimate_from_a_recording(tmp_path: Path) -> None:
     bad = run("examples/estimate_from_a_recording.py", str(file))
     assert bad.returncode == 2
     assert bad.stderr.startswith("error: ") and "'pitch'" in bad.stderr and len(bad.stderr.splitlines()) == 1
+
+
+def test_slow_device() -> None:
+    short = ("--patients", "2", "--episode-s", "3")
+    done = run("examples/slow_device.py", "hold_still", *short, "--every", "1", "5")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("hold_still, 2 patients, 3 s\n")
+    rows = [line.split()[:4] for line in done.stdout.splitlines() if " Hz" in line]
+    assert [" ".join(row[:2]) for row in rows] == ["100 Hz", "100 Hz", "20 Hz", "20 Hz"]
+    assert [row[2] for row in rows] == ["tension", "iterated"] * 2
+
+
+def test_slow_device_names_what_is_not_allowed() -> None:
+    done = run("examples/slow_device.py", "--patients", "1", "--episode-s", "1", "--every", "0")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: thinned: every is 0") and len(done.stderr.splitlines()) == 1

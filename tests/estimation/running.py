@@ -8,12 +8,12 @@ import two_condyles
 
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import expect
+from jawenv.estimation.replay import online_scratch_dtype
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
 from jawenv.estimation.tension_filter import (
     begin_belief,
     belief_fields,
     predict_motion,
-    tension_fields,
     update_motion,
 )
 
@@ -27,8 +27,8 @@ class Running:
         nodes = nodes_needed(record.prior)
         self.basis = build_basis(record.jaw, record.prior, nodes)[0]
         self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, self.size, nodes), align=True))[0]
-        fields = tension_fields(muscles, len(record.jaw["l_o"]), self.size, nodes)
-        self.scratch = np.zeros(1, dtype=np.dtype(fields, align=True))[0]
+        dtype = online_scratch_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes)
+        self.scratch = np.zeros(1, dtype=dtype)[0]
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.basis, self.belief, theta, record.prior.sd.copy())

@@ -68,7 +68,7 @@ def parameter_information(record):
     """Schur complement of the parameters in the information matrix of the whole path, load-cell gain known.
 
     The unknowns are the first motion, the parameters and the unmodelled wrench of every tick, by which all motions are
-    given: a motion that cannot move, or a load cell without noise, has no information matrix of its own.
+    given. With the motions themselves as unknowns their process noise would have to be inverted, which is singular.
     """
     steps, rows = jacobians()
     ticks, first = len(steps), N + P
