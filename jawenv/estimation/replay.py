@@ -31,7 +31,7 @@ N_STARTS = 4  # of the search for a belief that fits
 PASSES = 4  # at most, over a window from one start, until one moves no parameter by
 SMALL_STEP = 0.1  # sds or more
 APART = 0.5  # prior sds of log F_o by which two of the starts have one half of the muscles stronger, the other weaker
-SEARCHES = 5  # at most, for the belief at the end of a window: each of a few rounds
+SEARCHES = 5  # for the belief at the end of a window: each of a few rounds
 
 
 def online_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
@@ -163,8 +163,7 @@ def replay(jaw, device, belief, rows, tick, settings, scratch):
         away = (belief.belief_mean[i] - settings.prior_mean[i]) / settings.prior_sd[i]
         density -= 0.5 * away * away
     for _ in range(SEARCHES):
-        if learn(belief, settings, scratch):
-            break
+        learn(belief, settings, scratch)
     return density + 0.5 * log_det(belief.belief_cov, scratch.posterior.precision)
 
 

@@ -322,11 +322,8 @@ def forget_readings(belief):
 
 @njit
 def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
-    """The belief about the parameters from all information so far; motion and score move to its mean.
-
-    True when the search for it has converged.
-    """
-    converged = believe(
+    """The belief about the parameters from all information so far; motion and score move to its mean."""
+    believe(
         belief.basis,
         belief.information,
         belief.score,
@@ -341,4 +338,3 @@ def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
     )
     recentre(belief, scratch)
     refocus(belief, scratch)
-    return converged

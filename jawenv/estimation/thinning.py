@@ -40,8 +40,8 @@ def thinned(record: Record, every: int) -> Record:
     10 Hz     971, 26 %     6961, 58 %      12.0, 4.9 %
     ========  ============  ==============  ========================
 
-    In the second column the load cell is read at start, middle and end of each longer tick only. The environments' own
-    filter has 10.0, 20 and 261 at 100, 50 and 20 Hz on ``thinned`` records, and 11.2 and 19.5 on ``divided`` ones.
+    In the second column the load cell is read at start, middle and end of each longer tick only. What the environments'
+    own filter and the smoother make of ``divided`` records, ``examples/slow_device.py`` prints.
 
     Args:
         record: of T ticks.

@@ -81,5 +81,5 @@ def take_readings(jaw, device, belief, measured, samples, tick, settings, scratc
 
 @njit
 def learn(belief, settings, scratch):
-    """The belief about the parameters from all information so far; True when the search for it has converged."""
-    return conclude(belief, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch)
+    """The belief about the parameters from all information so far."""
+    conclude(belief, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch)
