@@ -72,7 +72,9 @@ class FilterRun:
         settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
         settings["measurement_variance"], settings["noise_variance"] = record.measurement_sd**2, record.noise_variance
         settings["used"], settings["start_sd"] = True, record.start_sd
-        settings["pose_open"] = leaves_pose_open(np.asarray(np.isfinite(record.measured).any(axis=0)), record.start_sd)
+        there = np.isfinite(record.measured)
+        used, read_share = np.asarray(there.any(axis=0)), float(there.any(axis=1).mean())
+        settings["pose_open"] = leaves_pose_open(used, record.start_sd, read_share)
         settings["basis"] = build_basis(record.jaw, record.prior, nodes)[0]
         settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
         self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]

@@ -6,10 +6,11 @@ where encoders are slow, or leave the pose open as one point does, a wrong guess
 gathered along that motion is wrong for good. At the ends of *windows* of 20, 40, 80, ... readings of the encoders
 everything read so far is therefore filtered once more from the first tick on, as if the muscles were as believed now.
 
-Where the whole pose is read, one such replay in each window is enough, and 80 readings are the last window. Where it is
-left open, the belief may settle on more than one motion, as least squares have more than one minimum. Windows then go
-on to the end of the record; in each, several starts are followed until they stay, and the one with the largest
-posterior density (Laplace's approximation, with the motion integrated out) is kept.
+Where the whole pose is read in every tick, one such replay in each window is enough, and 80 readings are the last
+window. Where it is left open, by one point or by encoders that are slower than the ticks, the belief may settle on
+more than one motion, as least squares have more than one minimum. Windows then go on to the end of the record; in
+each, several starts are followed until they stay, and the one with the largest posterior density (Laplace's
+approximation, with the motion integrated out) is kept.
 """
 
 from __future__ import annotations

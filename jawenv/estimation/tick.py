@@ -36,10 +36,16 @@ def filter_settings_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[
     ]
 
 
-def leaves_pose_open(used: NDArray[np.bool_], start_sd: NDArray[np.float64]) -> bool:
-    """Whether the readings used (12) have fewer numbers than the jaw has coordinates that can move."""
+def leaves_pose_open(used: NDArray[np.bool_], start_sd: NDArray[np.float64], read_share: float = 1.0) -> bool:
+    """Whether a tick has fewer numbers of the pose, on average, than the jaw has coordinates that can move.
+
+    Args:
+        used: (12,) which readings there are.
+        start_sd: (n,) of the motion before the first reading; 0 for what is held.
+        read_share: of the ticks, at whose end any encoder is read.
+    """
     half = len(start_sd) // 2
-    return int(np.sum(used[: N_MEASUREMENTS // 2])) < int(np.sum(start_sd[:half] > 0.0))
+    return read_share * float(np.sum(used[: N_MEASUREMENTS // 2])) < float(np.sum(start_sd[:half] > 0.0))
 
 
 @njit

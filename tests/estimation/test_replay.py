@@ -119,6 +119,12 @@ def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(model,
     assert len(simulation.ticks[0]) == 1 + (3000 if expected else 320)
 
 
+@pytest.mark.parametrize(("every", "expected"), [(1, False), (2, True), (5, True)])
+def test_slow_encoders_leave_the_pose_open(record, every, expected):
+    slow = divided(thinned(record, every), every)
+    assert bool(FilterRun(slow).settings["pose_open"]) is expected
+
+
 def test_the_densest_of_several_beliefs_is_taken(record):
     """From starts that are far apart; what comes to the one that is known is not followed."""
     short = record.until(1.0)
