@@ -130,7 +130,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
     body_to_head = rotation(q)
     bend = set_by_place(jaw, q, body_to_head, scratch)
     predict_cov(belief, noise_variance, scratch)
-    answers = set_answer(jaw, belief.motion, device, has_servo, body_to_head, scratch)
+    answers = set_answer(jaw, belief, device, has_servo, body_to_head, scratch)
     predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
     predict_aftermath(belief.aftermath, noise_variance, not has_servo, belief.score, belief.information, scratch)
@@ -139,16 +139,27 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
 
 
 @njit
-def set_answer(jaw, motion, device, has_servo, body_to_head, scratch):
-    """Into ``answer`` how the device's wrench falls as the jaw moves; False where it does not."""
+def set_answer(jaw, belief, device, has_servo, body_to_head, scratch):
+    """Into ``answer`` how the device's wrench falls as the jaw moves, as ``belief`` foresees it; False where not."""
     half = scratch.speeds.shape[0]
     mouthpiece = vector3(jaw.mouthpiece)
     for i in range(half):
-        scratch.speeds[i] = 0.5 * (scratch.start_motion[half + i] + motion[half + i])
+        scratch.speeds[i] = 0.5 * (scratch.start_motion[half + i] + belief.motion[half + i])
     scratch.answer[:, :] = 0.0
     if has_servo:
         add_servos(device, mouthpiece, scratch.by_place, body_to_head, scratch.answer)
-    brakes = add_brake(device, mouthpiece, scratch.by_place, scratch.speeds, scratch.reading, scratch.answer)
+    # As uncertain as they are before the coming readings, which shall not choose what the brake is taken to do.
+    speeds_cov = belief.motion_cov[half:, half:]
+    brakes = add_brake(
+        device,
+        mouthpiece,
+        scratch.by_place,
+        scratch.speeds,
+        speeds_cov,
+        scratch.reading,
+        scratch.answer,
+        scratch.spare,
+    )
     return brakes or has_servo
 
 

@@ -76,13 +76,15 @@ class Held:
         ]
         return np.column_stack(falls)
 
-    def brake(self, state):
-        """Whether the brake works at a state, and its answer."""
-        found = np.zeros((6, len(state)))
-        speeds = state[len(state) // 2 :]
+    def brake(self, state, speeds_cov=None, reading=None):
+        """Whether the brake works at a state, and its answer; speeds are known where no covariance is given."""
+        found, half = np.zeros((6, len(state))), len(state) // 2
+        reading = self.wrench(state, FORCE) if reading is None else reading
+        cov = np.zeros((half, half)) if speeds_cov is None else speeds_cov
+        mouthpiece = tuple(self.jaw["mouthpiece"])
         works = add_brake(
-            self.device, tuple(self.jaw["mouthpiece"]), self.by_place(), speeds, self.wrench(state, FORCE), found
-        )
+            self.device, mouthpiece, self.by_place(), state[half:], cov, reading, found, np.zeros(half)
+        )  # fmt: skip
         return works, found
 
 
@@ -138,4 +140,28 @@ def test_the_wrench_falls_by_the_brake_as_the_jaw_moves_faster(pose, condyles, s
 def test_a_slow_jaw_is_not_braked(rng):
     held = Held(POSES[1], 1)
     works, answer = held.brake(held.moving(fast(held, rng, 0.99 * BRAKE_ONSET)))
+    assert not works and not answer.any()
+
+
+@pytest.mark.parametrize("condyles", [1, 2])
+@pytest.mark.parametrize(("speed", "sd"), [(0.9, 0.2), (1.0, 0.1), (1.1, 0.3), (0.7, 0.2)])
+def test_where_the_speed_is_uncertain_the_brake_is_what_its_force_follows_on_average(condyles, speed, sd, rng):
+    """The regression of the device's own wrench on the speed, by quadrature; both in parts of the brake's onset."""
+    held = Held(POSES[1], condyles)
+    state = held.moving(fast(held, rng, speed * BRAKE_ONSET))
+    half = len(state) // 2
+    faster = np.linspace(-6.0, 6.0, 2001) * sd / speed
+    weight = np.exp(-0.5 * (faster * speed / sd) ** 2)
+    weight /= weight.sum()
+    wrenches = np.array([held.wrench(held.moving(state[half:] * (1.0 + one)), FORCE) for one in faster])
+    regression = -(weight * faster) @ wrenches / (weight @ faster**2)
+    cov = np.outer(state[half:], state[half:]) * (sd / speed) ** 2
+    works, answer = held.brake(state, cov, reading=weight @ wrenches)
+    assert works and np.linalg.norm(regression[:3]) > 1e-3 * held.device["brake"] * BRAKE_ONSET
+    np.testing.assert_allclose(answer[:, half:] @ state[half:], regression, rtol=1e-4, atol=1e-9)
+
+
+def test_a_jaw_at_rest_is_not_braked_however_uncertain_it_is():
+    held = Held(POSES[1], 1)
+    works, answer = held.brake(held.start, np.eye(5))
     assert not works and not answer.any()
