@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 import numba
 import numpy as np
@@ -47,6 +47,15 @@ def cache_folder() -> Path:
 def njit(function: Function) -> Function:
     """Compile a kernel: no Python objects, no fast-math reordering, IEEE division, cached on disk."""
     return _compile(function, parallel=False)
+
+
+def njit_within(function: Function) -> Function:
+    """The same for a kernel that becomes part of its caller's code, and is not compiled by itself.
+
+    Numba optimises each kernel together with all that it calls, so that a chain of kernels in which each only calls the
+    next takes as many times as long to compile as it is long.
+    """
+    return _compile(function, parallel=False, inline="always")
 
 
 # From this many worlds on, sharing the work gains more than waiting for the slowest thread of a busy machine costs.
@@ -99,11 +108,11 @@ def _form_folder(parallel: bool) -> Path:
     return cache_folder() / ("parallel" if parallel else "serial")
 
 
-def _compile(function: Function, parallel: bool) -> Function:
+def _compile(function: Function, parallel: bool, inline: Literal["never", "always"] = "never") -> Function:
     config: Any = numba.config
     previous, config.CACHE_DIR = config.CACHE_DIR, str(_form_folder(parallel))
     try:
-        compiled: Any = numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
+        compiled: Any = numba.njit(cache=True, error_model="numpy", parallel=parallel, inline=inline)(function)
     finally:
         config.CACHE_DIR = previous
     return cast(Function, compiled)

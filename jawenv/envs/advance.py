@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 from numba.np.ufunc.parallel import get_thread_id
 
-from jawenv.compiled import njit, world_kernel
+from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
@@ -112,7 +112,7 @@ def begin_tick(device, model, world, action, settings, scratch):
         scratch.filter.state[i] = true_state(model, world, i)
 
 
-@njit
+@njit_within
 def advance_bound(model, world, settings, scratch):
     """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
     state = scratch.filter.state
@@ -123,7 +123,7 @@ def advance_bound(model, world, settings, scratch):
     update_covariance(model, state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
 
 
-@njit
+@njit_within
 def end_tick(device, model, world, settings, scratch, ticks):
     """Load cell, prediction, encoders and update after the motion of a tick; kept in ``ticks`` if so set."""
     read_load_cell(device, world, scratch)
@@ -144,7 +144,7 @@ def end_tick(device, model, world, settings, scratch, ticks):
     filter_tick(device, model, world, settings, scratch, ticks)
 
 
-@njit
+@njit_within
 def filter_tick(device, model, world, settings, scratch, ticks):
     """The filter's part of a tick, given what the sensors read and ``ticks`` keep."""
     tension = scratch.tension
@@ -158,7 +158,7 @@ def filter_tick(device, model, world, settings, scratch, ticks):
         learn(world, settings, tension)
 
 
-@njit
+@njit_within
 def end_step(world, settings, scratch):
     """Belief and its worth at the end of a control period."""
     learn(world, settings, scratch.tension)
@@ -189,7 +189,7 @@ def clear_step(world):
     world.left_out = 0.0
 
 
-@njit
+@njit_within
 def advance_world(device, model, world, action, settings, scratch, ticks):
     """Advance one world by one control period."""
     clear_step(world)

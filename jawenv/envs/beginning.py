@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 from numba.np.ufunc.parallel import get_thread_id
 
-from jawenv.compiled import njit, world_kernel
+from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
@@ -161,7 +161,7 @@ def prior_covariance(world, settings, covariance):
     covariance[covariance.shape[0] - 1, covariance.shape[0] - 1] = settings.gain_variance
 
 
-@njit
+@njit_within
 def reset_belief(device, model, world, settings, scratch, ticks):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
@@ -191,7 +191,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         scratch.faults,
     )
     keep_tick(model, world, settings, scratch, ticks)
-    take_readings(model, device, world, scratch.measured, scratch.samples, 0, settings, scratch.tension)
+    take_readings(model, device, world, scratch.measured, scratch.samples, world.tick, settings, scratch.tension)
     learn(world, settings, scratch.tension)
     variances = settings.measurement_variance
     if settings.bound:
@@ -213,7 +213,7 @@ def begin_reality(world, settings, scratch):
     reset_reality(reality, world.reality, world.jaw, muscles, q, lift, scratch.measured, scratch.normals)
 
 
-@njit
+@njit_within
 def begin_world(device, model, world, settings, scratch, beginning, ticks):
     """Put one world at rest; False when the device cannot treat its patient."""
     set_muscles(world.jaw, world.log_parameters, 0, world.muscles)

@@ -5,7 +5,7 @@ Discs are stiff: the step is always divided so that the explicit method bears th
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.estimation.sensitivity import (
     accumulate,
     add_inputs,
@@ -25,7 +25,7 @@ from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 1000 rad/s, is stable and damped
 
 
-@njit
+@njit_within
 def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
     """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``."""
     wrench = with_gain(sample, trend, gain)
@@ -61,7 +61,7 @@ def body_step_parts(jaw, muscles, state, dt):
     return parts_needed(fastest_rate(jaw, muscles, midline_pose(q)), dt, BODY_PARTS)
 
 
-@njit
+@njit_within
 def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (12) in place by one step and fill ``scratch.total`` with its derivative.
 

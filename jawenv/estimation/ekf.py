@@ -21,12 +21,14 @@ from __future__ import annotations
 from math import exp
 
 import numpy as np
+from numba.extending import overload
 
 from jawenv.compiled import njit
 from jawenv.estimation.body_sensitivity import propagate_body
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.products import multiply_row
 from jawenv.estimation.sensitivity import N_NOISE, propagate, sensitivity_fields
+from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 TREND_TIME = 0.05  # s: long beside a step, short beside a maneuver
@@ -136,13 +138,28 @@ def set_noise_variance(known, gain_variance, samples, trend, scratch):
         scratch.noise_variance[N_WRENCH + k] = known[N_WRENCH + k]
 
 
+def propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """``propagate`` or ``propagate_body``, whichever is for as many states as ``scratch`` is made for.
+
+    Known from the types, so that the other one is not compiled in vain.
+    """
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(propagate_either, inline="always")
+def _choose_model(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    chosen = propagate_body if scratch.typeof("total").shape[0] == N_BODY else propagate
+
+    def call(jaw, muscles, state, samples, trend, gain, dt, scratch):
+        chosen(jaw, muscles, state, samples, trend, gain, dt, scratch)
+
+    return call
+
+
 @njit
 def move(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    """Propagate the motion with its derivative, by the model that ``jaw`` is of."""
-    if jaw.condyles == 2:
-        propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch)
-    else:
-        propagate(jaw, muscles, state, samples, trend, gain, dt, scratch)
+    """Propagate the motion with its derivative, by the model that ``scratch`` is made for."""
+    propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch)
 
 
 @njit

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 
 
-@njit
+@njit_within
 def multiply_row(left, i, right, product, inner, columns):
     """Row i of ``product``, its first ``columns``, = the first ``inner`` of row i of ``left`` times ``right``.
 

@@ -19,7 +19,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.posterior import factor_positive
 from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
@@ -61,7 +61,7 @@ def ends_window(belief, settings, scratch):
     return belief.read == window and (settings.pose_open or window <= LAST_WINDOW)
 
 
-@njit
+@njit_within
 def renew(jaw, device, belief, rows, tick, settings, scratch):
     """At the end of a window: filter ``rows`` 0 to ``tick`` again about the belief, or about the best of several.
 
@@ -95,7 +95,7 @@ def set_starts(belief, settings, starts):
         starts[2, i], starts[3, i] = mean + apart, mean - apart
 
 
-@njit
+@njit_within
 def search(jaw, device, belief, rows, tick, settings, scratch, starts, passes, small_step):
     """The belief about rows 0 to ``tick`` whose density is largest among those found from ``starts`` (S, p)."""
     best, found, last = -np.inf, -1, -1
@@ -114,7 +114,7 @@ def search(jaw, device, belief, rows, tick, settings, scratch, starts, passes, s
         replay(jaw, device, belief, rows, tick, settings, scratch)
 
 
-@njit
+@njit_within
 def settle(jaw, device, belief, rows, tick, settings, scratch, start, passes, small_step, known):
     """Follow a start until the belief stays where the readings were filtered about, ``about``.
 
@@ -144,7 +144,7 @@ def distance(belief, parameters):
     return furthest
 
 
-@njit
+@njit_within
 def replay(jaw, device, belief, rows, tick, settings, scratch):
     """Filter rows 0 to ``tick`` from the first on about the belief's mean, and learn at the end alone.
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from math import cos, sin
 from typing import Any
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -74,7 +74,7 @@ def with_gain(sample, trend, gain):
     )
 
 
-@njit
+@njit_within
 def add_inputs(slope, by_input, trend, tilt):
     """Add what parameters, gain and wrench do to the accelerations, the lower half of ``slope``.
 
@@ -92,7 +92,7 @@ def add_inputs(slope, by_input, trend, tilt):
             slope[first + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
 
 
-@njit
+@njit_within
 def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
     """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
 
@@ -172,7 +172,7 @@ def step_parts(jaw, muscles, state, dt):
     return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
 
 
-@njit
+@njit_within
 def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 

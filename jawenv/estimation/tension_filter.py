@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.device.answer import add_brake, add_servos
 from jawenv.estimation.ekf import mean_reading, move, set_muscles
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
@@ -111,7 +111,7 @@ def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) ->
     ]
 
 
-@njit
+@njit_within
 def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, scratch):
     """Time update over one step: motion, its covariance, and its derivative by the coefficients.
 
@@ -197,7 +197,7 @@ def predict_by_tension(by_tension, scratch):
             by_tension[i, j] = moved[i, j]
 
 
-@njit
+@njit_within
 def update_motion(jaw, belief, measured, variances, used, scratch):
     """Measurement update: motion, covariance, derivative, and what the innovations say about the coefficients.
 
@@ -331,7 +331,7 @@ def forget_readings(belief):
     set_coefficients(belief.basis, belief.belief_mean, belief.nominal)
 
 
-@njit
+@njit_within
 def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     believe(

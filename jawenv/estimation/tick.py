@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.readings import mark_usable, repair_samples
@@ -85,7 +85,7 @@ def take_readings(jaw, device, belief, measured, samples, tick, settings, scratc
     return lost
 
 
-@njit
+@njit_within
 def learn(belief, settings, scratch):
     """The belief about the parameters from all information so far."""
     conclude(belief, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch)

@@ -8,7 +8,7 @@ place and velocity.
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.mechanics.bilateral import midline_pose, point_motion
 from jawenv.mechanics.dynamics import N_WRENCH, inertia_times
 from jawenv.mechanics.forces import capsule_force, carried_with_stiffness, smooth_ramp
@@ -155,7 +155,7 @@ def fill_column(jaw, body_to_head, inverse, rho, d_force, d_turn, d_swing, d_shi
         matrix[3 + i, j] = spin[i]
 
 
-@njit
+@njit_within
 def fill_body_inputs(jaw, muscles, body_to_head, inverse, rho, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (6, 2 m + 6)."""
     of_wrench = by_input.shape[1] - N_WRENCH

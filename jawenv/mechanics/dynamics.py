@@ -13,7 +13,7 @@ given in body axes, as the load cell in the mouthpiece feels it.
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_within
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
@@ -205,7 +205,7 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
     return rate
 
 
-@njit
+@njit_within
 def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6).
 
