@@ -23,7 +23,7 @@ from jawenv.estimation.ekf import (
 from jawenv.estimation.measurement import N_MEASUREMENTS, measure
 from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew
 from jawenv.estimation.sensitivity import N_SAMPLES
-from jawenv.estimation.tick import EAGER_TICKS, filter_settings_fields, learn, take_readings
+from jawenv.estimation.tick import EAGER_TICKS, filter_settings_dtype, learn, take_readings
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
@@ -39,7 +39,7 @@ _CELL, _ENCODERS = 6, 24
 def settings_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
-        *filter_settings_fields(n_muscles, n_states, n_nodes),
+        ("filter", filter_settings_dtype(n_muscles, n_states, n_nodes)),
         ("bound", "u1"),
         ("record", "u1"),
         ("reality", REALITY),
@@ -103,7 +103,7 @@ def begin_tick(device, model, world, action, settings, scratch):
     normals = scratch.normals
     q, u = split(world.state)
     lift = lift_of(world)
-    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.trajectory, TICK)
+    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.filter.trajectory, TICK)
     update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
@@ -116,11 +116,13 @@ def begin_tick(device, model, world, action, settings, scratch):
 def advance_bound(model, world, settings, scratch):
     """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
     state = scratch.filter.state
-    move(model, world.muscles, state, scratch.wrench, world.trend, 0.0, TICK, scratch.filter)
-    predict_covariance(world.bound, settings.noise_variance, scratch.filter)
+    move(model, world.muscles, state, scratch.wrench, world.belief.trend, 0.0, TICK, scratch.filter)
+    predict_covariance(world.bound, settings.filter.noise_variance, scratch.filter)
     for i in range(state.shape[0]):
         state[i] = true_state(model, world, i)
-    update_covariance(model, state, world.bound, settings.measurement_variance, settings.used, scratch.filter)
+    update_covariance(
+        model, state, world.bound, settings.filter.measurement_variance, settings.filter.used, scratch.filter
+    )
 
 
 @njit_within
@@ -147,21 +149,21 @@ def end_tick(device, model, world, settings, scratch, ticks):
 @njit_within
 def filter_tick(device, model, world, settings, scratch, ticks):
     """The filter's part of a tick, given what the sensors read and ``ticks`` keep."""
-    tension = scratch.tension
-    lost = take_readings(model, device, world, scratch.measured, scratch.samples, world.tick, settings, tension)
+    belief, known, tension = world.belief, settings.filter, scratch.tension
+    lost = take_readings(model, device, belief, scratch.measured, scratch.samples, world.tick, known, tension)
     world.left_out += lost / (settings.channels * settings.ticks_per_step)
     for k in range(6):
         world.reading[k] = mean_reading(tension.usable, k)
-    if world.tick < ticks.shape[0] and ends_window(world, settings, tension):
-        renew(model, device, world, ticks, world.tick, settings, tension)
+    if world.tick < ticks.shape[0] and ends_window(belief, known, tension):
+        renew(model, device, belief, ticks, world.tick, known, tension)
     if world.tick < EAGER_TICKS:
-        learn(world, settings, tension)
+        learn(belief, known, tension)
 
 
 @njit_within
 def end_step(world, settings, scratch):
     """Belief and its worth at the end of a control period."""
-    learn(world, settings, scratch.tension)
+    learn(world.belief, settings.filter, scratch.tension)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 

@@ -152,13 +152,13 @@ def reset_motors(device, world):
 @njit
 def prior_covariance(world, settings, covariance):
     """The joint prior over motion, log-parameters and gain, for the bound's recursion."""
-    first = world.motion.shape[0]
+    first = world.belief.motion.shape[0]
     covariance[:, :] = 0.0
     for i in range(first):
-        covariance[i, i] = world.motion_cov[i, i]
-    for i in range(settings.prior_sd.shape[0]):
-        covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
-    covariance[covariance.shape[0] - 1, covariance.shape[0] - 1] = settings.gain_variance
+        covariance[i, i] = world.belief.motion_cov[i, i]
+    for i in range(settings.filter.prior_sd.shape[0]):
+        covariance[first + i, first + i] = settings.filter.prior_sd[i] * settings.filter.prior_sd[i]
+    covariance[covariance.shape[0] - 1, covariance.shape[0] - 1] = settings.filter.gain_variance
 
 
 @njit_within
@@ -166,16 +166,17 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
     normals = scratch.normals
     fill_normals((world.key[0], world.key[1]), -1, normals)
-    size = world.motion.shape[0]
+    size = world.belief.motion.shape[0]
     for i in range(size):
-        ticks[0].believed[i] = true_state(model, world, i) + settings.start_sd[i] * normals[i]
-    begin_motion(world, ticks[0].believed, settings.start_sd)
-    begin_belief(settings.basis, world, settings.prior_mean, settings.prior_sd)
+        ticks[0].believed[i] = true_state(model, world, i) + settings.filter.start_sd[i] * normals[i]
+    belief, known = world.belief, settings.filter
+    begin_motion(belief, ticks[0].believed, known.start_sd)
+    begin_belief(known.basis, belief, known.prior_mean, known.prior_sd)
     world.cell_gain = device.cell_gain * normals[size]
     world.bound[:, :] = np.nan
     if settings.bound:
         prior_covariance(world, settings, world.bound)
-    world.log_det_prior = cholesky_parameters(world.belief_cov, 0, scratch.matrix)
+    world.log_det_prior = cholesky_parameters(world.belief.belief_cov, 0, scratch.matrix)
     world.log_det_bound = np.nan
     refresh_information(world, settings, scratch.matrix, scratch.right)
     world.log_score_prior = world.log_score
@@ -191,13 +192,14 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         scratch.faults,
     )
     keep_tick(model, world, settings, scratch, ticks)
-    take_readings(model, device, world, scratch.measured, scratch.samples, world.tick, settings, scratch.tension)
-    learn(world, settings, scratch.tension)
-    variances = settings.measurement_variance
+    take_readings(model, device, belief, scratch.measured, scratch.samples, world.tick, known, scratch.tension)
+    learn(belief, known, scratch.tension)
     if settings.bound:
         for i in range(size):
             scratch.filter.state[i] = true_state(model, world, i)
-        update_covariance(model, scratch.filter.state, world.bound, variances, settings.used, scratch.filter)
+        update_covariance(
+            model, scratch.filter.state, world.bound, known.measurement_variance, known.used, scratch.filter
+        )
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 

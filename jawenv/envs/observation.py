@@ -106,13 +106,13 @@ def filtered_motion(model, mean):
 @njit
 def observe_world(device, model, world, settings, scratch, row):
     """Fill one row of the observation."""
-    parameters = settings.prior_mean.shape[0]
+    parameters = settings.filter.prior_mean.shape[0]
     for i in range(parameters):
-        sd = sqrt(max(world.belief_cov[i, i], 1e-300))
-        row[i] = bounded((world.belief_mean[i] - settings.prior_mean[i]) / settings.prior_sd[i])
-        row[parameters + i] = bounded(log10(sd / settings.prior_sd[i]))
+        sd = sqrt(max(world.belief.belief_cov[i, i], 1e-300))
+        row[i] = bounded((world.belief.belief_mean[i] - settings.filter.prior_mean[i]) / settings.filter.prior_sd[i])
+        row[parameters + i] = bounded(log10(sd / settings.filter.prior_sd[i]))
     seen = row[2 * parameters :]
-    q, u, lift = filtered_motion(model, world.motion)
+    q, u, lift = filtered_motion(model, world.belief.motion)
     for i in range(5):
         seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         seen[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
@@ -129,11 +129,11 @@ def observe_world(device, model, world, settings, scratch, row):
     for i in range(N_MOTORS):
         seen[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
         lead = 0.0
-        if settings.trajectory:
+        if settings.filter.trajectory:
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(model, world.belief_mean, 0, scratch.filter.muscles)
+    set_muscles(model, world.belief.belief_mean, 0, scratch.filter.muscles)
     force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.filter.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):

@@ -74,7 +74,7 @@ def midline_tick(device, world, scratch, settings):
     rate = fastest_rate(world.jaw, scratch.effective, q)
     parts = parts_needed(rate, TICK, SUBSTEPS)
     acted = midline_steps(device, world, scratch, settings, parts)
-    rate += device_rate(device, world.jaw, settings.trajectory)
+    rate += device_rate(device, world.jaw, settings.filter.trajectory)
     shorter = parts_needed(rate, TICK, SUBSTEPS)
     if acted > 0.0 and shorter > parts:
         for i in range(5):
@@ -86,7 +86,7 @@ def midline_tick(device, world, scratch, settings):
 @njit
 def midline_steps(device, world, scratch, settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.trajectory
+    acted, trajectory = 0.0, settings.filter.trajectory
     h = TICK / parts
     for step in range(parts):
         start_q, start_u = split(world.state)
@@ -116,7 +116,7 @@ def midline_steps(device, world, scratch, settings, parts):
 @njit
 def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.trajectory
+    acted, trajectory = 0.0, settings.filter.trajectory
     h = TICK / BODY_SUBSTEPS
     for step in range(BODY_SUBSTEPS):
         start_q, start_u = split_body(world.body)
@@ -177,4 +177,4 @@ def true_motion(device, world, scratch, settings):
         acted = bilateral_tick(device, world, scratch, settings)
     else:
         acted = midline_tick(device, world, scratch, settings)
-    return max(acted, end_motion(device, world, scratch, settings.trajectory))
+    return max(acted, end_motion(device, world, scratch, settings.filter.trajectory))

@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from jawenv.compiled import njit
 from jawenv.envs.plants import true_state
-from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.record import Record
-from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.mechanics.dynamics import N_WRENCH
 
 if TYPE_CHECKING:
     from jawenv.envs.simulation import Simulation
-
-
-@cache
-def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of what is kept of one tick: readings at its end, load cell and true wrench during it, true motion."""
-    fields = [
-        ("measured", "f8", N_MEASUREMENTS),
-        ("samples", "f8", (N_SAMPLES, 6)),
-        ("wrench", "f8", (N_SAMPLES, 6)),
-        ("state", "f8", (n_states,)),
-        ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
-    ]
-    return np.dtype(fields, align=True)
 
 
 @njit
@@ -41,7 +25,7 @@ def keep_tick(model, world, settings, scratch, ticks):
         return
     row = ticks[world.tick]
     for i in range(row.measured.shape[0]):
-        row.measured[i] = scratch.measured[i] if settings.used[i] else np.nan
+        row.measured[i] = scratch.measured[i] if settings.filter.used[i] else np.nan
     for i in range(row.samples.shape[0]):
         for k in range(6):
             row.samples[i, k] = scratch.samples[i, k]
@@ -56,7 +40,7 @@ def keep_tick(model, world, settings, scratch, ticks):
 
 def record_of(simulation: Simulation, index: int) -> Record:
     """What the device of world ``index`` has measured in its present episode; the simulation must keep ticks."""
-    world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings[0]
+    world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings["filter"][0]
     rows = ticks[: int(world["tick"]) + 1]
     return Record(
         time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,

@@ -17,13 +17,12 @@ from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
-from jawenv.envs.recording import tick_dtype
 from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.estimation.replay import LAST_WINDOW
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tick import leaves_pose_open
+from jawenv.estimation.tick import leaves_pose_open, tick_dtype
 from jawenv.ladder import Estimator, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -179,39 +178,43 @@ class Simulation:
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
-        replayed = ticks if self.settings["pose_open"][0] else REPLAYED
+        replayed = ticks if self.settings["filter"]["pose_open"][0] else REPLAYED
         return ticks if self.configuration.record else min(ticks, replayed)
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
-        configuration, device = self.configuration, self.device[0]
+        configuration = self.configuration
         records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), n_states, self._n_nodes))
         settings = records[0]
-        settings["dt"] = TICK
-        settings["trajectory"] = configuration.control == "trajectory"
+        self._tell_filter(records["filter"][0])
+        settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         settings["bound"] = configuration.needs_bound
         settings["record"] = configuration.record
+        settings["reality"] = self.reality.records()[0]
+        settings["steps"] = configuration.steps
+        settings["ticks_per_step"] = configuration.ticks_per_step
+        return records
+
+    def _tell_filter(self, known: Any) -> None:
+        """Fill a record of dtype ``filter_settings_dtype``."""
+        configuration, device = self.configuration, self.device[0]
+        known["dt"] = TICK
+        known["trajectory"] = configuration.control == "trajectory"
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
-        settings["used"] = pose if configuration.sensors == "pose" else point
-        settings["start_sd"] = start_sd(self._jaw, self._known_condyles)
-        settings["pose_open"] = leaves_pose_open(settings["used"] != 0, settings["start_sd"])
+        known["used"] = pose if configuration.sensors == "pose" else point
+        known["start_sd"] = start_sd(self._jaw, self._known_condyles)
+        known["pose_open"] = leaves_pose_open(known["used"] != 0, known["start_sd"])
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-        settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        known["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
         constant = [unmodelled[0] + cell_force, unmodelled[1] + cell_moment]
         # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
-        settings["noise_variance"] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
-        settings["gain_variance"] = float(device["cell_gain"]) ** 2
-        settings["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
-        settings["channels"] = int(settings["used"].sum()) + N_WRENCH
-        settings["prior_mean"] = self.cohort.prior.mean
-        settings["prior_sd"] = self.cohort.prior.sd
-        settings["reality"] = self.reality.records()[0]
-        settings["steps"] = configuration.steps
-        settings["ticks_per_step"] = configuration.ticks_per_step
-        return records
+        known["noise_variance"] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
+        known["gain_variance"] = float(device["cell_gain"]) ** 2
+        known["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
+        known["prior_mean"], known["prior_sd"] = self.cohort.prior.mean, self.cohort.prior.sd
 
     def seed_world(self, index: int, generator: np.random.Generator) -> None:
         """Give a world the key that all its coming episodes draw from."""

@@ -3,6 +3,7 @@
 The record is filtered as if the muscles were known, and the belief is made at its end; then again about that belief,
 until it stays (``replay``). Where readings leave the pose open, as those of one point do, more than one belief may
 stay, as least squares have more than one minimum: of several starts, the belief with the largest density is taken.
+Where they do not, the path's parameters are the only start.
 """
 
 from __future__ import annotations
@@ -25,14 +26,16 @@ def integrate_out(record: Record, found: Array) -> tuple[Array, Array]:
 
     Args:
         record: the record.
-        found: (p,) where to begin, besides where the filter ends and what ``replay.set_starts`` makes of that.
+        found: (p,) where to begin; where the pose is left open, also where the filter ends and what
+            ``replay.set_starts`` makes of that.
     """
     run = FilterRun(record)
     jaw, device, belief, rows, settings, scratch = run.arguments
-    kept = np.empty((1, len(found))), np.empty((1, len(found), len(found)))
-    filter_record(*run.arguments, len(rows), *kept)
-    starts = np.empty((1 + N_STARTS, len(found)))
-    starts[0] = found
-    set_starts(belief, settings, starts[1:])
+    starts = found[None].copy()
+    if settings["pose_open"]:
+        kept = np.empty((1, len(found))), np.empty((1, len(found), len(found)))
+        filter_record(*run.arguments, len(rows), *kept)
+        starts = np.vstack([starts, np.empty((N_STARTS, len(found)))])
+        set_starts(belief, settings, starts[1:])
     search(jaw, device, belief, rows, run.last, settings, scratch, starts, PASSES, SMALL_STEP)
     return belief["belief_mean"].copy(), belief["belief_cov"].copy()

@@ -10,21 +10,19 @@ from numpy.typing import NDArray
 from jawenv.compiled import njit
 from jawenv.errors import InputError
 from jawenv.estimation.estimator import Estimate
-from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.record import Record
 from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew, replay
-from jawenv.estimation.sensitivity import N_SAMPLES
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_filter import begin_belief, belief_fields
+from jawenv.estimation.tension_filter import begin_belief, belief_dtype
 from jawenv.estimation.tick import (
     EAGER_TICKS,
     begin_motion,
-    filter_settings_fields,
+    filter_settings_dtype,
     learn,
     leaves_pose_open,
     take_readings,
+    tick_dtype,
 )
-from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 
@@ -67,7 +65,7 @@ class FilterRun:
         """Make the arrays; the belief is the prior."""
         states, muscles = len(record.start_mean), len(record.parameter_names) // 2
         nodes, lines = nodes_needed(record.prior), len(record.jaw["l_o"])
-        settings = np.zeros(1, dtype=np.dtype(filter_settings_fields(muscles, states, nodes), align=True))[0]
+        settings = np.zeros(1, dtype=filter_settings_dtype(muscles, states, nodes))[0]
         device, settings["trajectory"] = record.answering()
         settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
         settings["measurement_variance"], settings["noise_variance"] = record.measurement_sd**2, record.noise_variance
@@ -77,7 +75,7 @@ class FilterRun:
         settings["pose_open"] = leaves_pose_open(used, record.start_sd, read_share)
         settings["basis"] = build_basis(record.jaw, record.prior, nodes)[0]
         settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
-        self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, states, nodes), align=True))[0]
+        self.belief = np.zeros(1, dtype=belief_dtype(muscles, states, nodes))[0]
         scratch = np.zeros(1, dtype=online_scratch_dtype(muscles, lines, states, nodes))[0]
         rows = _rows(record)
         self.settings = settings
@@ -106,12 +104,7 @@ def belief_about(record: Record, parameters: Array) -> tuple[Array, Array]:
 
 def _rows(record: Record) -> Any:
     """The record's readings as ``replay`` takes them."""
-    fields = [
-        ("measured", "f8", N_MEASUREMENTS),
-        ("samples", "f8", (N_SAMPLES, N_WRENCH)),
-        ("believed", "f8", (len(record.start_mean),)),
-    ]
-    rows = np.zeros(len(record.time), dtype=np.dtype(fields, align=True))
+    rows = np.zeros(len(record.time), dtype=tick_dtype(len(record.start_mean)))
     rows["measured"], rows["samples"][1:] = record.measured, record.samples
     rows["believed"][0] = record.start_mean
     return rows

@@ -69,10 +69,9 @@ def renew(jaw, device, belief, rows, tick, settings, scratch):
         jaw: The filter's model.
         device: Record of dtype ``DEVICE``.
         belief: What the filter carries.
-        rows: (> tick) records with fields ``measured`` (12) and ``samples`` (3, 6), and in row 0 ``believed`` (n), the
-            motion before the first reading.
+        rows: (> tick) records of dtype ``tick_dtype``.
         tick: The last.
-        settings: See ``tick.filter_settings_fields``.
+        settings: See ``tick.filter_settings_dtype``.
         scratch: Working memory.
     """
     learn(belief, settings, scratch)

@@ -65,15 +65,13 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
-class Smoothed:
+class FoundPath:
     """The most probable path.
 
     Attributes:
         path: it.
         path_cov: (p, p) of its parameters: inverse of the Gauss-Newton Hessian, with the load cell's gain error
             considered.
-        mean: (p,) of the natural-log parameters, the motion integrated out.
-        cov: (p, p) of them.
         costs: of every path on the way, the first included, since the model's steps were last divided anew.
         step: largest change of a parameter that the last step asked for, in posterior sds.
         converged: whether that is within the tolerance.
@@ -81,11 +79,22 @@ class Smoothed:
 
     path: Path
     path_cov: Array
-    mean: Array
-    cov: Array
     costs: tuple[float, ...]
     step: float
     converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed(FoundPath):
+    """The most probable path, and the parameters whatever the motion.
+
+    Attributes:
+        mean: (p,) of the natural-log parameters, the motion integrated out.
+        cov: (p, p) of them.
+    """
+
+    mean: Array
+    cov: Array
 
 
 class IteratedSmoother:
@@ -136,7 +145,13 @@ class IteratedSmoother:
         )
 
     def smooth(self, record: Record) -> Smoothed:
-        """The most probable path of a record.
+        """The most probable path of a record, and from there the parameters."""
+        found = self.find_path(record)
+        mean, cov = integrate_out(record, found.path.parameters)
+        return Smoothed(found.path, found.path_cov, found.costs, found.step, found.converged, mean, cov)
+
+    def find_path(self, record: Record) -> FoundPath:
+        """The most probable path of a record: motion and parameters together.
 
         The search begins at the extended Kalman filter's last estimate. Each step is halved until the cost falls; if no
         step makes it fall, the path before is returned, as not converged.
@@ -156,7 +171,7 @@ class IteratedSmoother:
                 costs = [path.cost]
             elif size <= self.tolerance or better is None:
                 break
-        return Smoothed(path, cov, *integrate_out(record, path.parameters), tuple(costs), size, size <= self.tolerance)
+        return FoundPath(path, cov, tuple(costs), size, size <= self.tolerance)
 
 
 class _Problem:

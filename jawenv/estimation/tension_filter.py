@@ -19,6 +19,7 @@ of the readings instead, for what the servo answers to the filter's own errors i
 
 from __future__ import annotations
 
+from functools import cache
 from math import log
 from typing import Any
 
@@ -57,10 +58,11 @@ def tension_count(n_muscles: int, n_nodes: int) -> int:
     return n_muscles * n_nodes + 1
 
 
-def belief_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
-    """What the filter carries from tick to tick, as fields of a dtype."""
+@cache
+def belief_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
+    """Dtype of what the filter carries from tick to tick."""
     size, parameters = tension_count(n_muscles, n_nodes), 2 * n_muscles
-    return [
+    fields = [
         ("motion", "f8", (n_states,)),
         ("motion_cov", "f8", (n_states, n_states)),
         ("by_tension", "f8", (n_states, size)),
@@ -80,6 +82,7 @@ def belief_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
         ("held_sample", "f8", (N_WRENCH,)),
         ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was believed
     ]
+    return np.dtype(fields, align=True)
 
 
 def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> list[Any]:

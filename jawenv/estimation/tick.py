@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,19 @@ from jawenv.compiled import njit, njit_within
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.readings import mark_usable, repair_samples
-from jawenv.estimation.sensitivity import N_NOISE
+from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
 from jawenv.estimation.tension_basis import basis_dtype
 from jawenv.estimation.tension_filter import conclude, forget_settling, predict_motion, update_motion
+from jawenv.mechanics.dynamics import N_WRENCH
 
 # Ticks at the start after each of which the belief is renewed: its first guess is far off.
 EAGER_TICKS = 20
 
 
-def filter_settings_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[Any]:
-    """What a filter knows of device, patient and prior, as fields of a dtype."""
-    return [
+@cache
+def filter_settings_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
+    """Dtype of what a filter knows of device, patient and prior."""
+    fields = [
         ("dt", "f8"),
         ("trajectory", "u1"),
         ("used", "u1", N_MEASUREMENTS),
@@ -34,6 +36,23 @@ def filter_settings_fields(n_muscles: int, n_states: int, n_nodes: int) -> list[
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
     ]
+    return np.dtype(fields, align=True)
+
+
+@cache
+def tick_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of what is kept of one tick: readings at its end, load cell and true wrench during it, true motion.
+
+    The filter, which may go back to it, reads ``measured``, ``samples`` and ``believed`` alone.
+    """
+    fields = [
+        ("measured", "f8", N_MEASUREMENTS),
+        ("samples", "f8", (N_SAMPLES, N_WRENCH)),
+        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),
+        ("state", "f8", (n_states,)),
+        ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
+    ]
+    return np.dtype(fields, align=True)
 
 
 def leaves_pose_open(used: NDArray[np.bool_], start_sd: NDArray[np.float64], read_share: float = 1.0) -> bool:

@@ -12,7 +12,7 @@ from jawenv.estimation.replay import online_scratch_dtype
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
 from jawenv.estimation.tension_filter import (
     begin_belief,
-    belief_fields,
+    belief_dtype,
     predict_motion,
     update_motion,
 )
@@ -26,7 +26,7 @@ class Running:
         self.size, muscles = len(record.start_mean), len(record.parameter_names) // 2
         nodes = nodes_needed(record.prior)
         self.basis = build_basis(record.jaw, record.prior, nodes)[0]
-        self.belief = np.zeros(1, dtype=np.dtype(belief_fields(muscles, self.size, nodes), align=True))[0]
+        self.belief = np.zeros(1, dtype=belief_dtype(muscles, self.size, nodes))[0]
         dtype = online_scratch_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes)
         self.scratch = np.zeros(1, dtype=dtype)[0]
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)

@@ -58,7 +58,7 @@ class Push:
 
 
 def drawn(name, agent, force_N, seconds, draws):
-    """Records of one patient and many draws of the noise, and what the smoother finds in each.
+    """Records of one patient and many draws of the noise, and the most probable path of each.
 
     Every F_o is ``force_N``, every b the usual one; the prior's mean is moved to them, its sds are the usual ones.
     """
@@ -73,7 +73,7 @@ def drawn(name, agent, force_N, seconds, draws):
     assert not played.terminated.any()
     records = [replace(record, prior=Prior(truth, usual.sd)) for record in played.records]
     # A hundredth of an sd is nothing beside the scatter.
-    found = [IteratedSmoother(tolerance=1e-2).smooth(record) for record in records]
+    found = [IteratedSmoother(tolerance=1e-2).find_path(record) for record in records]
     assert all(result.converged for result in found)
     return records, found
 

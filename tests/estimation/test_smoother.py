@@ -66,7 +66,7 @@ class Dense:
 
 def test_the_solution_is_the_minimum_of_the_independent_cost_and_its_covariance_that_of_dense_least_squares(record):
     short = replace(record.until(0.09), gain_sd=0.05)
-    result = IteratedSmoother(tolerance=1e-7).smooth(short)
+    result = IteratedSmoother(tolerance=1e-7).find_path(short)
     dense = Dense(short)
     unknowns = dense.at(result.path)
     residuals = dense.residuals(unknowns).real
@@ -92,7 +92,7 @@ def test_the_solution_is_the_minimum_of_the_independent_cost_and_its_covariance_
 def test_readings_that_are_missing_do_not_count(record, rng):
     measured = np.where(rng.random((16, 12)) < 0.4, np.nan, record.measured[:16])
     holey = replace(record.until(0.15), measured=measured)
-    result, dense = IteratedSmoother(tolerance=1e-6).smooth(holey), Dense(holey)
+    result, dense = IteratedSmoother(tolerance=1e-6).find_path(holey), Dense(holey)
     values = dense.residuals(dense.at(result.path)).real
     assert np.isnan(values).sum() == np.isnan(measured).sum() > 50
     assert result.path.cost == pytest.approx(0.5 * np.nansum(values**2), rel=1e-9)
@@ -102,11 +102,11 @@ def test_the_cost_falls_with_every_step_and_the_start_does_not_matter(monkeypatc
     """From the filter's end and from the prior alone: the same minimum."""
     for record in opening("healthy").records[:3]:
         record = record.until(10.0)
-        near = IteratedSmoother().smooth(record)
+        near = IteratedSmoother().find_path(record)
         with monkeypatch.context() as patched:
             prior = Estimate("prior", np.zeros(1), record.prior.mean[None], np.diag(record.prior.sd**2)[None])
             patched.setattr(ExtendedKalman, "estimate", lambda self, record, prior=prior: prior)
-            far = IteratedSmoother().smooth(record)
+            far = IteratedSmoother().find_path(record)
         for result in (near, far):
             assert result.converged
             assert (np.diff(result.costs) < 0.0).all()
@@ -116,7 +116,7 @@ def test_the_cost_falls_with_every_step_and_the_start_does_not_matter(monkeypatc
 
 def as_the_model_has_it(record, rng):
     """The record of a jaw that moves exactly as the smoother believes, all uncertainty a hundredth of the usual."""
-    path = IteratedSmoother().smooth(record).path
+    path = IteratedSmoother().find_path(record).path
     measured, rows, expected = np.empty_like(record.measured), np.empty((12, 10)), np.empty(12)
     for k, state in enumerate(path.states):
         measure(record.jaw, state, rows, expected)
