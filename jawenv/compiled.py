@@ -25,6 +25,23 @@ _PACKAGE = Path(__file__).parent
 _KERNEL_FOLDERS = ("mechanics", "device", "estimation", "reality", "envs")
 
 
+def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
+    """How a compiled function's symbol names a record that it takes: by its content.
+
+    Numba's own name is a number that counts the types which the process has seen. Two processes that compile one kernel
+    for two models then give both the same symbol, and a third, which reads both from the cache, calls one for the other.
+    """
+    return type(record).__name__, (_content_number(record.name),)
+
+
+@cache
+def _content_number(text: str) -> int:
+    return int(hashlib.sha256(text.encode()).hexdigest()[:15], 16)
+
+
+setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
+
+
 @cache
 def kernel_digest() -> str:
     """Sixteen hexadecimal digits that change with any kernel source or with Numba's version."""
