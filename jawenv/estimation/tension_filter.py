@@ -97,6 +97,7 @@ def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) ->
         ("by_place", "f8", (n_states // 2, 3)),
         ("answer", "f8", (N_WRENCH, n_states)),
         ("speeds", "f8", (n_states // 2,)),
+        ("speeds_cov", "f8", (n_states // 2, n_states // 2)),
         ("line_wrench", "f8", (N_WRENCH, size)),
         ("moved", "f8", (n_states, size)),
         ("moved_cov", "f8", (n_states, n_states)),
@@ -133,7 +134,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
     body_to_head = rotation(q)
     bend = set_by_place(jaw, q, body_to_head, scratch)
     predict_cov(belief, noise_variance, scratch)
-    answers = set_answer(jaw, belief, device, has_servo, body_to_head, scratch)
+    answers = set_answer(jaw, belief.motion, noise_variance, device, has_servo, body_to_head, scratch)
     predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
     predict_aftermath(belief.aftermath, noise_variance, not has_servo, belief.score, belief.information, scratch)
@@ -142,28 +143,41 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
 
 
 @njit
-def set_answer(jaw, belief, device, has_servo, body_to_head, scratch):
-    """Into ``answer`` how the device's wrench falls as the jaw moves, as ``belief`` foresees it; False where not."""
+def set_answer(jaw, motion, noise_variance, device, has_servo, body_to_head, scratch):
+    """Into ``answer`` how the device's wrench falls as the jaw moves; False where it does not."""
     half = scratch.speeds.shape[0]
     mouthpiece = vector3(jaw.mouthpiece)
     for i in range(half):
-        scratch.speeds[i] = 0.5 * (scratch.start_motion[half + i] + belief.motion[half + i])
+        scratch.speeds[i] = 0.5 * (scratch.start_motion[half + i] + motion[half + i])
     scratch.answer[:, :] = 0.0
     if has_servo:
         add_servos(device, mouthpiece, scratch.by_place, body_to_head, scratch.answer)
-    # As uncertain as they are before the coming readings, which shall not choose what the brake is taken to do.
-    speeds_cov = belief.motion_cov[half:, half:]
+    set_trembling(noise_variance, scratch)
     brakes = add_brake(
         device,
         mouthpiece,
         scratch.by_place,
         scratch.speeds,
-        speeds_cov,
+        scratch.speeds_cov,
         scratch.reading,
         scratch.answer,
         scratch.spare,
     )
     return brakes or has_servo
+
+
+@njit
+def set_trembling(noise_variance, scratch):
+    """Into ``speeds_cov`` (n / 2, n / 2) what the unmodelled wrench of a tick makes of the speeds until its end."""
+    total, speeds_cov = scratch.total, scratch.speeds_cov
+    half, wrench = speeds_cov.shape[0], total.shape[0] + 1
+    speeds_cov[:, :] = 0.0
+    for k in range(N_WRENCH):
+        unmodelled = noise_variance[k] - noise_variance[N_WRENCH + k]
+        for i in range(half):
+            factor = total[half + i, wrench + k] * unmodelled
+            for j in range(half):
+                speeds_cov[i, j] += factor * total[half + j, wrench + k]
 
 
 @njit
