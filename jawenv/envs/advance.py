@@ -191,7 +191,7 @@ def clear_step(world):
     world.left_out = 0.0
 
 
-@njit_within
+@njit
 def advance_world(device, model, world, action, settings, scratch, ticks):
     """Advance one world by one control period."""
     clear_step(world)

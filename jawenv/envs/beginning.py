@@ -215,7 +215,7 @@ def begin_reality(world, settings, scratch):
     reset_reality(reality, world.reality, world.jaw, muscles, q, lift, scratch.measured, scratch.normals)
 
 
-@njit_within
+@njit
 def begin_world(device, model, world, settings, scratch, beginning, ticks):
     """Put one world at rest; False when the device cannot treat its patient."""
     set_muscles(world.jaw, world.log_parameters, 0, world.muscles)

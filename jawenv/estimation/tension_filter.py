@@ -116,11 +116,12 @@ def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) ->
 
 
 @njit_within
-def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, scratch):
+def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, device, has_servo, scratch):
     """Time update over one step: motion, its covariance, and its derivative by the coefficients.
 
     ``samples`` (3, 6) are the load cell's at start, middle and end; ``noise_variance`` (12) is that of the wrench not
-    known: constant over the step, unmodelled and load-cell noise together; and tilting, the load cell's noise alone.
+    known: constant over the step, unmodelled and load-cell noise together; and tilting, the load cell's noise alone;
+    ``usual_variance`` (12) is the same where the load cell does not fail.
     ``device`` is a record of dtype ``DEVICE``; its motors' servos are asked for where ``has_servo``.
     """
     size = belief.motion.shape[0]
@@ -134,7 +135,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
     body_to_head = rotation(q)
     bend = set_by_place(jaw, q, body_to_head, scratch)
     predict_cov(belief, noise_variance, scratch)
-    answers = set_answer(jaw, belief.motion, noise_variance, device, has_servo, body_to_head, scratch)
+    answers = set_answer(jaw, belief.motion, usual_variance, device, has_servo, body_to_head, scratch)
     predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
     predict_aftermath(belief.aftermath, noise_variance, not has_servo, belief.score, belief.information, scratch)
@@ -143,7 +144,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, device, has_servo, 
 
 
 @njit
-def set_answer(jaw, motion, noise_variance, device, has_servo, body_to_head, scratch):
+def set_answer(jaw, motion, usual_variance, device, has_servo, body_to_head, scratch):
     """Into ``answer`` how the device's wrench falls as the jaw moves; False where it does not."""
     half = scratch.speeds.shape[0]
     mouthpiece = vector3(jaw.mouthpiece)
@@ -152,7 +153,7 @@ def set_answer(jaw, motion, noise_variance, device, has_servo, body_to_head, scr
     scratch.answer[:, :] = 0.0
     if has_servo:
         add_servos(device, mouthpiece, scratch.by_place, body_to_head, scratch.answer)
-    set_trembling(noise_variance, scratch)
+    set_trembling(usual_variance, scratch)
     brakes = add_brake(
         device,
         mouthpiece,
@@ -167,13 +168,13 @@ def set_answer(jaw, motion, noise_variance, device, has_servo, body_to_head, scr
 
 
 @njit
-def set_trembling(noise_variance, scratch):
+def set_trembling(usual_variance, scratch):
     """Into ``speeds_cov`` (n / 2, n / 2) what the unmodelled wrench of a tick makes of the speeds until its end."""
     total, speeds_cov = scratch.total, scratch.speeds_cov
     half, wrench = speeds_cov.shape[0], total.shape[0] + 1
     speeds_cov[:, :] = 0.0
     for k in range(N_WRENCH):
-        unmodelled = noise_variance[k] - noise_variance[N_WRENCH + k]
+        unmodelled = usual_variance[k] - usual_variance[N_WRENCH + k]
         for i in range(half):
             factor = total[half + i, wrench + k] * unmodelled
             for j in range(half):

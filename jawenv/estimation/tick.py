@@ -94,7 +94,17 @@ def take_readings(jaw, device, belief, measured, samples, tick, settings, scratc
             scratch.known,
             scratch.usable,
         )
-        predict_motion(jaw, belief, scratch.usable, settings.dt, scratch.known, device, settings.trajectory, scratch)
+        predict_motion(
+            jaw,
+            belief,
+            scratch.usable,
+            settings.dt,
+            scratch.known,
+            settings.noise_variance,
+            device,
+            settings.trajectory,
+            scratch,
+        )
         follow_trend(belief.trend, scratch.usable, settings.dt)
     lost += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
     if scratch.used.any():

@@ -108,7 +108,7 @@ def test_time_left_falls_from_one_to_zero():
 
 
 # What a device knows: its clock, motors and load cell, the clinician's limits, and its own estimate.
-KNOWN = {"key", "tick", "limits", "motors", "reading", "motion", "motion_cov", "belief_mean", "belief_cov", "trend"}
+KNOWN = {"key", "tick", "limits", "motors", "reading", "belief"}
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

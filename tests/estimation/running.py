@@ -39,8 +39,8 @@ class Running:
     def predict(self, k):
         record = self.record
         predict_motion(
-            record.jaw, self.belief, record.samples[k], record.dt, self.known, self.device, self.has_servo,
-            self.scratch,
+            record.jaw, self.belief, record.samples[k], record.dt, self.known, self.known, self.device,
+            self.has_servo, self.scratch,
         )  # fmt: skip
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
