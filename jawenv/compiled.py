@@ -29,7 +29,7 @@ def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
     """How a compiled function's symbol names a record that it takes: by its content.
 
     Numba's own name is a number that counts the types which the process has seen. Two processes that compile one kernel
-    for two models then give both the same symbol, and a third, which reads both from the cache, calls one for the other.
+    for two models then give both the same symbol; a third, which reads both from the cache, calls one for the other.
     """
     return type(record).__name__, (_content_number(record.name),)
 

@@ -115,7 +115,7 @@ def test_readings_are_counted_where_an_encoder_is_believed(record):
 )
 def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(model, sensors, expected):
     simulation = Simulation(1, configure({"model": model, "sensors": sensors}))
-    assert bool(simulation.settings["pose_open"][0]) is expected
+    assert bool(simulation.settings["filter"]["pose_open"][0]) is expected
     assert len(simulation.ticks[0]) == 1 + (3000 if expected else 320)
 
 
