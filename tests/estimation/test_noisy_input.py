@@ -13,6 +13,7 @@ import jawenv
 from jawenv.device.device import Device
 from jawenv.envs.recording import record_of
 from jawenv.estimation.noisy_input import limit_aftermath
+from jawenv.estimation.numpy_model import step_with_derivative
 from jawenv.estimation.online import TensionFilter
 
 CONTROLS = ["force", "trajectory"]
@@ -150,6 +151,20 @@ def test_tremble_is_the_covariance_of_motion_and_error(control):
     assert np.mean(from_claim**2) < 2.0
     assert np.abs(from_claim).max() < 5.0
     assert np.sum(from_usual**2) > np.sum(from_claim**2) + 40.0, "uncorrelated with the estimate it is not"
+
+
+def test_a_brake_meets_speeds_that_the_unmodelled_wrench_has_changed():
+    """Their covariance from the independent step's derivative; what the load cell's noise does is not the truth's."""
+    record = recording(cohort="healthy").records[0]
+    running = Running(record).run(20)
+    theta = running.belief["belief_mean"].copy()
+    running.predict(20)
+    start = np.concatenate([running.scratch["start_motion"], theta, [0.0]])
+    _, by_all = step_with_derivative(record.jaw, start, record.samples[20], np.zeros(6), record.dt)
+    by_wrench = by_all[5:10, -12:-6]
+    expected = by_wrench * record.wrench_sd**2 @ by_wrench.T - by_wrench * record.cell_sd**2 @ by_wrench.T
+    np.testing.assert_allclose(running.scratch["speeds_cov"], expected, rtol=1e-7, atol=1e-9 * expected.max())
+    assert 2e-3 < np.sqrt(expected[0, 0]) < 0.05, "m/s"
 
 
 def test_errors_of_a_jaw_on_its_teeth_are_as_large_as_claimed():
