@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.estimation.online import FilterRun, filter_record
+from jawenv.estimation.online import FilterRun, filter_record, replay_about
 from jawenv.estimation.record import Record
 from jawenv.estimation.replay import N_STARTS, search, set_starts
 
@@ -38,4 +38,6 @@ def integrate_out(record: Record, found: Array) -> tuple[Array, Array]:
         starts = np.vstack([starts, np.empty((N_STARTS, len(found)))])
         set_starts(belief, settings, starts[1:])
     search(jaw, device, belief, rows, run.last, settings, scratch, starts, PASSES, SMALL_STEP)
+    # Once more from the prior's nodes, so that the result does not depend on those of the way there.
+    replay_about(jaw, device, belief, rows, run.last, settings, scratch, belief["belief_mean"].copy())
     return belief["belief_mean"].copy(), belief["belief_cov"].copy()

@@ -47,14 +47,15 @@ def test_ten_minutes_leave_the_covariances_symmetric_and_positive_definite(motio
     env = gym.make(ID, control="trajectory", episode_s=600.0, track_bound=True, reality=reality)
     env.reset(seed=1, options=options)
     world, left_out = env.unwrapped.simulation.worlds[0], 0.0
+    belief = world["belief"]
     for k in range(12_000):
         _, _, terminated, truncated, info = env.step(motion(k))
         assert not terminated
         left_out += info["left_out"] / 12_000
         if k % 1200 == 1199:
-            for P in (world["belief_cov"], world["motion_cov"], world["bound"][:GAIN, :GAIN]):
+            for P in (belief["belief_cov"], belief["motion_cov"], world["bound"][:GAIN, :GAIN]):
                 assert_covariance(P)
-            assert np.isfinite(world["motion"]).all()
+            assert np.isfinite(belief["motion"]).all()
             assert (info["belief_sd"] < 1.05 * env.unwrapped.prior.sd).all()
     assert truncated
     # Of an encoder 0.4 less the repetitions of what was lost, 0.04; of a component of the load cell 0.4.

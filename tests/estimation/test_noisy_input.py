@@ -138,11 +138,11 @@ def test_tremble_is_the_covariance_of_motion_and_error(control):
         env.step(actions)
         if step < 7:
             continue
-        truth, error = worlds["state"], worlds["motion"] - worlds["state"]
+        truth, error = worlds["state"], worlds["belief"]["motion"] - worlds["state"]
         away, wrong = truth - truth.mean(axis=0), error - error.mean(axis=0)
         found.append(-away[:, :, None] * wrong[:, None, :])
-        claimed.append(worlds["tremble"].mean(axis=0))
-        usual.append(worlds["motion_cov"].mean(axis=0))
+        claimed.append(worlds["belief"]["tremble"].mean(axis=0))
+        usual.append(worlds["belief"]["motion_cov"].mean(axis=0))
     of_world = np.mean(found, axis=0)
     standard_error = of_world.std(axis=0, ddof=1) / np.sqrt(number)
     from_claim, from_usual = (
@@ -197,14 +197,14 @@ def test_the_belief_of_a_jaw_held_still_is_not_biased(control, without):
     actions, simulation = np.zeros((number, 4), dtype=np.float32), env.unwrapped.simulation
     for _ in range(steps - 1):
         env.step(actions)
-    worlds = simulation.worlds
-    sd = np.sqrt(np.array([np.diag(cov) for cov in worlds["belief_cov"]]))
-    share = (worlds["belief_mean"] - worlds["log_parameters"]) / sd
+    belief, truth = simulation.worlds["belief"], simulation.worlds["log_parameters"]
+    sd = np.sqrt(np.array([np.diag(cov) for cov in belief["belief_cov"]]))
+    share = (belief["belief_mean"] - truth) / sd
     assert np.abs(share.reshape(number, 2, 6).mean(axis=(0, 1))).max() < 0.35
     moved = []
     for i in range(4):
         uncorrected = replace(record_of(simulation, i), cell_sd=np.zeros(6), control="force", device=None)
-        moved.append((TensionFilter().estimate(uncorrected).mean[-1] - worlds["belief_mean"][i]) / sd[i])
+        moved.append((TensionFilter().estimate(uncorrected).mean[-1] - belief["belief_mean"][i]) / sd[i])
     assert np.abs(np.mean(moved, axis=0)).max() > without
 
 
