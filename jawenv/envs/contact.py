@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from jawenv.compiled import njit
 from jawenv.device.motors import device_wrench
 from jawenv.envs.advance import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
-from jawenv.envs.plants import TICK, end_motion, keep_sample, lift_of, plus_wrench
+from jawenv.envs.load_cell import add_moments, clear_moments
+from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
 from jawenv.mechanics.vec3 import apply
@@ -34,20 +35,23 @@ def take_planar(world, x, z, theta, x_rate, z_rate, theta_rate):
 
 @njit
 def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
-    """Command of one tick of world i, and the first sample of the device's wrench."""
+    """Command of one tick of world i."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     begin_tick(device, models[i], world, actions[i], settings, scratch)
     q, u = split(world.state)
-    wrench, acted = device_wrench(
+    _, acted = device_wrench(
         device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.filter.trajectory
     )
-    keep_sample(scratch.wrench, 0, wrench)
+    clear_moments(scratch.wrench)
     scratch.acted = acted
 
 
 @njit
-def contact_wrench(devices, worlds, i, all_settings, scratches, place, velocity, theta, theta_rate, since):
-    """Device and unmodelled wrench on world i: force forward and up (N), pitch moment (N m), as ``WrenchAt`` says."""
+def contact_wrench(devices, worlds, i, all_settings, scratches, step, place, velocity, theta, theta_rate, since):
+    """Device and unmodelled wrench on world i: force forward and up (N), pitch moment (N m), as ``WrenchAt`` says.
+
+    It acts for a ``step`` (s) that ends at ``since``.
+    """
     device, world, scratch = devices[0], worlds[i], scratches[i]
     arm_x, arm_z = turned(world.jaw.mouthpiece, theta)
     x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
@@ -57,8 +61,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, place, velocity,
         device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].filter.trajectory
     )
     scratch.acted = max(scratch.acted, acted)
-    if abs(since - 0.5 * TICK) < 1e-9:
-        keep_sample(scratch.wrench, 1, wrench)
+    add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
     push = articular_push(all_settings[0].reality, world.limits, world.jaw, q, lift_of(world))
     total = plus_wrench(wrench, scratch.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
@@ -131,7 +134,8 @@ class ContactPlants:
         jaw = self._jaws[i]
 
         def wrench_at(*motion: Any) -> tuple[float, float, float]:
-            wrench: tuple[float, float, float] = contact_wrench(device, worlds, i, settings, scratches, *motion)
+            wrench: tuple[float, float, float]
+            wrench = contact_wrench(device, worlds, i, settings, scratches, jaw.step, *motion)
             return wrench
 
         contact_clear(worlds, i)

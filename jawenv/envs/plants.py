@@ -11,7 +11,8 @@ from jawenv.compiled import njit
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import device_wrench
 from jawenv.device.stiffness import device_rate
-from jawenv.estimation.sensitivity import N_SAMPLES, plus
+from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
+from jawenv.estimation.sensitivity import plus
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.kinematics import split
@@ -21,13 +22,6 @@ from jawenv.reality.joint import articular_push
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the jaw is stiff
 BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
-
-
-@njit
-def keep_sample(samples, i, wrench):
-    """Write a wrench into row i."""
-    for k in range(6):
-        samples[i, k] = wrench[k]
 
 
 @njit
@@ -88,6 +82,7 @@ def midline_steps(device, world, scratch, settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns 1.0 if the governor acted."""
     acted, trajectory = 0.0, settings.filter.trajectory
     h = TICK / parts
+    clear_moments(scratch.wrench)
     for step in range(parts):
         start_q, start_u = split(world.state)
         q, u = start_q, start_u
@@ -98,12 +93,11 @@ def midline_steps(device, world, scratch, settings, parts):
                 device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, trajectory
             )
             acted = max(acted, governed)
-            if stage == 0 and 2 * step % parts == 0:
-                keep_sample(scratch.wrench, 2 * step // parts, wrench)
             push = articular_push(settings.reality, world.limits, world.jaw, q, lift_of(world))
             total = plus_wrench(wrench, scratch.unmodelled, push)
             q_rate, u_rate = state_rate(world.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
             sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
             q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
@@ -118,6 +112,7 @@ def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
     acted, trajectory = 0.0, settings.filter.trajectory
     h = TICK / BODY_SUBSTEPS
+    clear_moments(scratch.wrench)
     for step in range(BODY_SUBSTEPS):
         start_q, start_u = split_body(world.body)
         q, u = start_q, start_u
@@ -129,12 +124,11 @@ def bilateral_tick(device, world, scratch, settings):
                 device, world.jaw, world.limits, world.motors, middle_q, middle_u, (lift, lift_rate), since, trajectory
             )
             acted = max(acted, governed)
-            if stage == 0 and 2 * step % BODY_SUBSTEPS == 0:
-                keep_sample(scratch.wrench, 2 * step // BODY_SUBSTEPS, wrench)
             push = articular_push(settings.reality, world.limits, world.jaw, middle_q, (lift, lift_rate))
             total = plus_wrench(wrench, scratch.unmodelled, push)
             q_rate, u_rate = bilateral_rate(world.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
             sum_q, sum_u = plus_six(sum_q, weight, q_rate), plus_six(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
             q, u = plus_six(start_q, reach, q_rate), plus_six(start_u, reach, u_rate)
@@ -158,12 +152,10 @@ def take_body(world):
 
 @njit
 def end_motion(device, world, scratch, trajectory):
-    """Last sample of the device's wrench in a tick, and the motors' targets where they have moved to."""
+    """The load cell's samples of the tick that has passed, and the motors' targets where they have moved to."""
     q, u = split(world.state)
-    wrench, governed = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), TICK, trajectory
-    )
-    keep_sample(scratch.wrench, N_SAMPLES - 1, wrench)
+    _, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, lift_of(world), TICK, trajectory)
+    take_samples(scratch.wrench)
     if trajectory:
         for i in range(N_MOTORS):
             world.motors.target[i] += world.motors.rate[i] * TICK

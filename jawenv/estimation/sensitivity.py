@@ -17,6 +17,7 @@ from math import cos, sin
 from typing import Any
 
 from jawenv.compiled import njit, njit_within
+from jawenv.estimation.contact_mean import contact_mean_fields, mean_push, push_more
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -38,6 +39,7 @@ def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -
         ("stiffness", "f8", (3, 3, 3)),
         ("pulls", "f8", (n_lines, 7)),
         ("by_angle", "f8", (3, 5)),
+        *contact_mean_fields(n_states),
         ("start", "f8", (n_states, n_columns)),
         ("stage", "f8", (n_states, n_columns)),
         ("slope", "f8", (n_states, n_columns)),
@@ -177,7 +179,8 @@ def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 
     ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
-    ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``).
+    ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``). Where ``scratch.unsure``,
+    teeth and stops push as they do on average over the motions that may be true (``contact_mean``).
     """
     propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
 
@@ -196,6 +199,8 @@ def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
         for step in range(4):
             share = stage_share(part, step, parts)
             sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+            if scratch.unsure:
+                sample = push_more(sample, mean_push(jaw, q, scratch))
             rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
             velocity = (u[0], u[1], rates[0], rates[1], rates[2])
             weight = h / 3.0 if step == 1 or step == 2 else h / 6.0

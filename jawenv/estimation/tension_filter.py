@@ -27,6 +27,7 @@ import numpy as np
 
 from jawenv.compiled import njit, njit_within
 from jawenv.device.answer import add_brake, add_servos
+from jawenv.estimation.contact_mean import be_unsure
 from jawenv.estimation.ekf import mean_reading, move, set_muscles
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
@@ -130,6 +131,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
         scratch.start_motion[i] = belief.motion[i]
     for k in range(N_WRENCH):
         scratch.reading[k] = belief.trend[k] if has_servo else mean_reading(samples, k)
+    be_unsure(belief.motion_cov, belief.tremble, noise_variance, scratch)
     move(jaw, scratch.muscles, belief.motion, samples, scratch.reading, 0.0, dt, scratch)
     q, place = middle_of(jaw, scratch.start_motion, belief.motion)
     body_to_head = rotation(q)

@@ -7,7 +7,8 @@ import pytest
 
 from jawenv.device.motors import ON_PATH, device_wrench
 from jawenv.device.stiffness import device_rate
-from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick
+from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick, true_motion
+from jawenv.estimation.ekf import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate
 
@@ -26,14 +27,18 @@ class Tick:
         self.scratch["effective"], self.scratch["unmodelled"] = self.world["muscles"], 0.0
         self.world["motors"]["cap"] = 50.0
 
-    def rate(self, state, since=0.0):
-        """(10,) rate of the state under the device."""
-        world, parts = self.world, (tuple(float(v) for v in half) for half in np.split(state, 2))
-        q, u = parts
+    def wrench(self, state, since=0.0):
+        """The device's, and the state as two tuples."""
+        world, (q, u) = self.world, (tuple(float(v) for v in half) for half in np.split(state, 2))
         wrench, _ = device_wrench(
             self.device, world["jaw"], world["limits"], world["motors"], q, u, ON_PATH, since, self.trajectory
         )
-        q_rate, u_rate = state_rate(world["jaw"], world["muscles"], q, u, wrench)
+        return wrench, q, u
+
+    def rate(self, state, since=0.0):
+        """(10,) rate of the state under the device."""
+        wrench, q, u = self.wrench(state, since)
+        q_rate, u_rate = state_rate(self.world["jaw"], self.world["muscles"], q, u, wrench)
         return np.array(q_rate + u_rate)
 
     def fastest(self, state):
@@ -78,3 +83,24 @@ def test_a_tick_in_which_the_brake_works_is_resolved(control, rng):
                 midline_steps(tick.device, tick.world, tick.scratch, tick.settings, SUBSTEPS)
             apart[name] = max(apart[name], np.abs(tick.world["state"] - fine)[2:5].max())
     assert apart["taken"] < 1e-4 < apart["usual"], apart
+
+
+@pytest.mark.parametrize("control", ["force", "trajectory"])
+def test_the_load_cell_reads_the_mean_of_what_the_brake_does(control, rng):
+    """Against steps of a 64th of a tick; samples of the force at their moments are ten times as far off its mean."""
+    apart = {"read": 0.0, "sampled": 0.0}
+    for _ in range(10):
+        tick = Tick(control)
+        state = tick.world["state"].copy()
+        state[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
+        tick.world["state"], h, forces = state, TICK / 64, []
+        for step in range(65):
+            forces.append(tick.wrench(state, step * h)[0][:3])
+            state = twin.runge_kutta(lambda since, s, tick=tick, t=step * h: tick.rate(s, t + since), state, h)
+        assert true_motion(tick.device, tick.world, tick.scratch, tick.settings) == 1.0
+        exact = np.trapezoid(forces, dx=1 / 64, axis=0)
+        read = [mean_reading(tick.scratch["wrench"], k) for k in range(3)]
+        sampled = (np.array(forces[0]) + 4.0 * np.array(forces[32]) + forces[64]) / 6.0
+        apart["read"] = max(apart["read"], np.abs(read - exact).max())
+        apart["sampled"] = max(apart["sampled"], np.abs(sampled - exact).max())
+    assert apart["read"] < 0.1 * apart["sampled"], apart

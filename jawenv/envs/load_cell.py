@@ -1,0 +1,40 @@
+"""What of a tick's force the load cell's amplifier passes: the parabola that fits it best.
+
+A brake or an end stop changes its force several times within a tick. Samples of the force as it happens to be at their
+moments would be aliased: three of them miss its mean over a tick by up to a tenth (Simpson's rule), and a filter takes
+what it is not told for muscle force. An amplifier that is made for its rate of sampling therefore averages. Here the
+three samples, at start, middle and end, are of the parabola with the force's mean and first two moments, which is the
+one of least squares.
+"""
+
+from __future__ import annotations
+
+from jawenv.compiled import njit
+
+
+@njit
+def clear_moments(samples):
+    """Begin a tick: nothing has pushed yet."""
+    samples[:, :] = 0.0
+
+
+@njit
+def add_moments(samples, wrench, share, place):
+    """Add the wrench of a ``share`` of the tick, which lies at ``place``, from -1 at its start to 1 at its end.
+
+    Until ``take_samples``, the rows of ``samples`` (3, 6) are the force's parts along Legendre's polynomials 1, x and
+    (3 x^2 - 1)/2.
+    """
+    first, second = 3.0 * share * place, 2.5 * share * (3.0 * place * place - 1.0)
+    for k in range(6):
+        samples[0, k] += share * wrench[k]
+        samples[1, k] += first * wrench[k]
+        samples[2, k] += second * wrench[k]
+
+
+@njit
+def take_samples(samples):
+    """Samples of the parabola at start, middle and end of the tick."""
+    for k in range(6):
+        mean, rise, bend = samples[0, k], samples[1, k], samples[2, k]
+        samples[0, k], samples[1, k], samples[2, k] = mean - rise + bend, mean - 0.5 * bend, mean + rise + bend
