@@ -60,7 +60,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> 
         ("unmodelled", "f8", 6),
         ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
         ("acted", "f8"),  # 1 when the governor has acted in this tick
-        ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, at start, middle and end of the tick
+        ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, as the load cell averages it (``load_cell``)
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("faults", "f8", 20),
         ("fractions", "f8", N_LIMITS),

@@ -29,7 +29,7 @@ class Record:
         measured: (T + 1, 12) encoders at those times: mouthpiece position (m, head axes), Euler angles theta, psi,
             alpha (rad), mouthpiece velocity (m/s), angular velocity (rad/s, body axes).
         samples: (T, 3, 6) load cell at start, middle and end of each tick: force (N) and moment (N m) of the device
-            on the mouthpiece, body axes.
+            on the mouthpiece, body axes; of the parabola that fits the tick best (``load_cell``).
         start_mean: (n,) believed motion (q, u) before the first measurement.
         start_sd: (n,) its sd; 0 for a coordinate that cannot move.
         measurement_sd: (12,) noise of the encoders.
@@ -45,7 +45,7 @@ class Record:
         control: what the motors were commanded: "force", or "trajectory".
         truth: (p,) the patient's natural-log parameters; None where nobody knows. For evaluation only.
         states: (T + 1, n) true motion; None where nobody knows. For evaluation only.
-        wrenches: (T, 3, 6) true wrench of the device at the times of ``samples``; likewise.
+        wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
 
     Raises:
         InputError: an array has the wrong shape, or holds what it must not.

@@ -66,7 +66,7 @@ class Dense:
 
 def test_the_solution_is_the_minimum_of_the_independent_cost_and_its_covariance_that_of_dense_least_squares(record):
     short = replace(record.until(0.09), gain_sd=0.05)
-    result = IteratedSmoother(tolerance=1e-7).find_path(short)
+    result = IteratedSmoother(tolerance=1e-6).find_path(short)
     dense = Dense(short)
     unknowns = dense.at(result.path)
     residuals = dense.residuals(unknowns).real
