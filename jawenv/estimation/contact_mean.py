@@ -22,6 +22,9 @@ from jawenv.mechanics.kinematics import contact_point, fossa, rotation, turning_
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 
 REACH = 1e-3  # m off its onset, beyond which a contact is left out
+# Sd of the depth, in widths of the onset, from which on the mean is not asked for. Where a single point leaves the pose
+# open, the motions that may be true are far from normal, and their mean led those patients astray who were nearly lost.
+LARGEST_SD = 0.5
 
 
 def contact_mean_fields(n_states: int) -> list[Any]:
@@ -101,7 +104,8 @@ def mean_push(jaw, q, scratch):
 def mean_excess(depth, width, scratch):
     """By how much the mean of ``smooth_ramp`` is above the ramp at ``depth``; ``depth_row`` is the depth's derivative.
 
-    The ramp's curvature is 1/width where 0 < depth < width: so often as the depth lies there.
+    The ramp's curvature is 1/width where 0 < depth < width: so often as the depth lies there. Zero where the depth is
+    known to no better than ``LARGEST_SD``.
     """
     row, states = scratch.depth_row, scratch.start_cov.shape[0]
     variance, spread = 0.0, 0.0
@@ -114,7 +118,7 @@ def mean_excess(depth, width, scratch):
         square = row[states + k] * row[states + k]
         variance += square * scratch.wrench_cov[k]
         spread += square * scratch.wrench_spread[k]
-    if not variance > 0.0:
+    if not 0.0 < variance < (LARGEST_SD * width) ** 2:
         return 0.0
     sd = sqrt(2.0 * variance)
     return 0.25 * spread / width * (erf(depth / sd) - erf((depth - width) / sd))

@@ -100,6 +100,11 @@ def test_mean_of_the_ramp(depth, sd):
     assert found == pytest.approx(exact, abs=(0.01 if inside else 0.35) * 0.5 * sd**2)
 
 
+def test_where_the_pose_is_open_the_contacts_are_taken_as_they_are(jaw, scratch):
+    assert push_over(jaw, scratch, "teeth", np.diag(SD**2)).any()
+    assert not push_over(jaw, scratch, "teeth", np.diag((30.0 * SD) ** 2)).any()
+
+
 def test_a_jaw_that_trembles_on_its_teeth_is_estimated_without_bias():
     """The belief is held at the truth. Without the mean push the opening angle is half an sd off in each of these."""
     device = {
