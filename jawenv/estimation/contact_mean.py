@@ -4,7 +4,7 @@ They push on one side alone, with an onset over half a millimetre (``smooth_ramp
 over the motions that may be true is not their force at the mean. A jaw that trembles on its teeth shows the difference
 in every tick: the estimate would be too far open or closed by half an sd, and what opens it passes for muscle force.
 This is the second-order extended Kalman filter (Athans, Wishner & Bertolini 1968, IEEE Trans. Autom. Control 13:504),
-for the contacts alone, which curve a thousand times as much as anything else.
+for the contacts alone, which curve far more than the muscles.
 
 With e = estimated less true motion, P its covariance and D its covariance with the estimate (``noisy_input``), the
 force at the true motion is on average f + f'' : (P - 2 D) / 2, with f at the estimate. P - 2 D is called ``spread``.

@@ -41,6 +41,19 @@ class Tick:
         q_rate, u_rate = state_rate(self.world["jaw"], self.world["muscles"], q, u, wrench)
         return np.array(q_rate + u_rate)
 
+    def hurried(self, rng):
+        """The tick's first state, at several times the soft speed."""
+        state = self.world["state"].copy()
+        state[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
+        return state
+
+    def path(self, state, parts=64):
+        """(parts + 1, 10) states along the tick, by small steps of the independent model."""
+        states, h = [state], TICK / parts
+        for step in range(parts):
+            states.append(twin.runge_kutta(lambda since, s, t=step * h: self.rate(s, t + since), states[-1], h))
+        return np.array(states)
+
     def fastest(self, state):
         """The largest eigenvalue of the motion near a state, by differences."""
         columns = [(self.rate(state + STEP * one) - self.rate(state - STEP * one)) / (2 * STEP) for one in np.eye(10)]
@@ -70,11 +83,8 @@ def test_a_tick_in_which_the_brake_works_is_resolved(control, rng):
     apart = {"taken": 0.0, "usual": 0.0}
     for _ in range(10):
         tick = Tick(control)
-        start = tick.world["state"].copy()
-        start[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
-        fine, h = start.copy(), TICK / 64
-        for step in range(64):
-            fine = twin.runge_kutta(lambda since, s, tick=tick, t=step * h: tick.rate(s, t + since), fine, h)
+        start = tick.hurried(rng)
+        fine = tick.path(start)[-1]
         for name in apart:
             tick.world["state"] = start
             if name == "taken":
@@ -91,12 +101,9 @@ def test_the_load_cell_reads_the_mean_of_what_the_brake_does(control, rng):
     apart = {"read": 0.0, "sampled": 0.0}
     for _ in range(10):
         tick = Tick(control)
-        state = tick.world["state"].copy()
-        state[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
-        tick.world["state"], h, forces = state, TICK / 64, []
-        for step in range(65):
-            forces.append(tick.wrench(state, step * h)[0][:3])
-            state = twin.runge_kutta(lambda since, s, tick=tick, t=step * h: tick.rate(s, t + since), state, h)
+        start = tick.hurried(rng)
+        forces = [tick.wrench(state, step * TICK / 64)[0][:3] for step, state in enumerate(tick.path(start))]
+        tick.world["state"] = start
         assert true_motion(tick.device, tick.world, tick.scratch, tick.settings) == 1.0
         exact = np.trapezoid(forces, dx=1 / 64, axis=0)
         read = [mean_reading(tick.scratch["wrench"], k) for k in range(3)]
