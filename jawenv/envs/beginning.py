@@ -16,7 +16,7 @@ from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.recording import keep_tick
 from jawenv.estimation.ekf import set_muscles, update_covariance
 from jawenv.estimation.measurement import measure
-from jawenv.estimation.tension_filter import begin_belief
+from jawenv.estimation.tension_belief import begin_belief
 from jawenv.estimation.tick import begin_motion, learn, take_readings
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES

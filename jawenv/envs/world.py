@@ -9,7 +9,7 @@ import numpy as np
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.ekf import filter_size
-from jawenv.estimation.tension_filter import belief_dtype
+from jawenv.estimation.tension_belief import belief_dtype
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
@@ -54,7 +54,7 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
         ("left_out", "f8"),  # share of the last step's readings that were not believed
-        ("belief", belief_dtype(n_muscles, n_states, n_nodes)),
+        ("belief", belief_dtype(n_muscles, n_lines, n_states, n_nodes)),
         ("reading", "f8", 6),  # load cell, body axes
         ("log_det_prior", "f8"),
         ("log_det", "f8"),

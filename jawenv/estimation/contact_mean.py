@@ -63,6 +63,20 @@ def be_unsure(covariance, tremble, noise_variance, scratch):
 
 
 @njit
+def tooth_depth(jaw, i, contact, body_to_head, axes, slope):
+    """How deep (m) tooth ``i`` is pressed, and its derivative by the pose (5).
+
+    ``contact`` is the reference point, ``axes`` are those about which the angles turn the body, ``slope`` is the
+    fossa's.
+    """
+    tooth = row3(jaw.teeth, i)
+    up = apply_transposed(body_to_head, (0.0, 0.0, 1.0))
+    depth = contact[2] + apply(body_to_head, tooth)[2] - tooth[2]
+    a, b, c = dot(up, cross(axes[0], tooth)), dot(up, cross(axes[1], tooth)), dot(up, cross(axes[2], tooth))
+    return depth, (slope, 0.0, a, b, c)
+
+
+@njit
 def mean_push(jaw, q, scratch):
     """Wrench at the mouthpiece (body axes) by which teeth and condyles' stops push more than they would at ``q``.
 
@@ -77,17 +91,16 @@ def mean_push(jaw, q, scratch):
     up = apply_transposed(body_to_head, (0.0, 0.0, 1.0))
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for i in range(N_TEETH):
-        tooth = row3(jaw.teeth, i)
-        depth = contact[2] + apply(body_to_head, tooth)[2] - tooth[2]
+        depth, by_pose = tooth_depth(jaw, i, contact, body_to_head, axes, slope)
         if depth < -REACH or depth > width + REACH:
             continue
-        a, b, c = dot(up, cross(axes[0], tooth)), dot(up, cross(axes[1], tooth)), dot(up, cross(axes[2], tooth))
+        _, _, a, b, c = by_pose
         for j in range(row.shape[0]):
             k = j if j < states else noise + j - states
             row[j] = slope * stage[0, k] + a * stage[2, k] + b * stage[3, k] + c * stage[4, k]
         push = scale(-jaw.tooth_stiffness * mean_excess(depth, width, scratch), up)
         force = add(force, push)
-        moment = add(moment, cross(subtract(tooth, mouthpiece), push))
+        moment = add(moment, cross(subtract(row3(jaw.teeth, i), mouthpiece), push))
     back, front = -q[0], q[0] - jaw.crest
     if back > -REACH or front > -REACH:
         for j in range(row.shape[0]):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.estimation.calibrated_strain import calibrate
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import contact_point, fossa, turning_axes
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
@@ -65,6 +66,8 @@ def set_by_place(jaw, q, body_to_head, scratch):
 def line_spill(scratch, insertion, mouthpiece, pull, turn, length, bend):
     """What a line adds to the score through ``spilt`` (6, n) as it lengthens by a unit, and as it turns.
 
+    And the covariance of its estimated length with that length's error, from ``halfway``.
+
     ``pull`` is the line's direction, ``turn`` its moment about the mouthpiece, ``insertion`` its point: body axes. A
     force that turns with the body acts the same on the turning, but not on the sliding, which is along axes of the
     head; so that both are one wrench, the moment is taken about the condyles.
@@ -85,19 +88,25 @@ def line_spill(scratch, insertion, mouthpiece, pull, turn, length, bend):
         if c == 0:
             force = add(force, scale(dot(bend[1], pull), bend[0]))
         moment = subtract(moment, cross(mouthpiece, force))
+        scratch.spare[c] = shortened
         for i in range(3):
             by_strain -= shortened * (pull[i] * spilt[i, c] + turn[i] * spilt[3 + i, c])
             by_direction += force[i] * spilt[i, c] + moment[i] * spilt[3 + i, c]
-    return by_strain, by_direction
+    shared = 0.0
+    for c in range(coordinates):
+        for d in range(coordinates):
+            shared += scratch.spare[c] * scratch.spare[d] * scratch.halfway[c, d]
+    return by_strain, by_direction, shared
 
 
 @njit
-def set_line_wrenches(jaw, basis, place, body_to_head, bend, score, scratch):
+def set_line_wrenches(jaw, belief, place, body_to_head, bend, dt, scratch):
     """Wrench at the mouthpiece (body axes) that each coefficient of unit size amounts to, and the gain error's.
 
-    Lines are taken half way through the step. ``score`` is rid of what the load cell's noise gives it by way of their
-    strains (``noisy_input``).
+    Lines are taken half way through the step of ``dt``, their strains are calibrated (``calibrated_strain``). The score
+    is rid of what the load cell's noise gives it by way of them (``noisy_input``).
     """
+    basis, score = belief.basis, belief.score
     nodes = basis.nodes.shape[1]
     line_wrench = scratch.line_wrench
     for k in range(N_WRENCH):
@@ -112,11 +121,13 @@ def set_line_wrenches(jaw, basis, place, body_to_head, bend, score, scratch):
         pull = apply_transposed(body_to_head, scale(1.0 / length, reach))
         turn = cross(subtract(insertion, mouthpiece), pull)
         muscle = jaw.muscle[line]
-        strain = length / jaw.l_o[line] - 1.0 - basis.centre[muscle]
-        by_strain, by_direction = line_spill(scratch, insertion, mouthpiece, pull, turn, length, bend)
-        by_strain /= jaw.l_o[line]
+        by_strain, by_direction, shared = line_spill(scratch, insertion, mouthpiece, pull, turn, length, bend)
+        shared /= jaw.l_o[line] * jaw.l_o[line]
+        strain, kept = calibrate(length / jaw.l_o[line] - 1.0, shared, line, belief, dt)
+        scratch.kept[line] = kept
+        by_strain *= kept / jaw.l_o[line]
         for k in range(nodes):
-            share = np.exp(basis.nodes[muscle, k] * strain)
+            share = np.exp(basis.nodes[muscle, k] * (strain - basis.centre[muscle]))
             column = muscle * nodes + k
             score[column] += share * (basis.nodes[muscle, k] * by_strain + by_direction)
             for i in range(3):

@@ -20,7 +20,8 @@ N the variance of n and W_u that of the unmodelled wrench:
   the coming ticks were like the past ones.
 
 A line with the tension exp(b_k e) makes T grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the load cell's gain
-error, where it multiplies the reading itself, by G cov(z, e).
+error, where it multiplies the reading itself, by G cov(z, e) = G N G^T. Nothing answers there, and F and e share
+nothing.
 """
 
 from __future__ import annotations
@@ -41,7 +42,6 @@ def noisy_input_fields(n_states: int) -> list[Any]:
         *closed_loop_fields(n_states),
         ("crossed", "f8", square),
         ("halfway", "f8", square),
-        ("shared", "f8", (N_WRENCH, n_states)),
         ("spilt", "f8", (N_WRENCH, n_states)),
         ("gains", "f8", (N_MEASUREMENTS, n_states)),
         ("weights", "f8", N_MEASUREMENTS),
@@ -65,25 +65,17 @@ def carry(tremble, answer, wrench, noise_variance, scratch):
 def predict_tremble(tremble, predicted_cov, noise_variance, answers, dt, scratch):
     """Carry C over a step of which ``turned`` holds the transposed derivative.
 
-    Leaves cov(reading, e) at the step's end in ``shared`` and half way D in ``halfway``. ``moved_cov`` holds A P, with
-    P that of the step's start; ``predicted_cov`` is that of its end.
+    Leaves half way D in ``halfway``. ``moved_cov`` holds A P, with P that of the step's start; ``predicted_cov`` is
+    that of its end.
     """
-    total, crossed, halfway, shared = scratch.total, scratch.crossed, scratch.halfway, scratch.shared
+    total, crossed, halfway = scratch.total, scratch.crossed, scratch.halfway
     size = tremble.shape[0]
-    wrench = size + 1
     multiply(tremble, scratch.turned, crossed)
     if answers:
         set_loop(dt, scratch)
         carry(tremble, scratch.loop, size, noise_variance, scratch)
     else:
-        carry(tremble, total, wrench, noise_variance, scratch)
-    for k in range(N_WRENCH):
-        for j in range(size):
-            value = noise_variance[N_WRENCH + k] * total[j, wrench + k]
-            if answers:
-                for i in range(size):
-                    value += 0.5 * scratch.answer[k, i] * (crossed[i, j] + tremble[i, j])
-            shared[k, j] = value
+        carry(tremble, total, size + 1, noise_variance, scratch)
     for i in range(size):
         for j in range(size):
             start = scratch.moved_cov[j, i] - crossed[i, j]
@@ -109,11 +101,11 @@ def limit_aftermath(aftermath, predicted_cov):
 
 @njit
 def predict_aftermath(aftermath, noise_variance, by_reading, score, information, scratch):
-    """Carry M over a step; correct score and information about the load cell's gain.
+    """Carry M over a step; correct score and information about the load cell's gain where it multiplies the reading.
 
     Leaves in ``spilt`` (6, n) what a unit of w (de/dq) adds to the score.
     """
-    total, crossed, shared, spilt = scratch.total, scratch.crossed, scratch.shared, scratch.spilt
+    total, crossed, spilt = scratch.total, scratch.crossed, scratch.spilt
     size, last = aftermath.shape[0], score.shape[0] - 1
     wrench = size + 1
     for k in range(N_WRENCH):
@@ -130,8 +122,9 @@ def predict_aftermath(aftermath, noise_variance, by_reading, score, information,
             spilt[k, j] = value
             if not by_reading:
                 continue
-            score[last] += crossed[j, k] * shared[k, j]
-            information[last, last] -= crossed[j, k] * noise_variance[N_WRENCH + k] * total[j, wrench + k]
+            taken = crossed[j, k] * noise_variance[N_WRENCH + k] * total[j, wrench + k]
+            score[last] += taken
+            information[last, last] -= taken
     multiply(aftermath, total, crossed)
     multiply(scratch.turned, crossed, aftermath)
 

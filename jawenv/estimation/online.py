@@ -13,7 +13,7 @@ from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.record import Record
 from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew, replay
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_filter import begin_belief, belief_dtype
+from jawenv.estimation.tension_belief import begin_belief, belief_dtype
 from jawenv.estimation.tick import (
     EAGER_TICKS,
     begin_motion,
@@ -75,7 +75,7 @@ class FilterRun:
         settings["pose_open"] = leaves_pose_open(used, record.start_sd, read_share)
         settings["basis"] = build_basis(record.jaw, record.prior, nodes)[0]
         settings["prior_mean"], settings["prior_sd"] = record.prior.mean, record.prior.sd
-        self.belief = np.zeros(1, dtype=belief_dtype(muscles, states, nodes))[0]
+        self.belief = np.zeros(1, dtype=belief_dtype(muscles, lines, states, nodes))[0]
         scratch = np.zeros(1, dtype=online_scratch_dtype(muscles, lines, states, nodes))[0]
         rows = _rows(record)
         self.settings = settings

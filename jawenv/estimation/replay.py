@@ -23,7 +23,8 @@ from jawenv.compiled import njit, njit_within
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.posterior import factor_positive
 from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
-from jawenv.estimation.tension_filter import begin_belief, forget_readings, tension_fields
+from jawenv.estimation.tension_belief import begin_belief, forget_readings
+from jawenv.estimation.tension_filter import tension_fields
 from jawenv.estimation.tick import begin_motion, learn, take_readings
 from jawenv.mechanics.dynamics import N_WRENCH
 

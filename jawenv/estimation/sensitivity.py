@@ -18,6 +18,7 @@ from typing import Any
 
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.contact_mean import contact_mean_fields, mean_push, push_more
+from jawenv.estimation.held_teeth import held_teeth_fields, hold_teeth
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -40,6 +41,7 @@ def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -
         ("pulls", "f8", (n_lines, 7)),
         ("by_angle", "f8", (3, 5)),
         *contact_mean_fields(n_states),
+        *held_teeth_fields(),
         ("start", "f8", (n_states, n_columns)),
         ("stage", "f8", (n_states, n_columns)),
         ("slope", "f8", (n_states, n_columns)),
@@ -180,7 +182,8 @@ def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
 
     ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
     ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``). Where ``scratch.unsure``,
-    teeth and stops push as they do on average over the motions that may be true (``contact_mean``).
+    teeth and stops push as they do on average over the motions that may be true (``contact_mean``), and teeth are as
+    steep as where they are held (``held_teeth``).
     """
     propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
 
@@ -202,6 +205,8 @@ def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
             if scratch.unsure:
                 sample = push_more(sample, mean_push(jaw, q, scratch))
             rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+            if scratch.unsure:
+                hold_teeth(jaw, q, scratch)
             velocity = (u[0], u[1], rates[0], rates[1], rates[2])
             weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
             sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)

@@ -9,17 +9,16 @@ of the Kalman filter):
 * the information that the innovations hold about those: matrix and score of a quadratic log-likelihood.
 
 Forces are linear in c, so that the information of early data, gathered about a poor guess, holds as well as that of
-late data. No noise has to be put on the parameters, which are constants. The belief about the natural-log parameters is
-made from the information and the prior (``posterior``); the motion is then moved to the new mean (``recentre``).
+late data. No noise has to be put on the parameters, which are constants. What is carried, and the belief that is made
+of it, are in ``tension_belief``.
 
 The force on the jaw is the reading plus g times the reading. The load cell's noise is in the reading and so in the
-motion: ``noisy_input`` rids the score of what it would bias. Where a servo holds the jaw, g multiplies the recent trend
-of the readings instead, for what the servo answers to the filter's own errors is too much of a reading.
+motion: ``noisy_input`` rids the score of what it would bias. Where servo or brake answers to the jaw, g multiplies
+the recent trend of the readings instead, for what they answer to the filter's own errors is too much of a reading.
 """
 
 from __future__ import annotations
 
-from functools import cache
 from math import log
 from typing import Any
 
@@ -29,6 +28,7 @@ from jawenv.compiled import njit, njit_within
 from jawenv.device.answer import add_brake, add_servos
 from jawenv.estimation.contact_mean import be_unsure
 from jawenv.estimation.ekf import mean_reading, move, set_muscles
+from jawenv.estimation.held_teeth import follow_teeth
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.noisy_input import (
@@ -39,51 +39,13 @@ from jawenv.estimation.noisy_input import (
     update_aftermath,
     update_tremble,
 )
-from jawenv.estimation.posterior import believe, posterior_fields
+from jawenv.estimation.posterior import posterior_fields
 from jawenv.estimation.products import multiply, transpose
-from jawenv.estimation.refocus import refocus
 from jawenv.estimation.sensitivity import N_NOISE, sensitivity_fields
-from jawenv.estimation.tension_basis import basis_dtype, copy_basis, set_coefficients
+from jawenv.estimation.tension_belief import tension_count
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import rotation
 from jawenv.mechanics.vec3 import vector3
-
-# Ticks at the start of which nothing is learned on a jaw with two condyles: 0.1 mm of an encoder's noise are 10 N of a
-# disc, and until the discs' pressures are known, what they push passes for tension.
-SETTLING_TICKS = 10
-ROUNDS = 6  # at most, of the search for the belief: fewer stop short where a patient is far from the prior's mean
-
-
-def tension_count(n_muscles: int, n_nodes: int) -> int:
-    """Number of what information is gathered about: the coefficients and the gain error."""
-    return n_muscles * n_nodes + 1
-
-
-@cache
-def belief_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
-    """Dtype of what the filter carries from tick to tick."""
-    size, parameters = tension_count(n_muscles, n_nodes), 2 * n_muscles
-    fields = [
-        ("motion", "f8", (n_states,)),
-        ("motion_cov", "f8", (n_states, n_states)),
-        ("by_tension", "f8", (n_states, size)),
-        ("tremble", "f8", (n_states, n_states)),
-        ("aftermath", "f8", (n_states, n_states)),
-        ("information", "f8", (size, size)),
-        ("score", "f8", (size,)),
-        ("basis", basis_dtype(n_muscles, n_nodes)),
-        ("nominal", "f8", (n_muscles, n_nodes)),
-        ("belief_mean", "f8", (parameters,)),
-        ("belief_cov", "f8", (parameters, parameters)),
-        ("trend", "f8", (N_WRENCH,)),
-        ("read", "i8"),  # ticks at the end of which an encoder was believed
-        ("misfit", "f8"),  # minus log-likelihood of the readings, but for a constant, given the beliefs of their time
-        ("last_measured", "f8", (N_MEASUREMENTS,)),
-        ("last_sample", "f8", (N_WRENCH,)),
-        ("held_sample", "f8", (N_WRENCH,)),
-        ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was believed
-    ]
-    return np.dtype(fields, align=True)
 
 
 def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> list[Any]:
@@ -99,6 +61,7 @@ def tension_fields(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) ->
         ("answer", "f8", (N_WRENCH, n_states)),
         ("speeds", "f8", (n_states // 2,)),
         ("speeds_cov", "f8", (n_states // 2, n_states // 2)),
+        ("kept", "f8", (n_lines,)),  # share of each line's change of strain that regressors have
         ("line_wrench", "f8", (N_WRENCH, size)),
         ("moved", "f8", (n_states, size)),
         ("moved_cov", "f8", (n_states, n_states)),
@@ -132,6 +95,8 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
     for k in range(N_WRENCH):
         scratch.reading[k] = belief.trend[k] if has_servo else mean_reading(samples, k)
     be_unsure(belief.motion_cov, belief.tremble, noise_variance, scratch)
+    if jaw.condyles != 2:
+        follow_teeth(jaw, belief.motion, belief.motion_cov, belief.tooth_depths, dt, scratch)
     move(jaw, scratch.muscles, belief.motion, samples, scratch.reading, 0.0, dt, scratch)
     q, place = middle_of(jaw, scratch.start_motion, belief.motion)
     body_to_head = rotation(q)
@@ -140,8 +105,11 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
     answers = set_answer(jaw, belief.motion, usual_variance, device, has_servo, body_to_head, scratch)
     predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
     limit_aftermath(belief.aftermath, belief.motion_cov)
-    predict_aftermath(belief.aftermath, noise_variance, not has_servo, belief.score, belief.information, scratch)
-    set_line_wrenches(jaw, belief.basis, place, body_to_head, bend, belief.score, scratch)
+    predict_aftermath(belief.aftermath, noise_variance, not answers, belief.score, belief.information, scratch)
+    if answers:
+        for k in range(N_WRENCH):
+            scratch.reading[k] = belief.trend[k]
+    set_line_wrenches(jaw, belief, place, body_to_head, bend, dt, scratch)
     predict_by_tension(belief.by_tension, scratch)
 
 
@@ -274,14 +242,6 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
 
 
 @njit
-def forget_settling(jaw, belief, tick):
-    """Drop what the innovations said in the ticks in which a jaw settles on its discs, in the filter's knowledge."""
-    if jaw.condyles == 2 and tick < SETTLING_TICKS:
-        belief.score[:] = 0.0
-        belief.information[:, :] = 0.0
-
-
-@njit
 def add_information(information, rows, weights):
     """The lower half of ``information`` += sum of weight times row row^T; four rows in one pass."""
     for i in range(0, N_MEASUREMENTS, 4):
@@ -292,80 +252,3 @@ def add_information(information, rows, weights):
             a, b, c, d = wa * rows[i, k], wb * rows[i + 1, k], wc * rows[i + 2, k], wd * rows[i + 3, k]
             for j in range(k + 1):
                 information[k, j] += (a * rows[i, j] + b * rows[i + 1, j]) + (c * rows[i + 2, j] + d * rows[i + 3, j])
-
-
-@njit
-def recentre(belief, scratch):
-    """Move motion and score to the belief's mean."""
-    basis = belief.basis
-    size, columns = belief.motion.shape[0], belief.by_tension.shape[1]
-    nodes = basis.nodes.shape[1]
-    set_coefficients(basis, belief.belief_mean, scratch.after)
-    row = scratch.row
-    for j in range(columns - 1):
-        row[j] = scratch.after[j // nodes, j % nodes] - belief.nominal[j // nodes, j % nodes]
-    row[columns - 1] = 0.0
-    for i in range(size):
-        for j in range(columns):
-            belief.motion[i] += belief.by_tension[i, j] * row[j]
-    information = belief.information
-    for i in range(columns):
-        for j in range(columns):
-            belief.score[i] -= (information[i, j] if j <= i else information[j, i]) * row[j]
-    for j in range(columns - 1):
-        belief.nominal[j // nodes, j % nodes] = scratch.after[j // nodes, j % nodes]
-
-
-@njit
-def begin_belief(basis, belief, log_parameters, prior_sd):
-    """Before any measurement: ``log_parameters`` (p), as uncertain as the prior is.
-
-    The mean of the prior, or another guess to filter with; ``motion`` and ``motion_cov`` the caller has set.
-    """
-    for i in range(log_parameters.shape[0]):
-        belief.belief_mean[i] = log_parameters[i]
-        for j in range(log_parameters.shape[0]):
-            belief.belief_cov[i, j] = 0.0
-        belief.belief_cov[i, i] = prior_sd[i] * prior_sd[i]
-    copy_basis(belief.basis, basis)
-    forget_readings(belief)
-
-
-@njit
-def forget_readings(belief):
-    """Nothing has been measured yet; motion and belief stay."""
-    belief.by_tension[:, :] = 0.0
-    for i in range(belief.motion_cov.shape[0]):
-        for j in range(belief.motion_cov.shape[0]):
-            belief.tremble[i, j] = belief.motion_cov[i, j]
-    belief.aftermath[:, :] = 0.0
-    belief.information[:, :] = 0.0
-    belief.score[:] = 0.0
-    belief.trend[:] = 0.0
-    belief.read = 0
-    belief.misfit = 0.0
-    belief.last_measured[:] = np.nan
-    belief.last_sample[:] = np.nan
-    belief.held_sample[:] = 0.0
-    belief.lost_for[:] = 0.0
-    set_coefficients(belief.basis, belief.belief_mean, belief.nominal)
-
-
-@njit_within
-def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
-    """The belief about the parameters from all information so far; motion and score move to its mean."""
-    believe(
-        belief.basis,
-        belief.information,
-        belief.score,
-        belief.nominal,
-        gain_variance,
-        prior_mean,
-        prior_sd,
-        belief.belief_mean,
-        belief.belief_cov,
-        scratch.posterior,
-        ROUNDS,
-    )
-    recentre(belief, scratch)
-    refocus(belief, scratch)

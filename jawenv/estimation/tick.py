@@ -13,7 +13,8 @@ from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
 from jawenv.estimation.tension_basis import basis_dtype
-from jawenv.estimation.tension_filter import conclude, forget_settling, predict_motion, update_motion
+from jawenv.estimation.tension_belief import conclude, forget_settling
+from jawenv.estimation.tension_filter import predict_motion, update_motion
 from jawenv.mechanics.dynamics import N_WRENCH
 
 # Ticks at the start after each of which the belief is renewed: its first guess is far off.

@@ -10,12 +10,8 @@ from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import expect
 from jawenv.estimation.replay import online_scratch_dtype
 from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_filter import (
-    begin_belief,
-    belief_dtype,
-    predict_motion,
-    update_motion,
-)
+from jawenv.estimation.tension_belief import begin_belief, belief_dtype
+from jawenv.estimation.tension_filter import predict_motion, update_motion
 
 
 class Running:
@@ -26,7 +22,7 @@ class Running:
         self.size, muscles = len(record.start_mean), len(record.parameter_names) // 2
         nodes = nodes_needed(record.prior)
         self.basis = build_basis(record.jaw, record.prior, nodes)[0]
-        self.belief = np.zeros(1, dtype=belief_dtype(muscles, self.size, nodes))[0]
+        self.belief = np.zeros(1, dtype=belief_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes))[0]
         dtype = online_scratch_dtype(muscles, len(record.jaw["l_o"]), self.size, nodes)
         self.scratch = np.zeros(1, dtype=dtype)[0]
         self.belief["motion"], self.belief["motion_cov"] = record.start_mean, np.diag(record.start_sd**2)
@@ -73,14 +69,19 @@ class Running:
         return lower + np.tril(lower, -1).T
 
 
-def line_wrenches(jaw, basis, place, R, reading):
-    """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error."""
+def line_wrenches(jaw, basis, place, R, reading, means=0.0, kept=1.0):
+    """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error.
+
+    ``kept`` is the share of each line's change of strain from its mean in ``means`` that is left.
+    """
     n, K = basis["nodes"].shape
     wrenches = np.zeros((6, n * K + 1))
     for line in range(len(jaw["l_o"])):
         insertion = place + R @ jaw["insertion"][line]
         reach, muscle = jaw["origin"][line] - insertion, jaw["muscle"][line]
-        strain = np.linalg.norm(reach) / jaw["l_o"][line] - 1.0 - basis["centre"][muscle]
+        strain = np.linalg.norm(reach) / jaw["l_o"][line] - 1.0
+        mean, share = (np.broadcast_to(one, len(jaw["l_o"]))[line] for one in (means, kept))
+        strain = mean + share * (strain - mean) - basis["centre"][muscle]
         force = reach / np.linalg.norm(reach)
         moment = np.cross(insertion - (place + R @ jaw["mouthpiece"]), force)
         wrench = np.concatenate([R.T @ force, R.T @ moment])

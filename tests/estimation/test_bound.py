@@ -15,23 +15,33 @@ from jawenv.estimation.numpy_model import measurement_with_derivative, step_with
 
 N, P = 10, 12  # motion and parameters of the reference model
 SHORT = 0.2  # s; the independent model takes its time
+SWINGS = "opening_with_swings_and_fore_aft"
 
 
 @cache
-def played(env_id, episode_s=2.0):
+def played(env_id, maneuver=SWINGS, episode_s=2.0):
     """Two patients of a rung, with the bound that the environment tracked."""
-    agent = load_agent("opening_with_swings_and_fore_aft", env_id=env_id)
+    agent = load_agent(maneuver, env_id=env_id)
     settings = {"record": True, "track_bound": True, "episode_s": episode_s}
-    return jawenv.play(agent, patients=2, seed=5_000, env_kwargs=settings, env_id=env_id)
+    return jawenv.play(agent, patients=2, seed=10_022, env_kwargs=settings, env_id=env_id)
 
 
 def a_record():
     return played("jawenv/Jaw-v0").records[0]
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v0", "jawenv/JawHinge-v0", "jawenv/JawBilateral-v0"])
-def test_it_is_what_the_environment_tracks(env_id):
-    recording = played(env_id)
+# Where a jaw is held still on its teeth, the filter steps otherwise than the bound.
+@pytest.mark.parametrize(
+    ("env_id", "maneuver"),
+    [
+        ("jawenv/Jaw-v0", SWINGS),
+        ("jawenv/Jaw-v0", "hold_still"),
+        ("jawenv/JawHinge-v0", SWINGS),
+        ("jawenv/JawBilateral-v0", SWINGS),
+    ],
+)
+def test_it_is_what_the_environment_tracks(env_id, maneuver):
+    recording = played(env_id, maneuver)
     for i, record in enumerate(recording.records):
         bound = bound_along(record, every=5)
         np.testing.assert_allclose(bound.time, recording.time, atol=1e-9)

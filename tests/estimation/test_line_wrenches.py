@@ -37,7 +37,7 @@ def test_what_a_change_of_pose_makes_of_unit_coefficients(model, rng):
             scratch["spilt"] = 0.0
             scratch["spilt"][k, c] = 1.0
             running.belief["score"] = 0.0
-            set_line_wrenches(jaw, running.basis, tuple(place), rows_of(R), bend, running.belief["score"], scratch)
+            set_line_wrenches(jaw, running.belief, tuple(place), rows_of(R), bend, record.dt, scratch)
             by_pose[k, c] = running.belief["score"]
     np.testing.assert_array_equal(by_pose[:, :, -1], 0.0)
     held = to_coordinates(jaw, q, R)

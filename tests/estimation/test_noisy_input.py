@@ -42,21 +42,22 @@ class Matrices:
         self.M *= min(1.0, n / max(np.sum(self.M * running.belief["motion_cov"]), 1e-30))
         MG = self.M @ G
         self.add_lines(MG.T @ D.T, before, after)
-        if record.control == "force":
-            # The reading's noise n makes e = G n, and the reading falls as the jaw moves.
-            shared = N @ G.T + 0.5 * answer @ (old @ A.T + self.C)
-            self.score[-1], self.information = np.trace(MG @ shared), -np.trace(MG @ N @ G.T)
+        if not answer.any():
+            # The reading's noise n makes e = G n.
+            taken = np.trace(MG @ N @ G.T)
+            self.score[-1], self.information = taken, -taken
         self.M = A.T @ self.M @ A
 
     def add_lines(self, spilt, before, after):
         """``spilt`` times the derivative by pose, half way, of the wrench that the lines' generalised force is of."""
         running, jaw, n = self.running, self.running.record.jaw, self.running.size
         middle, nothing = 0.5 * (before + after), np.zeros(6)
+        calm = running.belief["strain_mean"].copy(), running.scratch["kept"].copy()
 
         def forces(at):
             place, R = half_way(jaw, at, at)
             on = to_coordinates(jaw, at[: n // 2], R)
-            return on @ line_wrenches(jaw, running.basis, place, R, nothing), on
+            return on @ line_wrenches(jaw, running.basis, place, R, nothing, *calm), on
 
         back = np.linalg.pinv(forces(middle)[1])
         for c in range(n // 2):

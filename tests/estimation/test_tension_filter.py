@@ -14,7 +14,7 @@ from agents import load_agent
 from jawenv.device.device import Device
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.online import TensionFilter
-from jawenv.estimation.tension_filter import recentre
+from jawenv.estimation.tension_belief import recentre
 from jawenv.metrics.calibration import nees
 
 SWINGS = "opening_with_swings_and_fore_aft"
@@ -32,7 +32,7 @@ def test_the_wrench_of_unit_coefficients(model, rng):
     R = twin.rotation(np.array(q))
     rows = tuple(tuple(float(value) for value in row) for row in R)
     bend = set_by_place(record.jaw, q, rows, scratch)
-    set_line_wrenches(record.jaw, running.basis, place, rows, bend, running.belief["score"], scratch)
+    set_line_wrenches(record.jaw, running.belief, place, rows, bend, record.dt, scratch)
     expected = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), scratch["reading"])
     np.testing.assert_allclose(scratch["line_wrench"], expected, rtol=1e-9, atol=1e-12)
     np.testing.assert_array_equal(running.belief["score"], 0.0)
@@ -57,8 +57,11 @@ class Joint:
         A, G = running.scratch["total"][:, :n].copy(), running.scratch["total"][:, n + 1 :].copy()
         F = np.eye(len(self.mean))
         F[:n, :n] = A
-        reading = trend if record.control == "trajectory" else np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0
-        F[:n, n:] = G[:, :6] @ line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading)
+        answers = running.scratch["answer"].any()
+        reading = trend if answers else np.array([1.0, 4.0, 1.0]) @ record.samples[k] / 6.0
+        calm = running.belief["strain_mean"], running.scratch["kept"]
+        lines = line_wrenches(record.jaw, running.basis, *half_way(record.jaw, before, after), reading, *calm)
+        F[:n, n:] = G[:, :6] @ lines
         self.P = F @ self.P @ F.T
         self.P[:n, :n] += G @ np.diag(record.noise_variance) @ G.T
         self.mean = F @ (self.mean - np.concatenate([before, 0.0 * self.mean[n:]]))
@@ -102,19 +105,21 @@ def test_without_cell_noise_and_answer_an_estimate_is_uncorrelated_with_its_erro
     assert np.abs(running.belief["aftermath"]).max() > 0.0
 
 
-@pytest.mark.parametrize("control", ["force", "trajectory"])
-def test_the_separated_filter_is_the_joint_one(rng, control):
+@pytest.mark.parametrize(("control", "brake"), [("force", 0.0), ("force", 30.0), ("trajectory", 0.0)])
+def test_the_separated_filter_is_the_joint_one(rng, control, brake):
     """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes.
 
-    What the score owes to a servo is left to its own test.
+    What the score owes to the device's answer is left to its own test.
     """
-    record = replace(without_cell_noise(recording().records[0]), device=Device(brake_N_s_m=0.0), control=control)
+    record = replace(without_cell_noise(recording().records[0]), device=Device(brake_N_s_m=brake), control=control)
     running = Running(record)
-    joint, n = Joint(running), running.size
+    joint, n, braked = Joint(running), running.size, 0
     for k in range(101):
         if k > 0:
             joint.predict(k - 1)
+            braked += control == "force" and running.scratch["answer"].any()
         joint.update(k, (rng.random(12) > 0.3).astype(np.uint8))
+    assert braked > 10 if brake else braked == 0
     precision = running.information + np.diag(joint.sd**-2.0)
     cov = np.linalg.inv(precision)
     mean = cov @ running.belief["score"]
@@ -122,7 +127,7 @@ def test_the_separated_filter_is_the_joint_one(rng, control):
     sd = np.sqrt(np.diag(joint.P))
     expected = np.block([[running.belief["motion_cov"] + V @ cov @ V.T, V @ cov], [cov @ V.T, cov]])
     assert np.abs((joint.P - expected) / np.outer(sd, sd)).max() < 1e-8
-    if control == "force":
+    if control == "force" and brake == 0.0:
         whole = np.concatenate([running.belief["motion"] + V @ mean, mean])
         assert np.abs((joint.mean - whole) / sd).max() < 1e-7
     assert (sd[n:] / joint.sd).min() < 0.3 and np.abs(mean / joint.sd).max() > 0.3, "the record teaches something"
@@ -134,7 +139,8 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     """Finite differences: run at other parameters, or run and moved there by ``recentre``.
 
     On readings without innovations: what those are multiplied by depends on the patient too, which no such filter
-    differentiates. Lines are taken half way through a step; measured, it costs 0.05, 0.4 and 0.9 % of the difference.
+    differentiates. Lines are taken half way through a step, and teeth as steep as where they have been of late;
+    measured, it costs 1.0, 3.2 and 0.4 % of the difference.
     """
     kwargs = {"record": True, "model": model, "episode_s": 1.0}
     record = jawenv.play(load_agent(SWINGS), patients=1, seed=5000, env_kwargs=kwargs).records[0]
@@ -147,7 +153,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     difference = (other.belief["motion"] - stayed.belief["motion"])[free]
     sd = np.sqrt(np.diag(stayed.belief["motion_cov"]))[free]
     wrong = (other.belief["motion"] - moved.belief["motion"])[free]
-    assert np.abs(wrong / sd).max() < 0.03 * np.abs(difference / sd).max()
+    assert np.abs(wrong / sd).max() < 0.05 * np.abs(difference / sd).max()
     np.testing.assert_array_equal(moved.belief["nominal"], other.belief["nominal"])
     scale = np.sqrt(np.diag(stayed.information))
     change = (other.belief["score"] - stayed.belief["score"]) / scale
