@@ -17,6 +17,8 @@ from typing import Any, Literal, TypeVar, cast
 
 import numba
 import numpy as np
+from filelock import FileLock
+from numba.core.caching import IndexDataCacheFile
 from platformdirs import user_cache_dir
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -40,6 +42,18 @@ def _content_number(text: str) -> int:
 
 
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
+
+
+class _SharedCacheFile(IndexDataCacheFile):
+    """One kernel's entries in the cache, which several processes may add to at once.
+
+    Numba reads the index, adds an entry and writes the index back. Two processes that save the kernel for two models at
+    once would give both the same file, and a third process would be told that the kernel does not take its model.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        with FileLock(f"{self._index_path}.lock"):
+            super().save(key, data)
 
 
 @cache
@@ -130,6 +144,7 @@ def _compile(function: Function, parallel: bool, inline: Literal["never", "alway
     previous, config.CACHE_DIR = config.CACHE_DIR, str(_form_folder(parallel))
     try:
         compiled: Any = numba.njit(cache=True, error_model="numpy", parallel=parallel, inline=inline)(function)
+        compiled._cache._cache_file.__class__ = _SharedCacheFile
     finally:
         config.CACHE_DIR = previous
     return cast(Function, compiled)

@@ -3,9 +3,16 @@
 import os
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
+
+import pytest
+from numba.core.caching import IndexDataCacheFile
 
 import jawenv
+from jawenv.compiled import njit
 
 # The inner kernel calls itself, and so stays a function of its own, which the outer calls by its symbol.
 KERNELS = """
@@ -51,3 +58,30 @@ def test_two_processes_may_fill_the_cache_for_a_third(tmp_path: Path) -> None:
     assert sums("5") == [10.0]
     assert sums("3", "5") == [6.0, 10.0]
     assert sums("5", "3") == [10.0, 6.0]
+
+
+def test_processes_that_save_at_once_keep_all_that_they_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba's own file, with no lock, gives both the same name here: the slow writing makes sure that they meet."""
+
+    @njit
+    def kernel() -> None:
+        pass
+
+    write: Any = IndexDataCacheFile._save_index
+
+    def write_slowly(file: IndexDataCacheFile, entries: dict[str, str]) -> None:
+        time.sleep(0.2)
+        write(file, entries)
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_index", write_slowly)
+    shared: Any = type(kernel._cache._cache_file)  # type: ignore[attr-defined]
+
+    def kept(kind: Any, folder: Path) -> list[object]:
+        folder.mkdir()
+        files = [kind(str(folder), "kernel", "stamp") for _ in range(4)]
+        with ThreadPoolExecutor(4) as threads:
+            list(threads.map(lambda i: files[i].save(f"model {i}", i), range(4)))
+        return [files[0].load(f"model {i}") for i in range(4)]
+
+    assert kept(shared, tmp_path / "shared") == [0, 1, 2, 3]
+    assert kept(IndexDataCacheFile, tmp_path / "alone") != [0, 1, 2, 3]
