@@ -107,23 +107,14 @@ def load_record(
     table = read_table(source, _ABOUT)
     about = _checked_about(table)
     chosen = model_named(model or about.get("model") or "jaw")
-    tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
-    if jaw is None:
-        own = about.get("jaw") if model is None else None
-        jaw = defaults.geometry(chosen.name, tilt) if own is None else _jaw_of(own, chosen.name, table.path)
     muscles = chosen.muscles
-    if len(jaw["l_o"]) != len(muscles.muscle):
-        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {chosen.name!r}: {len(muscles.muscle)}")
+    tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
+    jaw = _geometry(jaw, chosen, tilt, about if model is None else {}, table.path)
     size = defaults.size_of_motion(jaw)
     time = even_time(table)
     check_columns(table, size)
     dt = float(time[1] - time[0])
-    measured = np.column_stack([_column(table, column) for column in ENCODERS])
-    if not np.isfinite(measured[0]).any():
-        allowed = ", ".join(column.name for column in ENCODERS)
-        raise InputError(
-            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
-        )
+    measured = _encoders(table)
     noise = device or Device()
     told = about if device is None else {}
     measurement_sd = np.array(told.get("measurement_sd", defaults.measurement_sd(noise)))
@@ -133,9 +124,6 @@ def load_record(
         start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
     known = truth if truth is not None else about.get("truth")
     commanded = control or about.get("control", "force")
-    moved_by = device or _device_of(about.get("device"), table.path)
-    if moved_by is None and commanded == "trajectory":
-        moved_by = Device()
     return Record(
         time=time,
         measured=measured,
@@ -149,7 +137,7 @@ def load_record(
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
-        device=moved_by,
+        device=_device(device, about.get("device"), commanded, table.path),
         control=commanded,
         truth=None if known is None else np.array(known, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
@@ -223,9 +211,21 @@ def _jaw_of(told: dict[str, Any], model: str, path: str) -> Any:
     return jaw
 
 
-def _device_of(told: Any, path: str) -> Device | None:
-    if told is None:
-        return None
+def _geometry(jaw: Any | None, chosen: Any, tilt: float, about: dict[str, Any], path: str) -> Any:
+    """The geometry given, or the file's own, or the model's at that tilt of the head."""
+    if jaw is None:
+        own = about.get("jaw")
+        jaw = defaults.geometry(chosen.name, tilt) if own is None else _jaw_of(own, chosen.name, path)
+    lines = len(chosen.muscles.muscle)
+    if len(jaw["l_o"]) != lines:
+        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {chosen.name!r}: {lines}")
+    return jaw
+
+
+def _device(given: Device | None, told: Any, control: str, path: str) -> Device | None:
+    """The device given, or the file's own; that a servo moved a jaw says that it has one."""
+    if given is not None or told is None:
+        return Device() if given is None and control == "trajectory" else given
     try:
         return Device(**told)
     except TypeError:
@@ -252,6 +252,17 @@ def _written(record: Record, column: Column) -> Array:
 def _column(table: Table, column: Column) -> Array:
     values = table.columns.get(column.name)
     return np.full(len(table.lines), np.nan) if values is None else values / column.scale
+
+
+def _encoders(table: Table) -> Array:
+    """(T + 1, 12) readings, of which the first row has at least one."""
+    measured = np.column_stack([_column(table, column) for column in ENCODERS])
+    if not np.isfinite(measured[0]).any():
+        allowed = ", ".join(column.name for column in ENCODERS)
+        raise InputError(
+            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
+        )
+    return measured
 
 
 def _stacked(table: Table, columns: list[Column]) -> Array | None:
