@@ -26,13 +26,16 @@ nothing.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 from jawenv.compiled import njit
-from jawenv.estimation.closed_loop import closed_loop_fields, set_loop
+from jawenv.estimation.closed_loop import ARM, closed_loop_fields, set_loop
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.products import multiply
 from jawenv.mechanics.dynamics import N_WRENCH
+
+LARGEST_TREMBLE = 5e-4  # m, sd; ten times what an estimate owes to its errors wherever a straight line describes it
 
 
 def noisy_input_fields(n_states: int) -> list[Any]:
@@ -46,6 +49,26 @@ def noisy_input_fields(n_states: int) -> list[Any]:
         ("gains", "f8", (N_MEASUREMENTS, n_states)),
         ("weights", "f8", N_MEASUREMENTS),
     ]
+
+
+@njit
+def limit_tremble(tremble, covariance):
+    """Scale D = P - C so that no coordinate of the estimate needs a larger sd than ``LARGEST_TREMBLE`` to have it.
+
+    Where a jaw is unstable, as one with two condyles of which one rides over the crest, straight lines let the true
+    motion's deviations grow by half in every tick, and C with them; the true jaw falls off, and stays near.
+    """
+    half = tremble.shape[0] // 2
+    share = 1.0
+    for i in range(half):
+        sd = LARGEST_TREMBLE if i < half - 3 else LARGEST_TREMBLE / ARM
+        shared, most = abs(covariance[i, i] - tremble[i, i]), sd * sqrt(covariance[i, i])
+        if share * shared > most:
+            share = most / shared
+    if share < 1.0:
+        for i in range(tremble.shape[0]):
+            for j in range(tremble.shape[0]):
+                tremble[i, j] = covariance[i, j] - share * (covariance[i, j] - tremble[i, j])
 
 
 @njit

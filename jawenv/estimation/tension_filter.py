@@ -33,6 +33,7 @@ from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wr
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.noisy_input import (
     limit_aftermath,
+    limit_tremble,
     noisy_input_fields,
     predict_aftermath,
     predict_tremble,
@@ -94,6 +95,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
         scratch.start_motion[i] = belief.motion[i]
     for k in range(N_WRENCH):
         scratch.reading[k] = belief.trend[k] if has_servo else mean_reading(samples, k)
+    limit_tremble(belief.tremble, belief.motion_cov)
     be_unsure(belief.motion_cov, belief.tremble, noise_variance, scratch)
     if jaw.condyles != 2:
         follow_teeth(jaw, belief.motion, belief.motion_cov, belief.tooth_depths, dt, scratch)

@@ -10,11 +10,14 @@ from recorded import recording
 from running import Running, half_way, line_wrenches, to_coordinates
 
 import jawenv
+from agents.registry import load_agent
 from jawenv.device.device import Device
 from jawenv.envs.recording import record_of
-from jawenv.estimation.noisy_input import limit_aftermath
+from jawenv.estimation.noisy_input import LARGEST_TREMBLE, limit_aftermath, limit_tremble
 from jawenv.estimation.numpy_model import step_with_derivative
 from jawenv.estimation.online import TensionFilter
+from jawenv.metrics import nees
+from jawenv.rollout import play
 
 CONTROLS = ["force", "trajectory"]
 
@@ -220,6 +223,37 @@ def test_innovations_say_no_more_of_an_error_than_there_is_to_know(rng):
     M = 40.0 * np.linalg.inv(P)
     limit_aftermath(M, P)
     np.testing.assert_allclose(M, np.linalg.inv(P), rtol=1e-9, atol=1e-12)
+
+
+def test_an_estimate_trembles_no_more_than_straight_lines_can_say(rng):
+    """|D_ii| <= sd of the estimate times sd of the error (Cauchy and Schwarz); a smaller D stays as it is."""
+    factor = rng.normal(size=(12, 16))
+    scale = np.repeat([3e-5, 1e-3, 1e-3, 1e-2], 3)
+    P = factor @ factor.T * np.outer(scale, scale)
+    D = 0.5 * P
+    C = P - D
+    limit_tremble(C, P)
+    np.testing.assert_array_equal(C, P - D)
+    D = -4e3 * P
+    C = P - D
+    limit_tremble(C, P)
+    kept = (P - C) / D
+    np.testing.assert_allclose(kept, kept[0, 0], rtol=1e-6)
+    sd = np.abs(np.diag(P - C)) / np.sqrt(np.diag(P))
+    most = sd[:6] / LARGEST_TREMBLE * np.repeat([1.0, 0.1], 3)  # m, and rad at an arm of 0.1 m
+    assert most.max() == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_jaw_that_falls_off_the_crest_is_not_misjudged():
+    """The patient of seed 23 rides over it with the left condyle at 15 s: NEES/12 of 1,000 without the limit."""
+    played = play(
+        load_agent("opening_with_swings_and_fore_aft", env_id="jawenv/JawBilateral-v0"),
+        patients=1,
+        seed=23,
+        env_id="jawenv/JawBilateral-v0",
+        env_kwargs={"episode_s": 17.0, "track_bound": False},
+    )
+    assert nees(played.belief_mean[0, -1] - played.truth[0], played.belief_cov[0, -1]) / 12.0 < 4.0
 
 
 def test_where_readings_are_lost_the_correction_stays_finite():
