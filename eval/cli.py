@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from eval.options import (
+    Believed,
     Changes,
     Cohort,
     Control,
@@ -69,6 +70,7 @@ def compare_command(
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
     reality: Effects = None,
     device: Changes = None,
+    estimator: Believed = None,
     reference: Reference = None,
     output: Output = Path("runs/compare"),
     fresh: Fresh = False,
@@ -86,7 +88,7 @@ def compare_command(
     effects = fields_of("reality", reality, "creep_share=0.3")
     changed = fields_of("device", device, "cell_force_N=0.2")
     settings = Settings(
-        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed
+        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
     )
     loaded = load_entries(wanted, settings.env_kwargs, settings.env)
     if reference is not None and reference not in [entry.label for entry in loaded]:
@@ -144,6 +146,7 @@ def calibrate_command(
     ] = "10,30,60",
     reality: Effects = None,
     device: Changes = None,
+    estimator: Believed = None,
     output: Output = Path("runs/calibrate"),
     fresh: Fresh = False,
 ) -> None:
@@ -161,7 +164,7 @@ def calibrate_command(
     moments = tuple(_seconds(text) for text in times.split(","))
     effects = fields_of("reality", reality, "creep_share=0.3")
     changed = fields_of("device", device, "cell_force_N=0.2")
-    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed)
+    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
     wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
     with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:

@@ -42,6 +42,7 @@ class Settings:
         env: id of the environment; as given, also its short name or its model's.
         device: fields of `jawenv.Device` with other values, which the filter knows; none by default.
         reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
+        estimator: mechanics that the filter believes in; the environment's own by default.
 
     Raises:
         InputError: a value is not allowed.
@@ -56,10 +57,12 @@ class Settings:
     env: str = DEFAULT_ENV
     reality: dict[str, float] = field(default_factory=dict)
     device: dict[str, float] = field(default_factory=dict)
+    estimator: str | None = None
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
-        object.__setattr__(self, "env", model_of_env(self.env).env_id)
+        model = model_of_env(self.env)
+        object.__setattr__(self, "env", model.env_id)
         if self.patients < 1:
             raise InputError(f"patients: {self.patients} given, allowed is 1 or more")
         if self.seed < 0:
@@ -69,6 +72,9 @@ class Settings:
         for name, value, allowed in (("control", self.control, CONTROLS), ("sensors", self.sensors, SENSORS)):
             if value not in allowed:
                 raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
+        if self.estimator not in (None, "midline", model.estimator):
+            known = ", ".join(sorted({"midline", model.estimator}))
+            raise InputError(f"estimator: {self.estimator!r} given, allowed in {self.env} are {known}")
         cohort(self.cohort)
         check_reality(self.reality)
         device_of(self.device)
@@ -82,8 +88,8 @@ class Settings:
             "cohort": self.cohort,
             "episode_s": self.episode_s,
         }
-        changed = {"reality": self.reality, "device": self.device}
-        return given | {name: fields for name, fields in changed.items() if fields}
+        changed = {"reality": self.reality, "device": self.device, "estimator": self.estimator}
+        return given | {name: value for name, value in changed.items() if value}
 
 
 def play_entry(entry: Entry, settings: Settings, progress: Progress | None = None) -> Results:

@@ -35,6 +35,14 @@ Changes = Annotated[
         metavar="FIELD=VALUE",
     ),
 ]
+Believed = Annotated[
+    str | None,
+    typer.Option(
+        "--estimator",
+        help="midline: the filter takes a jaw with two condyles for one with a single point on the fossa.",
+        metavar="NAME",
+    ),
+]
 
 
 def fields_of(option: str, texts: list[str] | None, example: str) -> dict[str, float]:

@@ -165,6 +165,13 @@ def test_an_entry_named_twice_counts_once():
     assert len(load_entries(["hold_still", "hold_still"], Settings().env_kwargs)) == 1
 
 
+def test_the_filters_mechanics_go_to_the_environment():
+    assert "estimator" not in Settings().env_kwargs
+    assert Settings(env="JawBilateral", estimator="midline").env_kwargs["estimator"] == "midline"
+    with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v0 are midline"):
+        Settings(estimator="bilateral")
+
+
 def test_entries_with_the_same_name_are_told_apart(tmp_path):
     from agents.maneuver import FOLDER
 
