@@ -76,6 +76,7 @@ def judge(table: pd.DataFrame) -> Finding:
     slow = _below(rates, [error[hz].value > WORSE * best.value for hz in rates])
     sure = _below(rates, [nees(table, _case(hz)).value > WORSE * HONEST for hz in rates])
     short = [hz for hz in rates if _parts(hz) > 1]
+    cases = dict.fromkeys(table["case"])
     return Finding(
         f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(_told(table, hz) for hz in rates)}. "
         f"With ticks divided into 10 ms: {'; '.join(_told(table, hz, _parts(hz)) for hz in short)}.",
@@ -85,10 +86,9 @@ def judge(table: pd.DataFrame) -> Finding:
         + ": the filter as it is has to be tuned, as the thesis says."
         if slow
         else f"Nothing has to be tuned down to {_case(min(rates))}.",
-        {f"rmse/{_case(hz)}": error[hz].value for hz in rates if np.isfinite(error[hz].value)}
-        | {f"diverged/{_case(hz)}": failed[hz] for hz in rates}
-        | {f"rmse/{_case(hz, _parts(hz))}": _error(table, _case(hz, _parts(hz))).value for hz in short}
-        | {f"nees/{case}": nees(table, case).value for case in dict.fromkeys(table["case"])},
+        {f"rmse/{case}": value for case in cases if np.isfinite(value := _error(table, case).value)}
+        | {f"nees/{case}": value for case in cases if np.isfinite(value := nees(table, case).value)}
+        | {f"diverged/{_case(hz)}": failed[hz] for hz in rates},
     )
 
 

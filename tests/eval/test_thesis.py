@@ -214,8 +214,9 @@ def test_verdict_on_maneuvers_follows_the_errors(monkeypatch):
 
 
 def test_verdict_on_rates_follows_the_errors():
-    cases = ("100 Hz", "10 Hz")
-    slow = estimates(PARAMETER_NAMES, cases, error={"100 Hz": 0.02, "10 Hz": 0.2})
+    cases = ("100 Hz", "10 Hz", "10 Hz, divided")
+    slow = estimates(PARAMETER_NAMES, cases, error={"100 Hz": 0.02, "10 Hz": 0.2, "10 Hz, divided": 0.04})
+    assert "With ticks divided into 10 ms: 10 Hz 4." in rates.judge(slow).measured
     assert verdicts(rates.judge, slow, estimates(PARAMETER_NAMES, cases)) == ["reproduced", "not reproduced"]
     slow.loc[slow["case"] == "10 Hz", "estimate"] = np.nan
     assert "10 Hz diverges" in rates.judge(slow).measured
