@@ -14,12 +14,9 @@ N the variance of n and W_u that of the unmodelled wrench:
   where the device answers, the first A and the first G are those of the closed loop (``closed_loop``). Without n and
   answer C equals P: that an estimate is uncorrelated with its error is what makes the filter optimal. D = P - C is the
   covariance of estimated motion and e.
-* ``aftermath`` M: what a unit of T = cov(by_tension, e) takes from the score from now on. T becomes A T A^T in a step
-  and (I - K H) T (I - K H)^T in an update, which takes h T h^T / (innovation's variance) of each reading's row h from
-  the score; M follows the transpose of these rules. It looks ahead; A and K change slowly, so that it is taken as if
-  the coming ticks were like the past ones.
+* ``aftermath`` M: what a unit of cov(by_tension, e) takes from the score from now on (in the file of that name).
 
-A line with the tension exp(b_k e) makes T grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the load cell's gain
+A line with the tension exp(b_k e) makes cov(by_tension, e) grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the load cell's gain
 error, where it multiplies the reading itself, by G cov(z, e) = G N G^T. Nothing answers there, and F and e share
 nothing.
 """
@@ -106,25 +103,8 @@ def predict_tremble(tremble, predicted_cov, noise_variance, answers, dt, scratch
 
 
 @njit
-def limit_aftermath(aftermath, predicted_cov):
-    """Scale M so that trace(M P) <= n: it is at most P^-1, which is all that innovations can ever say of e.
-
-    In the order of time the rules for M need not shrink it where P changes suddenly, as where readings are lost.
-    """
-    size, told = aftermath.shape[0], 0.0
-    for i in range(size):
-        for j in range(size):
-            told += aftermath[i, j] * predicted_cov[i, j]
-    if told > size:
-        share = size / told
-        for i in range(size):
-            for j in range(size):
-                aftermath[i, j] *= share
-
-
-@njit
-def predict_aftermath(aftermath, noise_variance, by_reading, score, information, scratch):
-    """Carry M over a step; correct score and information about the load cell's gain where it multiplies the reading.
+def set_spilt(aftermath, noise_variance, by_reading, score, information, scratch):
+    """What this step's errors take from the score; that about the load cell's gain where it multiplies the reading.
 
     Leaves in ``spilt`` (6, n) what a unit of w (de/dq) adds to the score.
     """
@@ -148,8 +128,6 @@ def predict_aftermath(aftermath, noise_variance, by_reading, score, information,
             taken = crossed[j, k] * noise_variance[N_WRENCH + k] * total[j, wrench + k]
             score[last] += taken
             information[last, last] -= taken
-    multiply(aftermath, total, crossed)
-    multiply(scratch.turned, crossed, aftermath)
 
 
 @njit
@@ -164,26 +142,3 @@ def update_tremble(tremble, row, gain, inverse, spare):
     for i in range(size):
         for j in range(size):
             tremble[i, j] -= spare[i] * gain[j]
-
-
-@njit
-def update_aftermath(aftermath, rows, gains, weights, spare):
-    """M <- (I - k h)^T M (I - k h) + h h^T / S for every reading, the last first; ``gains`` are k, ``weights`` 1/S.
-
-    A reading that was not used has the weight zero.
-    """
-    size = aftermath.shape[0]
-    for i in range(N_MEASUREMENTS - 1, -1, -1):
-        if weights[i] == 0.0:
-            continue
-        squared = weights[i]
-        for j in range(size):
-            value = 0.0
-            for k in range(size):
-                value += aftermath[j, k] * gains[i, k]
-            spare[j] = value
-            squared += value * gains[i, j]
-        for j in range(size):
-            factor = squared * rows[i, j] - spare[j]
-            for k in range(size):
-                aftermath[j, k] += factor * rows[i, k] - rows[i, j] * spare[k]

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 
 from jawenv.compiled import njit, njit_within
+from jawenv.estimation.aftermath import aftermath_fields, forget_aftermath
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.posterior import believe
 from jawenv.estimation.refocus import refocus
@@ -38,7 +39,7 @@ def belief_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> n
         ("motion_cov", "f8", (n_states, n_states)),
         ("by_tension", "f8", (n_states, size)),
         ("tremble", "f8", (n_states, n_states)),
-        ("aftermath", "f8", (n_states, n_states)),
+        *aftermath_fields(n_states),
         ("information", "f8", (size, size)),
         ("score", "f8", (size,)),
         ("basis", basis_dtype(n_muscles, n_nodes)),
@@ -81,7 +82,7 @@ def forget_readings(belief):
     for i in range(belief.motion_cov.shape[0]):
         for j in range(belief.motion_cov.shape[0]):
             belief.tremble[i, j] = belief.motion_cov[i, j]
-    belief.aftermath[:, :] = 0.0
+    forget_aftermath(belief)
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0

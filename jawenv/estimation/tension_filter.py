@@ -26,18 +26,17 @@ import numpy as np
 
 from jawenv.compiled import njit, njit_within
 from jawenv.device.answer import add_brake, add_servos
+from jawenv.estimation.aftermath import end_reading, look_ahead
 from jawenv.estimation.contact_mean import be_unsure
 from jawenv.estimation.ekf import mean_reading, move, set_muscles
 from jawenv.estimation.held_teeth import follow_teeth
 from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
 from jawenv.estimation.measurement import N_MEASUREMENTS, expect
 from jawenv.estimation.noisy_input import (
-    limit_aftermath,
     limit_tremble,
     noisy_input_fields,
-    predict_aftermath,
     predict_tremble,
-    update_aftermath,
+    set_spilt,
     update_tremble,
 )
 from jawenv.estimation.posterior import posterior_fields
@@ -106,8 +105,8 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
     predict_cov(belief, noise_variance, scratch)
     answers = set_answer(jaw, belief.motion, usual_variance, device, has_servo, body_to_head, scratch)
     predict_tremble(belief.tremble, belief.motion_cov, noise_variance, answers, dt, scratch)
-    limit_aftermath(belief.aftermath, belief.motion_cov)
-    predict_aftermath(belief.aftermath, noise_variance, not answers, belief.score, belief.information, scratch)
+    look_ahead(belief, scratch.total)
+    set_spilt(belief.aftermath, noise_variance, not answers, belief.score, belief.information, scratch)
     if answers:
         for k in range(N_WRENCH):
             scratch.reading[k] = belief.trend[k]
@@ -240,7 +239,8 @@ def update_motion(jaw, belief, measured, variances, used, scratch):
     for k in range(size):
         belief.motion[k] += change[k]
     add_information(belief.information, scratch.by_tension_rows, weights)
-    update_aftermath(belief.aftermath, scratch.rows, gains, weights, scratch.spare)
+    if used.any():
+        end_reading(belief, scratch)
 
 
 @njit

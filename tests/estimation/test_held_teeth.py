@@ -5,10 +5,11 @@ import newton_euler as twin
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import norm
 
 import jawenv
 from agents import load_agent
-from jawenv.estimation.held_teeth import LARGEST_OFFSET, MEAN_OVER, follow_teeth, hold_teeth
+from jawenv.estimation.held_teeth import LARGEST_OFFSET, MEAN_OVER, follow_teeth, hold_teeth, mean_steepness
 from jawenv.estimation.replay import online_scratch_dtype
 from jawenv.estimation.sensitivity import rate_and_sensitivity
 from jawenv.mechanics.jaw import build_jaw
@@ -28,11 +29,21 @@ def depths(pose):
     return twin.contact(JAW, q)[2] + (JAW["teeth"] @ twin.rotation(q).T)[:, 2] - JAW["teeth"][:, 2]
 
 
-def rates_by_state(held, steepness):
+def on_average(depth, sd):
+    """The ramp's slope over a normal depth (m): Gauss and Legendre's quadrature between its two kinks."""
+    nodes, weights = np.polynomial.legendre.leggauss(80)
+    kinks = np.clip((np.array([0.0, JAW["stop_width"]]) - depth) / sd, -9.0, 9.0)
+    half = 0.5 * (kinks[1] - kinks[0])
+    z = kinks[0] + half * (nodes + 1.0)
+    within = half * weights @ (norm.pdf(z) * (depth + sd * z) / JAW["stop_width"])
+    return within + norm.sf((JAW["stop_width"] - depth) / sd)
+
+
+def rates_by_state(held, steepness, variance=0.0):
     """(10, 10) the derivative of the motion's rate at ``POSE`` with these teeth held."""
     scratch, tuples = made(), (tuple(POSE), (0.0,) * 5)
     scratch["stage"][:, :10] = np.eye(10)
-    scratch["held"], scratch["steepness"] = held, steepness
+    scratch["held"], scratch["steepness"], scratch["depth_variance"] = held, steepness, variance
     muscles = np.tile([1e-9, 1.0], (6, 1))
     rate_and_sensitivity(JAW, muscles, *tuples, (0.0,) * 6, np.zeros(6), 0.0, 0.0, scratch)
     hold_teeth(JAW, tuples[0], scratch)
@@ -62,6 +73,24 @@ def test_a_held_tooth_is_a_spring_of_the_steepness_at_which_it_is_held():
     np.testing.assert_allclose(rates_by_state(held, at / JAW["stop_width"]), plain, rtol=1e-9, atol=1e-6)
 
 
+def test_another_tooth_is_as_steep_as_on_average_over_the_depths_that_may_be_true():
+    sd = np.array([5e-5, 2e-4, 4e-4])
+    found = rates_by_state(0, 0.0, sd**2)
+    expected = rates_by_state(1, [on_average(*one) for one in zip(depths(POSE), sd, strict=True)])
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    assert np.abs(found - rates_by_state(0, 0.0)).max() > 0.02 * np.abs(expected).max()
+
+
+@settings(deadline=None)  # the first call compiles
+@given(depth=st.floats(-3e-3, 3e-3), sd=st.floats(2e-5, 2e-3))
+def test_the_mean_steepness_is_that_of_the_ramp(depth, sd):
+    width = JAW["stop_width"]
+    found = mean_steepness(depth, sd**2, width)
+    assert np.isclose(found, on_average(depth, sd), rtol=1e-9, atol=1e-8)
+    assert mean_steepness(depth, 0.0, width) == np.clip(depth / width, 0.0, 1.0)
+    assert mean_steepness(depth, -1e-20, width) == np.clip(depth / width, 0.0, 1.0), "a variance's rounding"
+
+
 def follow(pose, means, sd):
     """Held teeth and their steepness after a tick at ``pose`` of an opening angle known to ``sd`` (rad)."""
     scratch, motion, covariance = made(), np.concatenate([pose, np.zeros(5)]), np.zeros((10, 10))
@@ -82,7 +111,10 @@ def test_a_tooth_is_held_while_its_depth_may_be_the_mean(offset, sd):
         assert (held == near).all()
     share = np.where(held, DT / MEAN_OVER, 1.0)
     np.testing.assert_allclose(means, old + share * (depths(turned) - old), rtol=1e-9, atol=1e-15)
-    np.testing.assert_allclose(steepness[held], np.clip(means / JAW["stop_width"], 0.0, 1.0)[held], rtol=1e-9)
+    step = [0.0, 0.0, 1e-6, 0.0, 0.0]
+    depth_sd = np.abs(depths(turned + step) - depths(turned - step)) / 2e-6 * sd
+    expected = np.array([on_average(*one) for one in zip(means, depth_sd, strict=True)])
+    np.testing.assert_allclose(steepness[held], expected[held], rtol=1e-6, atol=1e-8)
 
 
 def test_the_first_depth_is_its_own_mean():
