@@ -72,8 +72,8 @@ class Settings:
         for name, value, allowed in (("control", self.control, CONTROLS), ("sensors", self.sensors, SENSORS)):
             if value not in allowed:
                 raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
-        if self.estimator not in (None, "midline", model.estimator):
-            known = ", ".join(sorted({"midline", model.estimator}))
+        if self.estimator not in (None, *model.estimators):
+            known = ", ".join(model.estimators)
             raise InputError(f"estimator: {self.estimator!r} given, allowed in {self.env} are {known}")
         cohort(self.cohort)
         check_reality(self.reality)

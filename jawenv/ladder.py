@@ -54,6 +54,11 @@ class Model:
         return "bilateral" if self.plant == "bilateral" else "midline"
 
     @property
+    def estimators(self) -> tuple[Estimator, ...]:
+        """The mechanics that a filter may be given: its own, and one point on the fossa, as a wrong belief."""
+        return ("bilateral", "midline") if self.estimator == "bilateral" else ("midline",)
+
+    @property
     def muscles(self) -> MuscleSet:
         """The muscles with their lines of action."""
         return known_muscle_sets()[self.muscle_set]

@@ -77,8 +77,8 @@ class Configuration:
             if not number or not 0.0 <= value <= LARGEST or (value == 0.0 and name != "comfort_weight"):
                 raise InputError(f"{name} is {value!r}; allowed: a number, {low}, at most {LARGEST:g}")
         model = model_named(self.model)
-        if self.estimator not in (None, "midline", model.estimator):
-            allowed = " or ".join(sorted({"midline", model.estimator}))
+        if self.estimator not in (None, *model.estimators):
+            allowed = " or ".join(model.estimators)
             raise InputError(f"estimator is {self.estimator!r}; allowed in {model.title}: {allowed}")
         if not isinstance(self.cohort, str):
             raise InputError(f"cohort is {self.cohort!r}; allowed: the name of a cohort")
