@@ -11,6 +11,7 @@ import hashlib
 import os
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
@@ -77,7 +78,7 @@ def cache_folder() -> Path:
 
 def njit(function: Function) -> Function:
     """Compile a kernel: no Python objects, no fast-math reordering, IEEE division, cached on disk."""
-    return _compile(function, parallel=False)
+    return _compile(function)
 
 
 def njit_within(function: Function) -> Function:
@@ -86,7 +87,7 @@ def njit_within(function: Function) -> Function:
     Numba optimises each kernel together with all that it calls, so that a chain of kernels in which each only calls the
     next takes as many times as long to compile as it is long.
     """
-    return _compile(function, parallel=False, inline="always")
+    return _compile(function, inline="always")
 
 
 # From this many worlds on, sharing the work gains more than waiting for the slowest thread of a busy machine costs.
@@ -94,38 +95,61 @@ MANY_WORLDS = 16
 
 
 class WorldKernel:
-    """A kernel whose ``prange`` loop runs over worlds, compiled once for one thread and once for all.
+    """A kernel that loops over worlds, shared out to threads where there are many of them.
 
-    Few worlds would only wait for threads with little to do, so they take the serial form; both are made from the same
-    source and give the same numbers. The first argument that has one entry per world is ``arguments[place]``.
+    Few worlds would only wait for threads with little to do. The kernel's last argument, ``part``, says which worlds it
+    is to take, and whose working memory: first, one past the last, number of the thread. ``arguments[place]`` is one
+    that has an entry per world. There are as many threads as ``numba.get_num_threads()`` says.
     """
 
     def __init__(self, function: Callable[..., None], place: int) -> None:
-        """Declare both forms; each is compiled at its first call, or read from the cache."""
+        """Declare the kernel; it is compiled at its first call, or read from the cache."""
         self.name = function.__name__
         self._place = place
-        self._begun: set[tuple[bool, np.dtype[Any]]] = set()
-        self._forms = {parallel: _compile(function, parallel=parallel) for parallel in (False, True)}
+        self._begun: set[np.dtype[Any]] = set()
+        self._kernel = _compile(function, nogil=True)
 
     def __call__(self, *arguments: Any) -> None:
-        """Run the form that suits the number of worlds; says on stderr when it has to be compiled first."""
+        """Run the kernel on all worlds; says on stderr when it has to be compiled first."""
         worlds = arguments[self._place]
-        many = len(worlds) >= MANY_WORLDS
-        if (many, worlds.dtype) in self._begun:
-            self._forms[many](*arguments)
-            return
-        mark = _form_folder(many) / f"{self.name}-{hashlib.sha256(repr(worlds.dtype).encode()).hexdigest()[:16]}"
+        if worlds.dtype not in self._begun:
+            self._begin(worlds.dtype, arguments)
+        parts = numba.get_num_threads() if len(worlds) >= MANY_WORLDS else 1
+        bounds = [len(worlds) * part // parts for part in range(parts + 1)]
+        shared = [
+            _threads().submit(self._kernel, *arguments, (bounds[part], bounds[part + 1], part))
+            for part in range(1, parts)
+        ]
+        self._kernel(*arguments, (0, bounds[1], 0))
+        for one in shared:
+            one.result()
+
+    def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
+        """Compile or read the kernel for this model, by a call that takes no worlds."""
+        mark = cache_folder() / f"{self.name}-{hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]}"
         if not mark.exists():
-            say_compiling(many, str(worlds.dtype))
-        self._forms[many](*arguments)
-        self._begun.add((many, worlds.dtype))
+            say_compiling(str(dtype))
+        self._kernel(*arguments, (0, 0, 0))
+        self._begun.add(dtype)
         mark.parent.mkdir(parents=True, exist_ok=True)
         mark.touch()
 
 
 @cache
-def say_compiling(many: bool, dtype: str) -> None:
-    """Say on stderr, once for each form and model in a process, that kernels are being compiled."""
+def _threads() -> ThreadPoolExecutor:
+    """All but the calling thread, made when first needed."""
+    config: Any = numba.config
+    return ThreadPoolExecutor(max(1, config.NUMBA_NUM_THREADS - 1), thread_name_prefix="jawenv")
+
+
+# A forked process has the executor, and none of its threads.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_threads.cache_clear)
+
+
+@cache
+def say_compiling(dtype: str) -> None:
+    """Say on stderr, once for each model in a process, that kernels are being compiled."""
     print("jawenv: compiling this model for this machine, once (about a minute) ...", file=sys.stderr, flush=True)
 
 
@@ -134,16 +158,11 @@ def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
     return lambda function: WorldKernel(function, place)
 
 
-def _form_folder(parallel: bool) -> Path:
-    # Numba's cache does not tell the two forms of one function apart.
-    return cache_folder() / ("parallel" if parallel else "serial")
-
-
-def _compile(function: Function, parallel: bool, inline: Literal["never", "always"] = "never") -> Function:
+def _compile(function: Function, inline: Literal["never", "always"] = "never", nogil: bool = False) -> Function:
     config: Any = numba.config
-    previous, config.CACHE_DIR = config.CACHE_DIR, str(_form_folder(parallel))
+    previous, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
     try:
-        compiled: Any = numba.njit(cache=True, error_model="numpy", parallel=parallel, inline=inline)(function)
+        compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=nogil, inline=inline)(function)
         compiled._cache._cache_file.__class__ = _SharedCacheFile
     finally:
         config.CACHE_DIR = previous

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
-from numba.np.ufunc.parallel import get_thread_id
 
 from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
@@ -191,7 +189,7 @@ def clear_step(world):
     world.left_out = 0.0
 
 
-@njit
+@njit_within
 def advance_world(device, model, world, action, settings, scratch, ticks):
     """Advance one world by one control period."""
     clear_step(world)
@@ -206,11 +204,11 @@ def advance_world(device, model, world, action, settings, scratch, ticks):
 
 
 @world_kernel(place=2)
-def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks):
+def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, part):
     """Advance every active world by one control period.
 
     Args:
-        devices: One record of dtype ``DEVICE``, in an array (a parallel loop takes no bare record).
+        devices: One record of dtype ``DEVICE``, in an array.
         models: Jaws as the filter believes them, one for each world, dtype ``jaw_dtype``.
         worlds: Worlds, dtype ``world_dtype``; changed in place.
         actions: (N, 4) in [-1, 1].
@@ -218,8 +216,10 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches, a
         all_settings: One record of dtype ``settings_dtype``, in an array.
         scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
         all_ticks: (N, ticks + 1) records of dtype ``tick_dtype``, or (N, 1) where none are kept.
+        part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
     """
-    for i in prange(worlds.shape[0]):
+    first, last, thread = part
+    for i in range(first, last):
         if active[i]:
-            scratch = scratches[get_thread_id()]
+            scratch = scratches[thread]
             advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratch, all_ticks[i])

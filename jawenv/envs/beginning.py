@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
-from numba.np.ufunc.parallel import get_thread_id
 
 from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
@@ -215,7 +213,7 @@ def begin_reality(world, settings, scratch):
     reset_reality(reality, world.reality, world.jaw, muscles, q, lift, scratch.measured, scratch.normals)
 
 
-@njit
+@njit_within
 def begin_world(device, model, world, settings, scratch, beginning, ticks):
     """Put one world at rest; False when the device cannot treat its patient."""
     set_muscles(world.jaw, world.log_parameters, 0, world.muscles)
@@ -241,15 +239,15 @@ def begin_world(device, model, world, settings, scratch, beginning, ticks):
 
 
 @world_kernel(place=2)
-def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks):
+def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     ``accepted`` (N,) becomes False for a chosen world whose jaw has no rest pose in the treatable box or too small a
     painless range; such a world must be given another patient.
     """
-    for i in prange(worlds.shape[0]):
+    first, last, thread = part
+    for i in range(first, last):
         if chosen[i]:
-            thread = get_thread_id()
             accepted[i] = begin_world(
                 devices[0],
                 models[i],

@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from math import log10, sqrt
 
-from numba import prange
-from numba.np.ufunc.parallel import get_thread_id
-
 from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
@@ -142,7 +139,8 @@ def observe_world(device, model, world, settings, scratch, row):
 
 
 @world_kernel(place=2)
-def observe(devices, models, worlds, all_settings, scratches, observation):
+def observe(devices, models, worlds, all_settings, scratches, observation, part):
     """Fill ``observation`` (N, size), float32."""
-    for i in prange(worlds.shape[0]):
-        observe_world(devices[0], models[i], worlds[i], all_settings[0], scratches[get_thread_id()], observation[i])
+    first, last, thread = part
+    for i in range(first, last):
+        observe_world(devices[0], models[i], worlds[i], all_settings[0], scratches[thread], observation[i])

@@ -158,8 +158,6 @@ class Simulation:
         self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
         self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
         self._gravity = default_mandible().gravity
-        # The first call starts Numba's threads, without which get_thread_id has no answer even in the serial form.
-        numba.get_num_threads()
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))

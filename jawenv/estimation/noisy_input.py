@@ -16,9 +16,9 @@ N the variance of n and W_u that of the unmodelled wrench:
   covariance of estimated motion and e.
 * ``aftermath`` M: what a unit of cov(by_tension, e) takes from the score from now on (in the file of that name).
 
-A line with the tension exp(b_k e) makes cov(by_tension, e) grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the load cell's gain
-error, where it multiplies the reading itself, by G cov(z, e) = G N G^T. Nothing answers there, and F and e share
-nothing.
+A line with the tension exp(b_k e) makes cov(by_tension, e) grow by G d(w exp(b_k e))/dq D, with w its unit wrench; the
+load cell's gain error, where it multiplies the reading itself, by G cov(z, e) = G N G^T. Nothing answers there, and F
+and e share nothing.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """The same seed gives the same episode: alone, in company, on any number of threads, in another process."""
 
 import hashlib
+import os
 import subprocess
 import sys
 
@@ -30,7 +31,7 @@ def threads():
     numba.set_num_threads(before)
 
 
-@pytest.mark.parametrize("number", [2, MANY_WORLDS + 3])  # the serial and the parallel form
+@pytest.mark.parametrize("number", [2, MANY_WORLDS + 3])  # by one thread and by all
 @pytest.mark.parametrize("count", THREADS)
 def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number, count, threads):
     threads(count)
@@ -82,6 +83,31 @@ def test_the_same_seed_gives_the_same_episode_in_another_process():
         observations.append(env.step(np.full(4, 0.2 * np.sin(k), dtype=np.float32))[0])
     other = subprocess.run([sys.executable, "-c", _EPISODE], capture_output=True, text=True, check=True).stdout.strip()
     assert other == hashlib.sha256(np.array(observations).tobytes()).hexdigest()
+
+
+_FORK = """
+import os, gymnasium, jawenv, numba, numpy
+numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
+env = gymnasium.make_vec("jawenv/Jaw-v0", num_envs=20)
+env.reset(seed=8)
+actions = numpy.zeros((20, 4), dtype=numpy.float32)
+env.step(actions)
+child = os.fork()
+observation = env.step(actions)[0]
+if child == 0:
+    print(observation.sum(), flush=True)
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+print(observation.sum())
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
+def test_a_forked_process_has_threads_of_its_own():
+    """As workers of Gymnasium's AsyncVectorEnv are: the parent's threads are not there."""
+    ran = subprocess.run([sys.executable, "-c", _FORK], capture_output=True, text=True, check=True, timeout=300)
+    first, second = ran.stdout.split()
+    assert first == second
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))
