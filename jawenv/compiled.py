@@ -11,7 +11,7 @@ import hashlib
 import os
 import sys
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
@@ -114,13 +114,17 @@ class WorldKernel:
         worlds = arguments[self._place]
         if worlds.dtype not in self._begun:
             self._begin(worlds.dtype, arguments)
-        parts = numba.get_num_threads() if len(worlds) >= MANY_WORLDS else 1
+        parts = min(numba.get_num_threads(), len(worlds)) if len(worlds) >= MANY_WORLDS else 1
         bounds = [len(worlds) * part // parts for part in range(parts + 1)]
         shared = [
             _threads().submit(self._kernel, *arguments, (bounds[part], bounds[part + 1], part))
             for part in range(1, parts)
         ]
-        self._kernel(*arguments, (0, bounds[1], 0))
+        try:
+            self._kernel(*arguments, (0, bounds[1], 0))
+        finally:
+            # An interrupt, too, finds no thread at work on the worlds.
+            wait(shared)
         for one in shared:
             one.result()
 
