@@ -174,7 +174,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     world.bound[:, :] = np.nan
     if settings.bound:
         prior_covariance(world, settings, world.bound)
-    world.log_det_prior = cholesky_parameters(world.belief.belief_cov, 0, scratch.matrix)
+    world.log_det_prior = cholesky_parameters(world.belief.cov, 0, scratch.matrix)
     world.log_det_bound = np.nan
     refresh_information(world, settings, scratch.matrix, scratch.right)
     world.log_score_prior = world.log_score

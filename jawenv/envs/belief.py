@@ -41,10 +41,10 @@ def refresh_information(world, settings, lower, whitened):
     """Set log-determinants, NEES and log score of ``world`` from its belief, bound and truth."""
     if settings.bound:
         world.log_det_bound = cholesky_parameters(world.bound, world.belief.motion.shape[0], lower)
-    world.log_det = cholesky_parameters(world.belief.belief_cov, 0, lower)
+    world.log_det = cholesky_parameters(world.belief.cov, 0, lower)
     nees = 0.0
     for i in range(whitened.shape[0]):
-        value = world.log_parameters[i] - world.belief.belief_mean[i]
+        value = world.log_parameters[i] - world.belief.mean[i]
         for k in range(i):
             value -= lower[i, k] * whitened[k]
         whitened[i] = value / lower[i, i]

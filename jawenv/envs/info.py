@@ -24,12 +24,12 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
     ``left_out`` (share of the step's readings that were missing or frozen, and not believed);
     ``jaw_state`` (10: true q, u); ``time`` (s).
     """
-    covariance = worlds["belief"]["belief_cov"].copy()
+    covariance = worlds["belief"]["cov"].copy()
     fractions, costs = worlds["fractions"].copy(), worlds["costs"].copy()
     prior, score = worlds["log_det_prior"], worlds["log_score"]
     info = {
         "parameter_names": parameter_names,
-        "belief_mean": worlds["belief"]["belief_mean"].copy(),
+        "belief_mean": worlds["belief"]["mean"].copy(),
         "belief_cov": covariance,
         "belief_sd": np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)),
         "truth": worlds["log_parameters"].copy(),

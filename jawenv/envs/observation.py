@@ -105,8 +105,8 @@ def observe_world(device, model, world, settings, scratch, row):
     """Fill one row of the observation."""
     parameters = settings.filter.prior_mean.shape[0]
     for i in range(parameters):
-        sd = sqrt(max(world.belief.belief_cov[i, i], 1e-300))
-        row[i] = bounded((world.belief.belief_mean[i] - settings.filter.prior_mean[i]) / settings.filter.prior_sd[i])
+        sd = sqrt(max(world.belief.cov[i, i], 1e-300))
+        row[i] = bounded((world.belief.mean[i] - settings.filter.prior_mean[i]) / settings.filter.prior_sd[i])
         row[parameters + i] = bounded(log10(sd / settings.filter.prior_sd[i]))
     seen = row[2 * parameters :]
     q, u, lift = filtered_motion(model, world.belief.motion)
@@ -130,7 +130,7 @@ def observe_world(device, model, world, settings, scratch, row):
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(model, world.belief.belief_mean, 0, scratch.filter.muscles)
+    set_muscles(model, world.belief.mean, 0, scratch.filter.muscles)
     force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.filter.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):

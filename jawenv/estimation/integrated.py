@@ -2,8 +2,8 @@
 
 The record is filtered as if the muscles were known, and the belief is made at its end; then again about that belief,
 until it stays (``replay``). Where readings leave the pose open, as those of one point do, more than one belief may
-stay, as least squares have more than one minimum: of several starts, the belief with the largest density is taken.
-Where they do not, the path's parameters are the only start.
+stay, as least squares have more than one minimum: several starts are followed, and the belief is the sum of what they
+come to (``mixture``). Where they do not, the path's parameters are the only start.
 """
 
 from __future__ import annotations
@@ -11,14 +11,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.estimation.online import FilterRun, filter_record, replay_about
+from jawenv.estimation.online import FilterRun, filter_record
 from jawenv.estimation.record import Record
-from jawenv.estimation.replay import N_STARTS, search, set_starts
+from jawenv.estimation.replay import N_STARTS, PASSES, search, set_starts
 
 Array = NDArray[np.float64]
 
-PASSES = 10  # at most, over a record, until one moves no parameter by
-SMALL_STEP = 0.01  # sds or more
+SMALL_STEP = 0.01  # sds, of a pass that ends the search
 
 
 def integrate_out(record: Record, found: Array) -> tuple[Array, Array]:
@@ -36,8 +35,6 @@ def integrate_out(record: Record, found: Array) -> tuple[Array, Array]:
         kept = np.empty((1, len(found))), np.empty((1, len(found), len(found)))
         filter_record(*run.arguments, len(rows), *kept)
         starts = np.vstack([starts, np.empty((N_STARTS, len(found)))])
-        set_starts(belief, settings, starts[1:])
+        starts = starts[: 1 + set_starts(belief, settings, starts[1:])]
     search(jaw, device, belief, rows, run.last, settings, scratch, starts, PASSES, SMALL_STEP)
-    # Once more from the prior's nodes, so that the result does not depend on those of the way there.
-    replay_about(jaw, device, belief, rows, run.last, settings, scratch, belief["belief_mean"].copy())
-    return belief["belief_mean"].copy(), belief["belief_cov"].copy()
+    return belief["mean"].copy(), belief["cov"].copy()

@@ -99,7 +99,7 @@ def belief_about(record: Record, parameters: Array) -> tuple[Array, Array]:
     run = FilterRun(record)
     jaw, device, belief, rows, settings, scratch = run.arguments
     replay_about(jaw, device, belief, rows, run.last, settings, scratch, np.ascontiguousarray(parameters))
-    return belief["belief_mean"].copy(), belief["belief_cov"].copy()
+    return belief["mode_mean"].copy(), belief["mode_cov"].copy()
 
 
 def _rows(record: Record) -> Any:
@@ -131,5 +131,5 @@ def filter_record(jaw, device, belief, rows, settings, scratch, every, means, co
         if tick > 0 and tick % every == 0:
             learn(belief, settings, scratch)
         if tick % every == 0:
-            means[tick // every] = belief.belief_mean
-            covs[tick // every] = belief.belief_cov
+            means[tick // every] = belief.mean
+            covs[tick // every] = belief.cov

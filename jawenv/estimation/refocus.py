@@ -24,7 +24,7 @@ STRAYS = 1.0  # spanned sds by which the mean leaves the middle before they foll
 @njit
 def refocus(belief, scratch):
     """Draw the nodes of each muscle together where the belief has become so much narrower, or has moved."""
-    basis, mean, covariance = belief.basis, belief.belief_mean, belief.belief_cov
+    basis, mean, covariance = belief.basis, belief.mode_mean, belief.mode_cov
     moved = False
     for i in range(basis.nodes.shape[0]):
         e = 2 * i + 1

@@ -13,6 +13,7 @@ import numpy as np
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.aftermath import aftermath_fields, forget_aftermath
 from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.mixture import forget_modes, mixture_fields, sum_up
 from jawenv.estimation.posterior import believe
 from jawenv.estimation.refocus import refocus
 from jawenv.estimation.tension_basis import basis_dtype, copy_basis, set_coefficients
@@ -44,8 +45,8 @@ def belief_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> n
         ("score", "f8", (size,)),
         ("basis", basis_dtype(n_muscles, n_nodes)),
         ("nominal", "f8", (n_muscles, n_nodes)),
-        ("belief_mean", "f8", (parameters,)),
-        ("belief_cov", "f8", (parameters, parameters)),
+        *mixture_fields(parameters),
+        ("window", "i8"),  # how many of them were filtered again at the end of the last window
         ("trend", "f8", (N_WRENCH,)),
         ("tooth_depths", "f8", (N_TEETH,)),  # m, their means of late
         ("strain_mean", "f8", (n_lines,)),
@@ -66,11 +67,20 @@ def begin_belief(basis, belief, log_parameters, prior_sd):
 
     The mean of the prior, or another guess to filter with; ``motion`` and ``motion_cov`` the caller has set.
     """
+    forget_modes(belief)
+    belief.window = 0
+    guess(basis, belief, log_parameters, prior_sd)
+    sum_up(belief)
+
+
+@njit
+def guess(basis, belief, log_parameters, prior_sd):
+    """The mode is at ``log_parameters`` (p), as uncertain as the prior is, and nothing has been measured yet."""
     for i in range(log_parameters.shape[0]):
-        belief.belief_mean[i] = log_parameters[i]
+        belief.mode_mean[i] = log_parameters[i]
         for j in range(log_parameters.shape[0]):
-            belief.belief_cov[i, j] = 0.0
-        belief.belief_cov[i, i] = prior_sd[i] * prior_sd[i]
+            belief.mode_cov[i, j] = 0.0
+        belief.mode_cov[i, i] = prior_sd[i] * prior_sd[i]
     copy_basis(belief.basis, basis)
     forget_readings(belief)
 
@@ -95,7 +105,7 @@ def forget_readings(belief):
     belief.last_sample[:] = np.nan
     belief.held_sample[:] = 0.0
     belief.lost_for[:] = 0.0
-    set_coefficients(belief.basis, belief.belief_mean, belief.nominal)
+    set_coefficients(belief.basis, belief.mode_mean, belief.nominal)
 
 
 @njit
@@ -112,7 +122,7 @@ def recentre(belief, scratch):
     basis = belief.basis
     size, columns = belief.motion.shape[0], belief.by_tension.shape[1]
     nodes = basis.nodes.shape[1]
-    set_coefficients(basis, belief.belief_mean, scratch.after)
+    set_coefficients(basis, belief.mode_mean, scratch.after)
     row = scratch.row
     for j in range(columns - 1):
         row[j] = scratch.after[j // nodes, j % nodes] - belief.nominal[j // nodes, j % nodes]
@@ -139,8 +149,8 @@ def conclude(belief, prior_mean, prior_sd, gain_variance, scratch):
         gain_variance,
         prior_mean,
         prior_sd,
-        belief.belief_mean,
-        belief.belief_cov,
+        belief.mode_mean,
+        belief.mode_cov,
         scratch.posterior,
         ROUNDS,
     )

@@ -89,7 +89,7 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, usual_variance, dev
     ``device`` is a record of dtype ``DEVICE``; its motors' servos are asked for where ``has_servo``.
     """
     size = belief.motion.shape[0]
-    set_muscles(jaw, belief.belief_mean, 0, scratch.muscles)
+    set_muscles(jaw, belief.mode_mean, 0, scratch.muscles)
     for i in range(size):
         scratch.start_motion[i] = belief.motion[i]
     for k in range(N_WRENCH):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.ekf import follow_trend
 from jawenv.estimation.measurement import N_MEASUREMENTS
+from jawenv.estimation.mixture import sum_up
 from jawenv.estimation.readings import mark_usable, repair_samples
 from jawenv.estimation.sensitivity import N_NOISE, N_SAMPLES
 from jawenv.estimation.tension_basis import basis_dtype
@@ -119,3 +120,4 @@ def take_readings(jaw, device, belief, measured, samples, tick, settings, scratc
 def learn(belief, settings, scratch):
     """The belief about the parameters from all information so far."""
     conclude(belief, settings.prior_mean, settings.prior_sd, settings.gain_variance, scratch)
+    sum_up(belief)

@@ -53,7 +53,7 @@ def test_ten_minutes_leave_the_covariances_symmetric_and_positive_definite(motio
         assert not terminated
         left_out += info["left_out"] / 12_000
         if k % 1200 == 1199:
-            for P in (belief["belief_cov"], belief["motion_cov"], world["bound"][:GAIN, :GAIN]):
+            for P in (belief["cov"], belief["motion_cov"], world["bound"][:GAIN, :GAIN]):
                 assert_covariance(P)
             assert np.isfinite(belief["motion"]).all()
             assert (info["belief_sd"] < 1.05 * env.unwrapped.prior.sd).all()

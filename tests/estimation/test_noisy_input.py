@@ -161,7 +161,7 @@ def test_a_brake_meets_speeds_that_the_unmodelled_wrench_has_changed():
     """Their covariance from the independent step's derivative; what the load cell's noise does is not the truth's."""
     record = recording(cohort="healthy").records[0]
     running = Running(record).run(20)
-    theta = running.belief["belief_mean"].copy()
+    theta = running.belief["mode_mean"].copy()
     running.predict(20)
     start = np.concatenate([running.scratch["start_motion"], theta, [0.0]])
     _, by_all = step_with_derivative(record.jaw, start, record.samples[20], np.zeros(6), record.dt)
@@ -202,13 +202,13 @@ def test_the_belief_of_a_jaw_held_still_is_not_biased(control, without):
     for _ in range(steps - 1):
         env.step(actions)
     belief, truth = simulation.worlds["belief"], simulation.worlds["log_parameters"]
-    sd = np.sqrt(np.array([np.diag(cov) for cov in belief["belief_cov"]]))
-    share = (belief["belief_mean"] - truth) / sd
+    sd = np.sqrt(np.array([np.diag(cov) for cov in belief["cov"]]))
+    share = (belief["mean"] - truth) / sd
     assert np.abs(share.reshape(number, 2, 6).mean(axis=(0, 1))).max() < 0.35
     moved = []
     for i in range(4):
         uncorrected = replace(record_of(simulation, i), cell_sd=np.zeros(6), control="force", device=None)
-        moved.append((TensionFilter().estimate(uncorrected).mean[-1] - belief["belief_mean"][i]) / sd[i])
+        moved.append((TensionFilter().estimate(uncorrected).mean[-1] - belief["mean"][i]) / sd[i])
     assert np.abs(np.mean(moved, axis=0)).max() > without
 
 

@@ -15,9 +15,9 @@ def narrowed(share, off=0.0):
     """A filter after some ticks whose belief about log b is ``share`` as wide as the prior, and off by so many sds."""
     running = Running(recording().records[0]).run(TICKS)
     belief, sd = running.belief, running.record.prior.sd
-    belief["belief_cov"] = np.diag((share * sd) ** 2)
-    belief["belief_mean"][1::2] += off * sd[1::2]
-    set_coefficients(belief["basis"], belief["belief_mean"], belief["nominal"])
+    belief["mode_cov"] = np.diag((share * sd) ** 2)
+    belief["mode_mean"][1::2] += off * sd[1::2]
+    set_coefficients(belief["basis"], belief["mode_mean"], belief["nominal"])
     return running
 
 
@@ -51,7 +51,7 @@ def test_the_nodes_span_what_is_believed_and_not_less_than_the_narrowest():
     for share in (0.6, 0.5, 0.1):
         running = narrowed(share, off=0.4)
         refocus(running.belief, running.scratch)
-        basis, mean = running.belief["basis"], running.belief["belief_mean"][1::2]
+        basis, mean = running.belief["basis"], running.belief["mode_mean"][1::2]
         width = np.maximum(share * running.record.prior.sd[1::2], NARROWEST)
         np.testing.assert_allclose(basis["width"], width)
         np.testing.assert_allclose(np.log(basis["nodes"][:, 2]), mean)
@@ -72,7 +72,7 @@ def test_tension_far_from_the_middle_is_told_a_hundred_times_better():
     """Strains of 0.25, exponents within the sd of a belief of a third of the prior's width."""
     wrong = []
     running = narrowed(0.33)
-    theta = running.belief["belief_mean"] + 0.33 * running.record.prior.sd * np.tile([0.0, 1.0], 6)
+    theta = running.belief["mode_mean"] + 0.33 * running.record.prior.sd * np.tile([0.0, 1.0], 6)
     for _ in range(2):
         basis, c = running.belief["basis"], np.empty(running.belief["nominal"].shape)
         set_coefficients(basis, theta, c)

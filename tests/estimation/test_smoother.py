@@ -160,8 +160,8 @@ def test_a_belief_about_parameters_is_made_of_the_information_of_a_filter_that_s
         conclude(running.belief, *prior, short.gain_sd**2, running.scratch)
     mean, cov = belief_about(short, parameters)
     sd = np.sqrt(np.diag(cov))
-    np.testing.assert_allclose(mean / sd, running.belief["belief_mean"] / sd, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(cov / np.outer(sd, sd), running.belief["belief_cov"] / np.outer(sd, sd), atol=1e-3)
+    np.testing.assert_allclose(mean / sd, running.belief["mode_mean"] / sd, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(cov / np.outer(sd, sd), running.belief["mode_cov"] / np.outer(sd, sd), atol=1e-3)
     assert (sd < 0.999 * short.prior.sd).any()
 
 
@@ -176,8 +176,8 @@ def test_the_record_is_linearised_about_what_is_found(record):
     assert np.abs((result.mean - result.path.parameters) / sd).max() > 0.02
 
 
-def test_of_several_beliefs_that_stay_the_densest_is_taken():
-    """One point's readings, 10 s: from the prior's mean both of these patients end elsewhere."""
+def test_several_beliefs_that_stay_are_found():
+    """One point's readings, 10 s: whole steps from the prior's mean end elsewhere in both of these patients."""
     kwargs = {"record": True, "episode_s": 10.0, "sensors": "point"}
 
     def share(record, mean, cov):

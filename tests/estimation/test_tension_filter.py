@@ -147,7 +147,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     record = Running(without_cell_noise(record)).foresee(80)
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
     other, moved, stayed = Running(record, theta).run(80), Running(record).run(80), Running(record).run(80)
-    moved.belief["belief_mean"] = theta
+    moved.belief["mode_mean"] = theta
     recentre(moved.belief, moved.scratch)
     free = record.start_sd > 0.0
     difference = (other.belief["motion"] - stayed.belief["motion"])[free]
