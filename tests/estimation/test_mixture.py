@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jawenv.estimation import mixture
+from jawenv.estimation import mixture, replay
 from jawenv.estimation.tension_belief import belief_dtype
 
 P = 4
@@ -89,3 +89,8 @@ def test_a_mode_of_no_weight_changes_nothing(rng):
     mixture.sum_up(belief)
     np.testing.assert_array_equal(belief["mean"], mean)
     np.testing.assert_array_equal(belief["cov"], cov)
+
+
+def test_there_is_room_for_a_mode_of_every_start():
+    """Those of the filter and the smoother's path; a kernel would write past the end without a word."""
+    assert replay.N_STARTS + 1 <= mixture.MOST_MODES
