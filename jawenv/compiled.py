@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
+import shutil
 import sys
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
@@ -25,7 +28,8 @@ from platformdirs import user_cache_dir
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).parent
-_KERNEL_FOLDERS = ("mechanics", "device", "estimation", "reality", "envs")
+_KERNEL_MARK = b"from jawenv.compiled import"
+UNUSED_DAYS = 30  # after which the kernels of another version are deleted
 
 
 def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
@@ -61,12 +65,25 @@ class _SharedCacheFile(IndexDataCacheFile):
 def kernel_digest() -> str:
     """Sixteen hexadecimal digits that change with any kernel source or with Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    sources = [Path(__file__), _PACKAGE / "noise.py"]
-    for folder in _KERNEL_FOLDERS:
-        sources += sorted((_PACKAGE / folder).glob("*.py"))
-    for source in sources:
-        digest.update(source.name.encode() + source.read_bytes())
+    for source, content in sorted(_kernel_sources().items()):
+        digest.update(source.relative_to(_PACKAGE).as_posix().encode() + content)
     return digest.hexdigest()[:16]
+
+
+def _kernel_sources() -> dict[Path, bytes]:
+    """The files that hold kernels and, as kernels take over constants, all files of the package that these import."""
+    contents = {source: source.read_bytes() for source in _PACKAGE.rglob("*.py")}
+    found: dict[Path, bytes] = {}
+    pending = [source for source, content in contents.items() if _KERNEL_MARK in content]
+    while pending:
+        source = pending.pop()
+        if source in found or source not in contents:
+            continue
+        found[source] = contents[source]
+        for name in re.findall(rb"^from jawenv\.?([\w.]*) import", contents[source], re.MULTILINE):
+            place = _PACKAGE.joinpath(*name.decode().split("."))
+            pending += [place.with_suffix(".py"), place / "__init__.py"]
+    return found
 
 
 @cache
@@ -74,6 +91,14 @@ def cache_folder() -> Path:
     """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
     root = os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")
     return Path(root) / "kernels" / kernel_digest()
+
+
+def prune_caches() -> None:
+    """Delete the kernels of other versions that nothing has used for ``UNUSED_DAYS``."""
+    oldest = time.time() - UNUSED_DAYS * 86400
+    for folder in cache_folder().parent.iterdir():
+        if folder != cache_folder() and folder.is_dir() and folder.stat().st_mtime < oldest:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def njit(function: Function) -> Function:
@@ -130,13 +155,20 @@ class WorldKernel:
 
     def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
         """Compile or read the kernel for this model, by a call that takes no worlds."""
-        mark = cache_folder() / f"{self.name}-{hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]}"
-        if not mark.exists():
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        mark = folder / f"{self.name}-{hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]}"
+        if mark.exists():
+            self._kernel(*arguments, (0, 0, 0))
+        else:
             say_compiling(str(dtype))
-        self._kernel(*arguments, (0, 0, 0))
+            # Of several processes one compiles, and the others read what it has saved.
+            with FileLock(f"{mark}.lock"):
+                self._kernel(*arguments, (0, 0, 0))
+                mark.touch()
+            prune_caches()
         self._begun.add(dtype)
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.touch()
 
 
 @cache
