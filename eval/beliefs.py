@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eval.filters import OTHERS, TENSION
 from jawenv.errors import InputError
-from jawenv.estimation.estimator import Estimate
+from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
 from jawenv.rollout import Recording
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 from jawenv.errors import InputError
-from jawenv.estimation.estimator import Estimator
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.estimation.smoother import IteratedSmoother
+from jawenv.estimation.recordings.estimate import Estimator
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
+from jawenv.estimation.references.smoother import IteratedSmoother
 
 TENSION = "tension"
 """The environment's own, whose belief the recording holds: it is not run again."""

@@ -15,11 +15,11 @@ from rich.progress import track
 
 import jawenv
 from agents import load_agent
-from jawenv.estimation.estimator import Estimator
-from jawenv.estimation.online import TensionFilter
-from jawenv.estimation.record import Record
-from jawenv.estimation.smoother import IteratedSmoother
-from jawenv.estimation.thinning import divided, thinned
+from jawenv.estimation.online.record_filter import TensionFilter
+from jawenv.estimation.recordings.estimate import Estimator
+from jawenv.estimation.recordings.record import Record
+from jawenv.estimation.recordings.thinning import divided, thinned
+from jawenv.estimation.references.smoother import IteratedSmoother
 
 TICK_HZ = 100
 

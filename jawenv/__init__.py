@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
-    from jawenv.estimation.bound import bound_along
-    from jawenv.estimation.identifiability import identifiability
+    from jawenv.estimation.analysis.bound import bound_along
+    from jawenv.estimation.analysis.identifiability import identifiability
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.metrics.score import score
     from jawenv.rollout import information_bound, play
@@ -30,9 +30,9 @@ _HOMES = {
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
     "acceleration": "jawenv.mechanics",
-    "bound_along": "jawenv.estimation.bound",
+    "bound_along": "jawenv.estimation.analysis.bound",
     "cohort": "jawenv.anatomy",
-    "identifiability": "jawenv.estimation.identifiability",
+    "identifiability": "jawenv.estimation.analysis.identifiability",
     "information_bound": "jawenv.rollout",
     "play": "jawenv.rollout",
     "score": "jawenv.metrics",

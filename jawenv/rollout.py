@@ -18,7 +18,7 @@ from jawenv.errors import InputError
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
-    from jawenv.estimation.record import Record
+    from jawenv.estimation.recordings.record import Record
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]

@@ -6,7 +6,7 @@ exact to rounding.
 
 import numpy as np
 
-from jawenv.estimation.numpy_model import DOWN_TO
+from jawenv.estimation.references.numpy_model import DOWN_TO
 from jawenv.mechanics.newton_euler import (
     acceleration,
     angle_axes,

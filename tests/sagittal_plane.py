@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jawenv.estimation.ekf import filter_scratch_dtype
-from jawenv.estimation.sensitivity import plus
+from jawenv.estimation.model.step import plus
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.equilibrium import settle
@@ -33,7 +33,7 @@ def on_path(jaw, x, theta):
 def midline_rest(jaw, law=LAW):
     """x and theta where the midline model rests."""
     pose = np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
     _, found = settle(jaw, muscles(law), pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     assert found
     return pose[0], pose[2]

@@ -15,8 +15,8 @@ from eval import statistics, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.record import Record
+from jawenv.estimation.recordings.record import Record
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 EPISODE_S = 30.0

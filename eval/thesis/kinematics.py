@@ -11,8 +11,8 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
-from jawenv.estimation import record_defaults as defaults
-from jawenv.estimation.point_kinematics import compatible_range
+from jawenv.estimation.recordings import defaults
+from jawenv.estimation.thesis_methods.point_kinematics import compatible_range
 
 POINTS = 60
 CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the figure shows

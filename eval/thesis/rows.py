@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from eval import statistics, words
 from eval.statistics import Interval
-from jawenv.estimation.estimator import Estimate
-from jawenv.estimation.record import Record
+from jawenv.estimation.recordings.estimate import Estimate
+from jawenv.estimation.recordings.record import Record
 
 Array = NDArray[np.float64]
 

@@ -94,7 +94,7 @@ class Device:
     motor_no_load_mm_s: float = 20.0
     thermal_s: float = 10.0
     force_cap_N: float = 40.0
-    slew_N_s: float = 50.0
+    slew_N_s: float = 12.0
     lag_s: float = 0.02
     max_rate_mm_s: float = 40.0
     servo_stiffness_N_m: float = 2500.0

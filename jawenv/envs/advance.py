@@ -10,18 +10,17 @@ from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
 from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
 from jawenv.envs.recording import keep_tick
-from jawenv.estimation.ekf import (
-    filter_scratch_dtype,
-    mean_force,
-    mean_reading,
+from jawenv.estimation.model.encoders import N_MEASUREMENTS, measure
+from jawenv.estimation.model.load_cell import mean_force, mean_reading
+from jawenv.estimation.model.step import N_NOISE, N_SAMPLES
+from jawenv.estimation.online.belief import learn
+from jawenv.estimation.online.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
+from jawenv.estimation.references.joint_recursion import (
+    joint_scratch_dtype,
     move,
     predict_covariance,
     update_covariance,
 )
-from jawenv.estimation.measurement import N_MEASUREMENTS, measure
-from jawenv.estimation.replay import ends_window, online_scratch_dtype, renew
-from jawenv.estimation.sensitivity import N_SAMPLES
-from jawenv.estimation.tick import EAGER_TICKS, filter_settings_dtype, learn, take_readings
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
@@ -34,11 +33,13 @@ N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 
 
-def settings_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
+def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
-        ("filter", filter_settings_dtype(n_muscles, n_states, n_nodes)),
+        ("filter", filter_settings_dtype(n_muscles, n_states)),
+        ("trajectory", "u1"),  # control
         ("bound", "u1"),
+        ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("record", "u1"),
         ("reality", REALITY),
         ("channels", "i8"),  # readings in a tick
@@ -48,11 +49,11 @@ def settings_dtype(n_muscles: int, n_states: int, n_nodes: int) -> np.dtype[np.v
     return np.dtype(fields, align=True)
 
 
-def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
+def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
-        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
-        ("tension", online_scratch_dtype(n_muscles, n_lines, n_states, n_nodes)),
+        ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
@@ -83,7 +84,7 @@ def read_load_cell(device, world, scratch):
 def sense(device, world, scratch, settings):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
-    measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
+    measure(world.jaw, world.state, scratch.joint.rows, scratch.measured)
     scratch.measured[2] += world.lift[0]
     scratch.measured[8] += world.lift[1]
     play(settings.reality, world.reality, scratch.measured)
@@ -101,31 +102,31 @@ def begin_tick(device, model, world, action, settings, scratch):
     normals = scratch.normals
     q, u = split(world.state)
     lift = lift_of(world)
-    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.filter.trajectory, TICK)
+    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.trajectory, TICK)
     update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
-    for i in range(scratch.filter.state.shape[0]):
-        scratch.filter.state[i] = true_state(model, world, i)
+    for i in range(scratch.joint.state.shape[0]):
+        scratch.joint.state[i] = true_state(model, world, i)
 
 
 @njit_within
 def advance_bound(model, world, settings, scratch):
-    """The bound's recursion along the true motion; ``scratch.filter.state`` is the true state at the tick's start."""
-    state = scratch.filter.state
-    move(model, world.muscles, state, scratch.wrench, world.belief.trend, 0.0, TICK, scratch.filter)
-    predict_covariance(world.bound, settings.filter.noise_variance, scratch.filter)
+    """The bound's recursion along the true motion; ``scratch.joint.state`` is the true state at the tick's start."""
+    state = scratch.joint.state
+    move(model, world.muscles, state, scratch.wrench, world.belief.trend, 0.0, TICK, scratch.joint)
+    predict_covariance(world.bound, settings.noise_variance, scratch.joint)
     for i in range(state.shape[0]):
         state[i] = true_state(model, world, i)
     update_covariance(
-        model, state, world.bound, settings.filter.measurement_variance, settings.filter.used, scratch.filter
+        model, state, world.bound, settings.filter.measurement_variance, settings.filter.used, scratch.joint
     )
 
 
 @njit_within
 def end_tick(device, model, world, settings, scratch, ticks):
-    """Load cell, prediction, encoders and update after the motion of a tick; kept in ``ticks`` if so set."""
+    """Load cell, encoders and filter after the motion of a tick; what was read is kept in ``ticks``."""
     read_load_cell(device, world, scratch)
     if settings.bound:
         advance_bound(model, world, settings, scratch)
@@ -141,27 +142,21 @@ def end_tick(device, model, world, settings, scratch, ticks):
     )
     world.tick += 1
     keep_tick(model, world, settings, scratch, ticks)
-    filter_tick(device, model, world, settings, scratch, ticks)
-
-
-@njit_within
-def filter_tick(device, model, world, settings, scratch, ticks):
-    """The filter's part of a tick, given what the sensors read and ``ticks`` keep."""
-    belief, known, tension = world.belief, settings.filter, scratch.tension
-    lost = take_readings(model, device, belief, scratch.measured, scratch.samples, world.tick, known, tension)
-    world.left_out += lost / (settings.channels * settings.ticks_per_step)
+    belief, gated = world.belief, world.belief.gated
+    left_out = filter_tick(
+        model, belief, ticks, world.tick, scratch.measured, scratch.samples, settings.filter, scratch.filter
+    )
+    share = 1.0 / settings.ticks_per_step
+    world.left_out += share * left_out / settings.channels
+    world.gated += share * (belief.gated - gated)
     for k in range(6):
-        world.reading[k] = mean_reading(tension.usable, k)
-    if world.tick < ticks.shape[0] and ends_window(belief, known, tension):
-        renew(model, device, belief, ticks, world.tick, known, tension)
-    if world.tick < EAGER_TICKS:
-        learn(belief, known, tension)
+        world.reading[k] = mean_reading(scratch.filter.samples, k)
 
 
 @njit_within
 def end_step(world, settings, scratch):
     """Belief and its worth at the end of a control period."""
-    learn(world.belief, settings.filter, scratch.tension)
+    learn(world.belief, settings.filter, scratch.filter.belief)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
 
@@ -187,6 +182,7 @@ def clear_step(world):
         world.costs[k] = 0.0
     world.governor = 0.0
     world.left_out = 0.0
+    world.gated = 0.0
 
 
 @njit_within

@@ -12,10 +12,10 @@ from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.recording import keep_tick
-from jawenv.estimation.ekf import set_muscles, update_covariance
-from jawenv.estimation.measurement import measure
-from jawenv.estimation.tension_belief import begin_belief
-from jawenv.estimation.tick import begin_motion, learn, take_readings
+from jawenv.estimation.model.encoders import measure
+from jawenv.estimation.model.step import set_muscles
+from jawenv.estimation.online.tick import begin_filter, filter_tick
+from jawenv.estimation.references.joint_recursion import update_covariance
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
@@ -168,8 +168,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     for i in range(size):
         ticks[0].believed[i] = true_state(model, world, i) + settings.filter.start_sd[i] * normals[i]
     belief, known = world.belief, settings.filter
-    begin_motion(belief, ticks[0].believed, known.start_sd)
-    begin_belief(known.basis, belief, known.prior_mean, known.prior_sd)
+    begin_filter(belief, ticks[0].believed, known)
     world.cell_gain = device.cell_gain * normals[size]
     world.bound[:, :] = np.nan
     if settings.bound:
@@ -190,13 +189,12 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         scratch.faults,
     )
     keep_tick(model, world, settings, scratch, ticks)
-    take_readings(model, device, belief, scratch.measured, scratch.samples, world.tick, known, scratch.tension)
-    learn(belief, known, scratch.tension)
+    filter_tick(model, belief, ticks, world.tick, scratch.measured, scratch.samples, known, scratch.filter)
     if settings.bound:
         for i in range(size):
-            scratch.filter.state[i] = true_state(model, world, i)
+            scratch.joint.state[i] = true_state(model, world, i)
         update_covariance(
-            model, scratch.filter.state, world.bound, known.measurement_variance, known.used, scratch.filter
+            model, scratch.joint.state, world.bound, known.measurement_variance, known.used, scratch.joint
         )
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
@@ -206,7 +204,7 @@ def begin_reality(world, settings, scratch):
     """Tissue, load-cell bias and play of the encoders as the episode begins, at rest."""
     q, _ = split(world.state)
     lift = lift_of(world)
-    measure(world.jaw, world.state, scratch.filter.rows, scratch.measured)
+    measure(world.jaw, world.state, scratch.joint.rows, scratch.measured)
     scratch.measured[2] += lift[0]
     fill_normals((world.key[0], world.key[1]), -3, scratch.normals)
     reality, muscles = settings.reality, world.muscles
@@ -221,7 +219,7 @@ def begin_world(device, model, world, settings, scratch, beginning, ticks):
         world.state[k] = 0.0
     world.state[0] = 3e-3 if world.jaw.free_x else 0.0
     world.state[2] = 0.05
-    last = open_slowly(world.jaw, world.muscles, world.state, scratch.filter, beginning)
+    last = open_slowly(world.jaw, world.muscles, world.state, scratch.joint, beginning)
     world.lift[0], world.lift[1] = 0.0, 0.0
     if last < 0 or not set_limits(world, last, beginning):
         return False

@@ -40,7 +40,7 @@ def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
     begin_tick(device, models[i], world, actions[i], settings, scratch)
     q, u = split(world.state)
     _, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.filter.trajectory
+        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.trajectory
     )
     clear_moments(scratch.wrench)
     scratch.acted = acted
@@ -58,7 +58,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, place, vel
     take_planar(world, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
     q, u = split(world.state)
     wrench, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].filter.trajectory
+        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].trajectory
     )
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
@@ -73,7 +73,7 @@ def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, 
     """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     take_planar(world, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
-    acted = max(scratch.acted, end_motion(device, world, scratch, settings.filter.trajectory))
+    acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
     end_tick(device, models[i], world, settings, scratch, all_ticks[i])
     share = 1.0 / settings.ticks_per_step
     world.governor += share * acted
@@ -105,7 +105,7 @@ class ContactPlants:
     """
 
     def __init__(
-        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int, int]
+        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int]
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings

@@ -14,7 +14,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
-from jawenv.estimation.ekf import set_muscles
+from jawenv.estimation.model.step import set_muscles
 from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.kinematics import rotation, split
 
@@ -126,13 +126,13 @@ def observe_world(device, model, world, settings, scratch, row):
     for i in range(N_MOTORS):
         seen[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
         lead = 0.0
-        if settings.filter.trajectory:
+        if settings.trajectory:
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
         seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
-    set_muscles(model, world.belief.mean, 0, scratch.filter.muscles)
+    set_muscles(model, world.belief.mean, 0, scratch.joint.muscles)
     force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
-    used_fractions(model, scratch.filter.muscles, limits, q, u, lift, force, scratch.fractions)
+    used_fractions(model, scratch.joint.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     seen[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)

@@ -12,9 +12,8 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import device_wrench
 from jawenv.device.stiffness import device_rate
 from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
-from jawenv.estimation.sensitivity import plus
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
-from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.dynamics import plus, state_rate
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import articular_push
@@ -68,7 +67,7 @@ def midline_tick(device, world, scratch, settings):
     rate = fastest_rate(world.jaw, scratch.effective, q)
     parts = parts_needed(rate, TICK, SUBSTEPS)
     acted = midline_steps(device, world, scratch, settings, parts)
-    rate += device_rate(device, world.jaw, settings.filter.trajectory)
+    rate += device_rate(device, world.jaw, settings.trajectory)
     shorter = parts_needed(rate, TICK, SUBSTEPS)
     if acted > 0.0 and shorter > parts:
         for i in range(5):
@@ -80,7 +79,7 @@ def midline_tick(device, world, scratch, settings):
 @njit
 def midline_steps(device, world, scratch, settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.filter.trajectory
+    acted, trajectory = 0.0, settings.trajectory
     h = TICK / parts
     clear_moments(scratch.wrench)
     for step in range(parts):
@@ -110,7 +109,7 @@ def midline_steps(device, world, scratch, settings, parts):
 @njit
 def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.filter.trajectory
+    acted, trajectory = 0.0, settings.trajectory
     h = TICK / BODY_SUBSTEPS
     clear_moments(scratch.wrench)
     for step in range(BODY_SUBSTEPS):
@@ -169,4 +168,4 @@ def true_motion(device, world, scratch, settings):
         acted = bilateral_tick(device, world, scratch, settings)
     else:
         acted = midline_tick(device, world, scratch, settings)
-    return max(acted, end_motion(device, world, scratch, settings.filter.trajectory))
+    return max(acted, end_motion(device, world, scratch, settings.trajectory))

@@ -8,7 +8,7 @@ import numpy as np
 
 from jawenv.compiled import njit
 from jawenv.envs.plants import true_state
-from jawenv.estimation.record import Record
+from jawenv.estimation.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def keep_tick(model, world, settings, scratch, ticks):
 def record_of(simulation: Simulation, index: int) -> Record:
     """What the device of world ``index`` has measured in its present episode; the simulation must keep ticks."""
     world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings["filter"][0]
+    noise_variance = simulation.settings["noise_variance"][0]
     rows = ticks[: int(world["tick"]) + 1]
     return Record(
         time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,
@@ -49,8 +50,8 @@ def record_of(simulation: Simulation, index: int) -> Record:
         start_mean=rows["believed"][0].copy(),
         start_sd=settings["start_sd"].copy(),
         measurement_sd=np.sqrt(settings["measurement_variance"]),
-        wrench_sd=np.sqrt(settings["noise_variance"][:N_WRENCH]),
-        cell_sd=np.sqrt(settings["noise_variance"][N_WRENCH:]),
+        wrench_sd=np.sqrt(noise_variance[:N_WRENCH]),
+        cell_sd=np.sqrt(noise_variance[N_WRENCH:]),
         gain_sd=float(simulation.device[0]["cell_gain"]),
         jaw=simulation.models[index].copy(),
         prior=simulation.cohort.prior,

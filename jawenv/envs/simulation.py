@@ -20,9 +20,7 @@ from jawenv.envs.plants import TICK
 from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
-from jawenv.estimation.replay import LAST_WINDOW
-from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tick import leaves_pose_open, tick_dtype
+from jawenv.estimation.online.tick import last_window, set_prior, tick_dtype
 from jawenv.ladder import Estimator, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -39,7 +37,7 @@ Reward = Literal["uncertainty", "bound", "score"]
 
 REDRAWS = 200
 LARGEST = 1e6  # of the numeric arguments
-REPLAYED = 4 * LAST_WINDOW  # ticks kept for the filter's last window, of which encoders may lose three quarters
+KEPT_TICKS = 4  # for each reading of the filter's last window: encoders may lose three quarters
 
 
 @dataclass(frozen=True)
@@ -152,8 +150,7 @@ class Simulation:
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
-        self._n_nodes = nodes_needed(self.cohort.prior)
-        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, self._n_nodes
+        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
         self.settings = self._build_settings(sizes[2])
         self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
         self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
@@ -168,7 +165,7 @@ class Simulation:
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
 
-    def _contact_plants(self, sizes: tuple[int, int, int, int]) -> ContactPlants:
+    def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
         from jawenv.envs.contact import ContactPlants
 
         return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
@@ -176,14 +173,17 @@ class Simulation:
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
-        replayed = ticks if self.settings["filter"]["pose_open"][0] else REPLAYED
+        replayed = KEPT_TICKS * int(self.settings["filter"]["last_window"][0])
         return ticks if self.configuration.record else min(ticks, replayed)
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration = self.configuration
-        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), n_states, self._n_nodes))
+        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), n_states))
         settings = records[0]
-        self._tell_filter(records["filter"][0])
+        self._set_filter(records["filter"][0])
+        settings["noise_variance"] = self._noise_variance()
+        settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
+        settings["trajectory"] = configuration.control == "trajectory"
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         settings["bound"] = configuration.needs_bound
         settings["record"] = configuration.record
@@ -192,27 +192,30 @@ class Simulation:
         settings["ticks_per_step"] = configuration.ticks_per_step
         return records
 
-    def _tell_filter(self, known: Any) -> None:
+    def _set_filter(self, known: Any) -> None:
         """Fill a record of dtype ``filter_settings_dtype``."""
         configuration, device = self.configuration, self.device[0]
         known["dt"] = TICK
-        known["trajectory"] = configuration.control == "trajectory"
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         known["used"] = pose if configuration.sensors == "pose" else point
         known["start_sd"] = start_sd(self._jaw, self._known_condyles)
-        known["pose_open"] = leaves_pose_open(known["used"] != 0, known["start_sd"])
+        known["last_window"] = last_window(known["used"] != 0, known["start_sd"])
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
         known["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        known["gain_variance"] = float(device["cell_gain"]) ** 2
+        set_prior(known, self._jaw, self.cohort.prior)
+
+    def _noise_variance(self) -> NDArray[np.float64]:
+        """(12,) of the wrench not known: constant over a tick, and tilting."""
+        device = self.device[0]
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
         constant = [unmodelled[0] + cell_force, unmodelled[1] + cell_moment]
         # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
-        known["noise_variance"] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
-        known["gain_variance"] = float(device["cell_gain"]) ** 2
-        known["basis"] = build_basis(self._jaw, self.cohort.prior, self._n_nodes)[0]
-        known["prior_mean"], known["prior_sd"] = self.cohort.prior.mean, self.cohort.prior.sd
+        variance: NDArray[np.float64] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
+        return variance
 
     def seed_world(self, index: int, generator: np.random.Generator) -> None:
         """Give a world the key that all its coming episodes draw from."""

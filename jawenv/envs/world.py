@@ -8,8 +8,8 @@ import numpy as np
 
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.estimation.ekf import filter_size
-from jawenv.estimation.tension_belief import belief_dtype
+from jawenv.estimation.online.state import belief_dtype
+from jawenv.estimation.references.joint_recursion import filter_size
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
@@ -29,7 +29,7 @@ MOTORS = np.dtype(
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np.dtype[np.void]:
+def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one world.
 
     The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
@@ -53,8 +53,9 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nodes: int) -> np
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("left_out", "f8"),  # share of the last step's readings that were not believed
-        ("belief", belief_dtype(n_muscles, n_lines, n_states, n_nodes)),
+        ("left_out", "f8"),  # share of the last step's readings that were not used
+        ("gated", "f8"),  # share of the last step's ticks whose innovation the filter's gate has refused
+        ("belief", belief_dtype(n_muscles, n_states)),
         ("reading", "f8", 6),  # load cell, body axes
         ("log_det_prior", "f8"),
         ("log_det", "f8"),

@@ -24,10 +24,10 @@ import numpy as np
 
 import jawenv
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.estimation.estimator import Estimator
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.filterpy_filters import FilterpyExtendedKalman
-from jawenv.estimation.record import Record
+from jawenv.estimation.recordings.estimate import Estimator
+from jawenv.estimation.recordings.record import Record
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman
 from jawenv.rollout import DEFAULT_ENV
 
 WORLDS = 256

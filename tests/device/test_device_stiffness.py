@@ -8,7 +8,7 @@ import pytest
 from jawenv.device.motors import ON_PATH, device_wrench
 from jawenv.device.stiffness import device_rate
 from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick, true_motion
-from jawenv.estimation.ekf import mean_reading
+from jawenv.estimation.model.load_cell import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import newton_euler as twin
 import numpy as np
 import two_condyles
+from jawenv.estimation.online.replay import online_scratch_dtype
 
-from jawenv.estimation.ekf import follow_trend
-from jawenv.estimation.measurement import expect
-from jawenv.estimation.replay import online_scratch_dtype
-from jawenv.estimation.tension_basis import build_basis, nodes_needed
-from jawenv.estimation.tension_belief import begin_belief, belief_dtype
-from jawenv.estimation.tension_filter import predict_motion, update_motion
+from jawenv.estimation.model.encoders import expect
+from jawenv.estimation.model.load_cell import follow_trend
+from jawenv.estimation.online.basis import build_basis, nodes_needed
+from jawenv.estimation.online.state import begin_belief, belief_dtype
+from jawenv.estimation.online.time_update import predict_motion, update_motion
 
 
 class Running:

@@ -9,9 +9,9 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
-from jawenv.estimation.bound import bound_along
-from jawenv.estimation.ekf import TREND_TIME
-from jawenv.estimation.numpy_model import measurement_with_derivative, step_with_derivative
+from jawenv.estimation.analysis.bound import bound_along
+from jawenv.estimation.model.load_cell import TREND_TIME
+from jawenv.estimation.references.numpy_model import measurement_with_derivative, step_with_derivative
 
 N, P = 10, 12  # motion and parameters of the reference model
 SHORT = 0.2  # s; the independent model takes its time

@@ -20,9 +20,9 @@ from scipy.stats import chi2
 
 import jawenv
 from jawenv.anatomy import Patient, Prior, cohort
-from jawenv.estimation import smoother
-from jawenv.estimation.bound import bound_along
-from jawenv.estimation.smoother import IteratedSmoother
+from jawenv.estimation.analysis.bound import bound_along
+from jawenv.estimation.references import smoother
+from jawenv.estimation.references.smoother import IteratedSmoother
 from jawenv.ladder import model_named
 
 DRAWS = 500

@@ -5,19 +5,14 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.estimation.ekf import (
-    TREND_TIME,
-    filter_scratch_dtype,
-    follow_trend,
-    innovation_variance,
-    parameter_variance,
-)
-from jawenv.estimation.extended_kalman_kernel import predict_plain, update_plain
-from jawenv.estimation.measurement import measure
-from jawenv.estimation.numpy_model import fastest_rate as independent_rate
-from jawenv.estimation.numpy_model import parts_needed as independent_parts
-from jawenv.estimation.numpy_model import step, step_with_derivative
-from jawenv.estimation.sensitivity import propagate
+from jawenv.estimation.model.encoders import measure
+from jawenv.estimation.model.load_cell import TREND_TIME, follow_trend
+from jawenv.estimation.model.step import propagate
+from jawenv.estimation.references.extended_kalman_kernel import predict_plain, update_plain
+from jawenv.estimation.references.joint_recursion import innovation_variance, joint_scratch_dtype, parameter_variance
+from jawenv.estimation.references.numpy_model import fastest_rate as independent_rate
+from jawenv.estimation.references.numpy_model import parts_needed as independent_parts
+from jawenv.estimation.references.numpy_model import step, step_with_derivative
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 DT = 0.01
@@ -32,7 +27,7 @@ SD = np.concatenate([[1e-4, 1e-4], [2e-3] * 3, [1e-3] * 2, [1e-2] * 3, [0.3] * 1
 
 @pytest.fixture
 def scratch():
-    return np.zeros(1, dtype=filter_scratch_dtype())[0]
+    return np.zeros(1, dtype=joint_scratch_dtype())[0]
 
 
 class Belief:

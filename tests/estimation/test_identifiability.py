@@ -11,8 +11,8 @@ import jawenv
 from agents import load_agent
 from jawenv.anatomy import PARAMETER_NAMES, Prior
 from jawenv.errors import InputError
-from jawenv.estimation.bound import bound_along
-from jawenv.estimation.identifiability import (
+from jawenv.estimation.analysis.bound import bound_along
+from jawenv.estimation.analysis.identifiability import (
     Identifiability,
     collinearity,
     collinearity_of_size,

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from jawenv.errors import InputError
-from jawenv.estimation.inverse_kinematics import acceleration_from_mouthpiece, motion_from_pose
+from jawenv.estimation.thesis_methods.inverse_kinematics import acceleration_from_mouthpiece, motion_from_pose
 from jawenv.mechanics import build_jaw
 
 SD = np.repeat([1e-4, 1.7e-3, 1e-3, 2e-2], 3)

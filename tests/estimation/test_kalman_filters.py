@@ -8,10 +8,14 @@ import pytest
 from recorded import recording
 
 from jawenv.errors import InputError
-from jawenv.estimation.ekf import parameter_variance
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman, symmetric_root
-from jawenv.estimation.initial import parameter_noise
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.filterpy_filters import (
+    FilterpyExtendedKalman,
+    FilterpyUnscentedKalman,
+    symmetric_root,
+)
+from jawenv.estimation.references.initial import parameter_noise
+from jawenv.estimation.references.joint_recursion import parameter_variance
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ from hypothesis import strategies as some
 
 from jawenv.anatomy import Prior
 from jawenv.errors import InputError
-from jawenv.estimation.least_squares import (
+from jawenv.estimation.thesis_methods.least_squares import (
     LinearLeastSquares,
     NonlinearLeastSquares,
     exerted,
     exerted_jacobian,
     logs_of_coefficients,
 )
-from jawenv.estimation.moment_balance import Balance, balance_of
-from jawenv.estimation.regression import regression_covariance
+from jawenv.estimation.thesis_methods.moment_balance import Balance, balance_of
+from jawenv.estimation.thesis_methods.regression import regression_covariance
 from jawenv.mechanics import build_jaw
 from jawenv.metrics.calibration import nees
 

@@ -5,7 +5,7 @@ import pytest
 from recorded import recording
 from running import Running, half_way, line_wrenches, to_coordinates
 
-from jawenv.estimation.line_wrenches import set_by_place, set_line_wrenches
+from jawenv.estimation.online.regressors import set_by_place, set_line_wrenches
 
 
 def rows_of(R):

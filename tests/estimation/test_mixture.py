@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jawenv.estimation import mixture, replay
-from jawenv.estimation.tension_belief import belief_dtype
+from jawenv.estimation.online import replay
+from jawenv.estimation.online.state import belief_dtype
+from jawenv.estimation.references import mixture
 
 P = 4
 

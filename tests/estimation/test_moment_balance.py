@@ -9,8 +9,8 @@ from estimation_records import quiet_records
 
 from jawenv.anatomy import cohort
 from jawenv.errors import InputError
-from jawenv.estimation.least_squares import exerted
-from jawenv.estimation.moment_balance import balance, balance_of
+from jawenv.estimation.thesis_methods.least_squares import exerted
+from jawenv.estimation.thesis_methods.moment_balance import balance, balance_of
 
 LOW = np.array([-2e-4, -3e-3, -0.02, -0.1, -0.1, -0.03, -0.03, -1.0, -1.0, -1.0])
 HIGH = np.array([1.2e-2, 3e-3, 0.4, 0.1, 0.1, 0.03, 0.03, 1.0, 1.0, 1.0])

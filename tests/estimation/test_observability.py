@@ -10,8 +10,8 @@ import pytest
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
-from jawenv.estimation.numpy_model import step
-from jawenv.estimation.observability import observability, rank_of
+from jawenv.estimation.analysis.observability import observability, rank_of
+from jawenv.estimation.references.numpy_model import step
 
 TICKS = 6
 

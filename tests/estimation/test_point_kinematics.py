@@ -5,7 +5,12 @@ import numpy as np
 import pytest
 
 from jawenv.errors import InputError
-from jawenv.estimation.point_kinematics import compatible_range, mouthpiece, nearest_poses, null_directions
+from jawenv.estimation.thesis_methods.point_kinematics import (
+    compatible_range,
+    mouthpiece,
+    nearest_poses,
+    null_directions,
+)
 
 LOW = np.array([0.0, -3e-3, 0.0, -0.1, -0.1])
 HIGH = np.array([1.2e-2, 3e-3, 0.45, 0.1, 0.1])

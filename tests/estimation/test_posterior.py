@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.estimation.posterior import (
+from jawenv.estimation.online.basis import build_basis, expand_coefficients
+from jawenv.estimation.online.posterior import (
     NEGLIGIBLE,
     believe,
     invert_positive,
@@ -18,7 +19,6 @@ from jawenv.estimation.posterior import (
     set_precision,
     set_root,
 )
-from jawenv.estimation.tension_basis import build_basis, expand_coefficients
 from jawenv.mechanics import build_jaw
 
 

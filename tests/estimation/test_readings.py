@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from jawenv.estimation.readings import FORCE_RATE, LOST_FORCE, LOST_MOMENT, MOMENT_RATE, mark_usable, repair_samples
+from jawenv.estimation.online.screening import (
+    FORCE_RATE,
+    LOST_FORCE,
+    LOST_MOMENT,
+    MOMENT_RATE,
+    mark_usable,
+    repair_samples,
+)
 
 EVERY = np.ones(12, dtype=np.uint8)
 

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 import jawenv
 from jawenv.anatomy import cohort
 from jawenv.errors import InputError
-from jawenv.estimation import record_defaults as defaults
-from jawenv.estimation.record import Record
-from jawenv.estimation.record_columns import ENCODERS, READINGS
-from jawenv.estimation.record_files import load_record, save_record
+from jawenv.estimation.recordings import defaults
+from jawenv.estimation.recordings.columns import ENCODERS, READINGS
+from jawenv.estimation.recordings.files import load_record, save_record
+from jawenv.estimation.recordings.record import Record
 from jawenv.ladder import MODELS, model_named
 
 HEADER = ",".join(["time_s", "mouthpiece_x_mm", "pitch_deg", *(column.name for column in READINGS)])
@@ -158,7 +158,7 @@ def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
 
 @pytest.mark.parametrize("model", ["jaw", "sagittal", "hinge", "bilateral"])
 def test_the_start_is_the_motion_that_explains_the_first_reading(model):
-    from jawenv.estimation.measurement import N_MEASUREMENTS, expect
+    from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
 
     jaw = defaults.geometry(model)
     size = defaults.size_of_motion(jaw)

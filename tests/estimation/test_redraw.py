@@ -8,8 +8,8 @@ import pytest
 from estimation_records import records
 
 from jawenv.errors import InputError
-from jawenv.estimation.least_squares import NonlinearLeastSquares
-from jawenv.estimation.redraw import redraw
+from jawenv.estimation.recordings.redraw import redraw
+from jawenv.estimation.thesis_methods.least_squares import NonlinearLeastSquares
 
 CELL_SD = np.repeat([0.07, 0.0014], 3)
 

@@ -5,8 +5,8 @@ import pytest
 from recorded import recording
 from running import Running
 
-from jawenv.estimation.refocus import NARROWEST, SHRINKS, STRAYS, refocus
-from jawenv.estimation.tension_basis import set_coefficients
+from jawenv.estimation.online.basis import set_coefficients
+from jawenv.estimation.online.refocus import NARROWEST, SHRINKS, STRAYS, refocus
 
 TICKS = 60
 

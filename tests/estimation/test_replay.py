@@ -14,11 +14,11 @@ from scipy.stats import multivariate_normal, norm
 import jawenv
 from agents import load_agent
 from jawenv.envs.simulation import Simulation, configure
-from jawenv.estimation import replay
-from jawenv.estimation.online import FilterRun, TensionFilter, belief_about, filter_record
-from jawenv.estimation.tension_belief import begin_belief
-from jawenv.estimation.thinning import divided, thinned
-from jawenv.estimation.tick import take_readings
+from jawenv.estimation.online import replay
+from jawenv.estimation.online.record_filter import FilterRun, TensionFilter, belief_about, filter_record
+from jawenv.estimation.online.state import begin_belief
+from jawenv.estimation.online.tick import take_readings
+from jawenv.estimation.recordings.thinning import divided, thinned
 
 SWINGS = "opening_with_swings_and_fore_aft"
 

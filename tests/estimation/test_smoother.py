@@ -12,14 +12,14 @@ from test_filter_step import model_step
 import jawenv
 from agents import load_agent
 from jawenv.errors import InputError
-from jawenv.estimation import smoother
-from jawenv.estimation.estimator import Estimate
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.measurement import measure
-from jawenv.estimation.online import belief_about
-from jawenv.estimation.smoother import IteratedSmoother
-from jawenv.estimation.tension_belief import conclude
-from jawenv.estimation.thinning import divided, thinned
+from jawenv.estimation.model.encoders import measure
+from jawenv.estimation.online.record_filter import belief_about
+from jawenv.estimation.online.state import conclude
+from jawenv.estimation.recordings.estimate import Estimate
+from jawenv.estimation.recordings.thinning import divided, thinned
+from jawenv.estimation.references import smoother
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.smoother import IteratedSmoother
 
 SWINGS = "opening_with_swings_and_fore_aft"
 TILT = np.array([-1.0, 0.0, 1.0])[:, None]  # of a tick's three samples

@@ -11,7 +11,7 @@ from numpy.polynomial.hermite_e import hermegauss
 
 import jawenv
 from jawenv.anatomy import Prior, known_muscle_sets
-from jawenv.estimation.tension_basis import (
+from jawenv.estimation.online.basis import (
     LARGEST_REMAINDER,
     MIDDLE_POSE,
     MOST_NODES,

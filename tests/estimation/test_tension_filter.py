@@ -12,9 +12,9 @@ from running import Running, half_way, line_wrenches
 import jawenv
 from agents import load_agent
 from jawenv.device.device import Device
-from jawenv.estimation.line_wrenches import middle_of, set_by_place, set_line_wrenches
-from jawenv.estimation.online import TensionFilter
-from jawenv.estimation.tension_belief import recentre
+from jawenv.estimation.online.record_filter import TensionFilter
+from jawenv.estimation.online.regressors import middle_of, set_by_place, set_line_wrenches
+from jawenv.estimation.online.state import recentre
 from jawenv.metrics.calibration import nees
 
 SWINGS = "opening_with_swings_and_fore_aft"

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from jawenv.errors import InputError
-from jawenv.estimation.moment_balance import Balance
-from jawenv.estimation.two_stage import TwoStageLogLinear, constant_forces, small_opening
+from jawenv.estimation.thesis_methods.moment_balance import Balance
+from jawenv.estimation.thesis_methods.two_stage import TwoStageLogLinear, constant_forces, small_opening
 
 
 def made_balance(F_o, b, seed=0, number=40):

@@ -5,7 +5,7 @@ import pytest
 
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.errors import InputError
-from jawenv.estimation.wording import in_words
+from jawenv.estimation.analysis.wording import in_words
 from jawenv.ladder import MODELS
 
 

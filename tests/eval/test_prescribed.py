@@ -8,10 +8,10 @@ import pytest
 from eval.thesis.prescribed import Motion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
-from jawenv.estimation.ekf import filter_scratch_dtype
-from jawenv.estimation.extended_kalman import ExtendedKalman
-from jawenv.estimation.sensitivity import propagate
-from jawenv.estimation.thinning import divided, thinned
+from jawenv.estimation.model.step import propagate
+from jawenv.estimation.recordings.thinning import divided, thinned
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 
 
 def test_keyframes_are_met_at_rest():
@@ -27,7 +27,7 @@ def test_keyframes_are_met_at_rest():
 def test_the_wrench_gives_the_motion(clean):
     record = clean()
     muscles = np.exp(record.truth.reshape(-1, 2))[record.jaw["muscle"]]
-    scratch = np.zeros(1, dtype=filter_scratch_dtype(len(record.truth) // 2, len(muscles)))[0]
+    scratch = np.zeros(1, dtype=joint_scratch_dtype(len(record.truth) // 2, len(muscles)))[0]
     for k in range(0, len(record.samples), 50):
         state = record.states[k].copy()
         propagate(record.jaw, muscles, state, record.wrenches[k], np.zeros(6), 0.0, record.dt, scratch)

@@ -6,9 +6,9 @@ import pytest
 import two_condyles
 from scipy.interpolate import lagrange
 
-from jawenv.estimation.body_sensitivity import BODY_PARTS
-from jawenv.estimation.ekf import filter_scratch_dtype, move
-from jawenv.estimation.measurement import measure_body
+from jawenv.estimation.model.body_step import BODY_PARTS
+from jawenv.estimation.model.encoders import measure_body
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype, move
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
 
@@ -22,7 +22,7 @@ def jaw():
 
 @pytest.fixture
 def scratch():
-    return np.zeros(1, dtype=filter_scratch_dtype(6, 6, 12))[0]
+    return np.zeros(1, dtype=joint_scratch_dtype(6, 6, 12))[0]
 
 
 def muscles_of(log_parameters):

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_fossa
-from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.dynamics import linearise_acceleration, state_rate
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation
 
@@ -58,7 +58,7 @@ def test_the_random_poses_meet_both_kinds_of_stop(jaw, rng):
 
 @pytest.mark.parametrize("where", [FREE, PRESSED])
 def test_linearisation_is_the_exact_derivative(jaw, rng, where):
-    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
     for _ in range(50):
         log_parameters, q, u, wrench = random_motion(rng, where)
         rate = linearise_acceleration(

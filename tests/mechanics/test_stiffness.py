@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import linearise_acceleration
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS, fastest_rate, parts_needed
@@ -14,7 +14,7 @@ STILL, NOTHING = (0.0,) * 5, (0.0,) * 6
 
 def shares_of_the_bound(jaw, cohort, poses, rng):
     """The fastest mode of the exact linearisation at each pose, for a drawn patient, over the bound."""
-    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
     fields = [scratch[name] for name in ("by_state", "by_input", "stiffness", "pulls")]
     shares = []
     for q in poses:

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_mandible, known_muscle_sets
-from jawenv.estimation.ekf import filter_scratch_dtype
-from jawenv.estimation.measurement import measure
+from jawenv.estimation.model.encoders import measure
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
@@ -166,7 +166,7 @@ def test_rest_folds_and_painless_range() -> None:
 
 def rest_of(jaw, log_parameters):
     """Pose (5) of the midline model at rest, or None."""
-    pose, scratch = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.zeros(1, dtype=filter_scratch_dtype())[0]
+    pose, scratch = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.zeros(1, dtype=joint_scratch_dtype())[0]
     muscles = np.exp(log_parameters).reshape(6, 2)
     _, found = settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     return pose if found else None

@@ -5,7 +5,7 @@ import pytest
 from reality_states import ON_PATH, REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
 from jawenv.device.motors import mouthpiece_motion
-from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import rotation
 
@@ -68,7 +68,7 @@ def test_a_jaw_held_10_mm_aside_comes_to_rest_aside(jaw, share, shift):
 
 def settled(jaw, muscles, pose):
     state = np.concatenate([pose, np.zeros(5)])
-    scratch = np.zeros(1, dtype=filter_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
     _, found = settle(jaw, muscles, state, 0.0, False, scratch, np.zeros((5, 5)), np.zeros(5))
     assert found
     return state[:5]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import two_condyles
 
-from jawenv.estimation.ekf import filter_scratch_dtype
+from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     BODY_STEP,
@@ -34,7 +34,7 @@ def jaw_with_discs(times=1):
 def rest_of_both(jaw, wrench=NOTHING):
     """Pose (5) of the midline model at rest, state (12) of the jaw with two condyles at rest under ``wrench``."""
     pose, state = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.empty(12)
-    settle(jaw, MUSCLES, pose, 0.0, False, np.zeros(1, dtype=filter_scratch_dtype())[0], np.empty((5, 5)), np.empty(5))
+    settle(jaw, MUSCLES, pose, 0.0, False, np.zeros(1, dtype=joint_scratch_dtype())[0], np.empty((5, 5)), np.empty(5))
     put_on_fossa(jaw, pose, state)
     assert settle_bilateral(jaw, MUSCLES, wrench, state, np.empty((6, 6)), np.empty(6))
     return pose, state

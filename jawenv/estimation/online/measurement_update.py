@@ -1,0 +1,209 @@
+"""Measurement update with the encoders at the end of a tick, and the gate before it.
+
+All twelve readings are taken at once, linearised at the predicted motion. With the innovations' covariance
+S = H P H^T + R = L L^T, everything is a product with the whitened rows W = L^-1 H: the Kalman gain is P W^T L^-1, and
+what the readings say of the tensions is added to the information as W_c^T W_c and to the score as W_c^T L^-1 nu, where
+W_c = W ``by_tension``. A reading that is not used has a row of zeros, no innovation and the variance 1.
+
+The gate. The squared length of the whitened innovation follows chi-squared if the muscles are what the mean says
+(Bar-Shalom, Li & Kirubarajan 2001, section 5.4). Where it is too long, it is judged once more by the covariance
+S + C Cov(c) C^T, C = H ``by_tension``, in which the muscles are as uncertain as they are: early on the belief is wrong
+and not the reading. An innovation that is too long for that as well tells nothing about the muscles; the motion's
+covariance is scaled up until the innovation is as long as expected, so that the motion follows the readings.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite, sqrt
+from typing import Any
+
+from jawenv.compiled import njit, njit_within
+from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
+from jawenv.estimation.online.basis import set_derivatives
+from jawenv.estimation.online.state import lose_motion, tension_columns
+from jawenv.estimation.online.step import multiply
+
+GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
+
+
+def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
+    """Working memory of this file as fields of a dtype."""
+    columns, parameters = tension_columns(n_muscles), 2 * n_muscles
+    return [
+        ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
+        ("expected", "f8", (N_MEASUREMENTS,)),
+        ("innovation", "f8", (N_MEASUREMENTS,)),
+        ("variance", "f8", (N_MEASUREMENTS,)),  # R
+        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
+        ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
+        ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
+        ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
+        ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
+        ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
+        ("spread", "f8", (N_MEASUREMENTS, parameters)),
+    ]
+
+
+@njit
+def set_innovation(jaw, motion, measured, variances, used, scratch):
+    """Innovations, rows and variances of the readings in use."""
+    expect(jaw, motion, scratch.rows, scratch.expected)
+    for i in range(N_MEASUREMENTS):
+        if used[i]:
+            scratch.innovation[i] = measured[i] - scratch.expected[i]
+            scratch.variance[i] = variances[i]
+        else:
+            scratch.innovation[i], scratch.variance[i] = 0.0, 1.0
+            scratch.rows[i, :] = 0.0
+
+
+@njit
+def set_factor(covariance, scratch):
+    """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
+    rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
+    multiply(rows, covariance, moved)
+    for i in range(N_MEASUREMENTS):
+        for j in range(i + 1):
+            value = scratch.variance[i] if i == j else 0.0
+            for k in range(rows.shape[1]):
+                value += moved[i, k] * rows[j, k]
+            factor[i, j] = value
+
+
+@njit
+def decompose(factor):
+    """Cholesky factor of the lower half in place; False if the matrix is not positive definite."""
+    for j in range(N_MEASUREMENTS):
+        for i in range(j, N_MEASUREMENTS):
+            value = factor[i, j]
+            for k in range(j):
+                value -= factor[i, k] * factor[j, k]
+            if i > j:
+                factor[i, j] = value * factor[j, j]
+            elif value > 0.0:
+                factor[j, j] = 1.0 / sqrt(value)  # the diagonal holds its inverse
+            else:
+                return False
+    return True
+
+
+@njit
+def whiten(factor, rows):
+    """``rows`` (12, m) <- L^-1 ``rows``."""
+    for i in range(N_MEASUREMENTS):
+        for k in range(i):
+            share = factor[i, k]
+            for j in range(rows.shape[1]):
+                rows[i, j] -= share * rows[k, j]
+        for j in range(rows.shape[1]):
+            rows[i, j] *= factor[i, i]
+
+
+@njit
+def squared_length(scratch):
+    """Innovation whitened by ``factor``, its squared length: NIS, the normalised innovation squared."""
+    total = 0.0
+    for i in range(N_MEASUREMENTS):
+        value = scratch.innovation[i]
+        for k in range(i):
+            value -= scratch.factor[i, k] * scratch.whitened_innovation[k]
+        value *= scratch.factor[i, i]
+        scratch.whitened_innovation[i] = value
+        total += value * value
+    return total
+
+
+@njit
+def normalised_innovation(belief, scratch):
+    """NIS if the muscles are what the mean says; leaves ``factor``. Infinite where there is none."""
+    set_factor(belief.motion_cov, scratch)
+    if not decompose(scratch.factor):
+        return inf
+    value = squared_length(scratch)
+    return value if isfinite(value) else inf
+
+
+@njit
+def add_muscles(belief, scratch):
+    """Add to S, in the lower half of ``factor``, what the muscles' uncertainty makes of the innovations."""
+    set_derivatives(belief.basis, belief.mean, scratch.by_log)
+    multiply(scratch.by_tension_rows, scratch.by_log, scratch.by_log_rows)
+    multiply(scratch.by_log_rows, belief.cov, scratch.spread)
+    for i in range(N_MEASUREMENTS):
+        for j in range(i + 1):
+            for k in range(scratch.spread.shape[1]):
+                scratch.factor[i, j] += scratch.spread[i, k] * scratch.by_log_rows[j, k]
+
+
+@njit
+def passes_gate(belief, start_sd, scratch):
+    """Whether motion, muscles and noise explain the innovation; if not, widens the motion. Leaves ``factor``."""
+    nis = normalised_innovation(belief, scratch)
+    if nis <= GATE:
+        return True
+    explained = False
+    if nis < inf:
+        set_factor(belief.motion_cov, scratch)
+        add_muscles(belief, scratch)
+        explained = decompose(scratch.factor) and squared_length(scratch) <= GATE
+        if not explained:
+            belief.motion_cov *= nis / N_MEASUREMENTS
+    if not normalised_innovation(belief, scratch) < inf:
+        lose_motion(belief, start_sd)
+        normalised_innovation(belief, scratch)
+        return False
+    return explained
+
+
+@njit_within
+def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
+    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); False where the gate refuses them.
+
+    Args:
+        jaw: The filter's model.
+        belief: What the filter carries, predicted to the time of the readings.
+        measured: (12,).
+        variances: (12,) of the encoders.
+        used: (12,).
+        start_sd: (n,) sds of a motion of which nothing is known but that it is near.
+        scratch: Working memory.
+    """
+    set_innovation(jaw, belief.motion, measured, variances, used, scratch)
+    multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
+    passes = passes_gate(belief, start_sd, scratch)
+    correct_motion(belief, scratch)
+    if passes:
+        add_information(belief, scratch)
+    return passes
+
+
+@njit
+def correct_motion(belief, scratch):
+    """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
+    whitened, innovation = scratch.whitened_motion, scratch.whitened_innovation
+    covariance, by_tension = belief.motion_cov, belief.by_tension
+    whiten(scratch.factor, whitened)
+    whiten(scratch.factor, scratch.by_tension_rows)
+    for i in range(covariance.shape[0]):
+        for k in range(N_MEASUREMENTS):
+            factor = whitened[k, i]
+            belief.motion[i] += factor * innovation[k]
+            for j in range(covariance.shape[0]):
+                covariance[i, j] -= factor * whitened[k, j]
+            for j in range(by_tension.shape[1]):
+                by_tension[i, j] -= factor * scratch.by_tension_rows[k, j]
+
+
+@njit
+def add_information(belief, scratch):
+    """What the innovations say of the tensions; the information is kept whole, not its lower half alone."""
+    rows, information = scratch.by_tension_rows, belief.information
+    for i in range(N_MEASUREMENTS):
+        innovation = scratch.whitened_innovation[i]
+        for j in range(rows.shape[1]):
+            belief.score[j] += rows[i, j] * innovation
+    for k in range(rows.shape[1]):
+        for i in range(N_MEASUREMENTS):
+            factor = rows[i, k]
+            for j in range(rows.shape[1]):
+                information[k, j] += factor * rows[i, j]

@@ -1,0 +1,79 @@
+"""The basis of tensions is drawn together as the exponents become known.
+
+Interpolation in b between nodes that span the prior is exact enough for strains as common maneuvers reach. A jaw that
+opens far beyond strains its muscles by 0.25, where the remainder of five nodes is a hundredth of a tension that has
+grown tenfold: more than all noise. By then b is known better than at the start, and nodes that span only what is still
+believed leave a remainder that is smaller by the fifth power.
+
+What was gathered in the old basis is carried over by the same interpolation: the new coefficients c' stand for the old
+ones c = L c', with L_kj = L_k(b'_j) of the old nodes. Information, score and ``by_tension`` are multiplied by L.
+"""
+
+from __future__ import annotations
+
+from math import exp, log, sqrt
+
+from jawenv.compiled import njit
+from jawenv.estimation.online.basis import interpolate, polynomial_value, set_coefficients
+
+NARROWEST = 0.1  # sd of log b that nodes span at least: closer, their exponentials are alike but for rounding
+SHRINKS = 0.7  # share of the spanned sd at which the nodes are drawn together
+STRAYS = 1.0  # spanned sds by which the mean leaves the middle before they follow
+
+
+@njit
+def refocus(belief, scratch):
+    """Draw the nodes of each muscle together where the belief has become so much narrower, or has moved."""
+    basis, mean, covariance = belief.basis, belief.mean, belief.cov
+    moved = False
+    for i in range(basis.nodes.shape[0]):
+        e = 2 * i + 1
+        sd = max(sqrt(covariance[e, e]), NARROWEST)
+        strayed = abs(mean[e] - log(basis.middle[i]))
+        if sd < SHRINKS * basis.width[i] or strayed > STRAYS * basis.width[i]:
+            moved = True
+            place_nodes(basis, i, mean[e], min(sd, basis.width[i]), scratch.carried)
+            carry_over(belief, i, scratch)
+    if moved:
+        set_coefficients(basis, mean, belief.nominal)
+
+
+@njit
+def place_nodes(basis, i, middle, width, carried):
+    """New nodes for muscle i about exp(``middle``); into ``carried`` (K, K) what each old c is of the new ones."""
+    nodes = basis.nodes.shape[1]
+    basis.middle[i], basis.width[i] = exp(middle), width
+    for j in range(nodes):
+        node = exp(middle + width * basis.abscissae[j])
+        for k in range(nodes):
+            carried[k, j], _, _ = polynomial_value(basis.polynomials[i, k], node)
+        basis.nodes[i, j] = node
+    interpolate(basis.nodes[i], basis.polynomials[i])
+
+
+@njit
+def carry_over(belief, i, scratch):
+    """Information, score and ``by_tension`` about muscle i's old coefficients become those about its new ones."""
+    carried, row = scratch.carried, scratch.row
+    first = i * carried.shape[0]
+    by_tension, information, score = belief.by_tension, belief.information, belief.score
+    for state in range(by_tension.shape[0]):
+        turn_row(by_tension[state], first, carried, row)
+    turn_row(score, first, carried, row)
+    size = information.shape[0]
+    for a in range(size):
+        turn_row(information[a], first, carried, row)
+    for column in range(size):
+        turn_row(information[:, column], first, carried, row)
+
+
+@njit
+def turn_row(values, first, carried, row):
+    """``values`` from ``first`` on, K of them, times L."""
+    nodes = carried.shape[0]
+    for j in range(nodes):
+        row[j] = 0.0
+        for k in range(nodes):
+            row[j] += values[first + k] * carried[k, j]
+    for j in range(nodes):
+        values[first + j] = row[j]

@@ -1,0 +1,66 @@
+"""Which readings a filter may believe: one that is missing, or repeats the last to the bit, is left out.
+
+Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
+frozen. What is left out costs information and no more.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from jawenv.compiled import njit
+
+# Where a tick's samples cannot be used, the device's wrench has changed since the last that could by an sd of so much
+# per second, and by no more than so much: what the motors can do.
+FORCE_RATE, LOST_FORCE = 50.0, 3.0
+MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
+
+
+@njit
+def mark_usable(measured, last, allowed, used):
+    """Set ``used`` (12) where ``allowed`` readings are numbers and have changed; ``last`` becomes ``measured``.
+
+    Returns how many allowed readings are left out.
+    """
+    left_out = 0
+    for i in range(measured.shape[0]):
+        good = isfinite(measured[i]) and measured[i] != last[i]
+        used[i] = 1 if allowed[i] and good else 0
+        if allowed[i] and not good:
+            left_out += 1
+        last[i] = measured[i]
+    return left_out
+
+
+@njit
+def repair_samples(belief, samples, dt, variance, usable):
+    """Copy ``samples`` (3, 6) to ``usable``; a component that is missing or frozen there is held from before.
+
+    Args:
+        belief: What the filter carries: the last samples, the last that were used, and the time since then.
+        samples: The load cell's in a tick.
+        dt: Length of the tick, s.
+        variance: (6,) that of the wrench not known; grows for what is held, the more the longer it is.
+        usable: (3, 6), overwritten.
+
+    Returns:
+        How many components are held.
+    """
+    last, held, lost_for = belief.last_sample, belief.held_sample, belief.lost_for
+    number = 0
+    for k in range(samples.shape[1]):
+        good, previous = True, last[k]
+        for i in range(samples.shape[0]):
+            good = good and isfinite(samples[i, k]) and samples[i, k] != previous
+            previous = samples[i, k]
+        last[k] = previous
+        if good:
+            held[k], lost_for[k] = previous, 0.0
+        else:
+            lost_for[k] += dt
+            sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
+            variance[k] += sd * sd
+            number += 1
+        for i in range(samples.shape[0]):
+            usable[i, k] = samples[i, k] if good else held[k]
+    return number

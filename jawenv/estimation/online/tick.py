@@ -1,0 +1,183 @@
+"""The filter's work in one tick of the sensors, in an episode as in a record."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.compiled import njit, njit_within
+from jawenv.estimation.model.encoders import N_MEASUREMENTS
+from jawenv.estimation.model.load_cell import follow_trend
+from jawenv.estimation.model.step import N_SAMPLES
+from jawenv.estimation.online.basis import basis_dtype, build_basis
+from jawenv.estimation.online.belief import belief_fields, learn
+from jawenv.estimation.online.measurement_update import measurement_update_fields, update_motion
+from jawenv.estimation.online.screening import mark_usable, repair_samples
+from jawenv.estimation.online.state import begin_belief, begin_motion, forget_readings
+from jawenv.estimation.online.time_update import predict_motion, time_update_fields
+from jawenv.mechanics.dynamics import N_WRENCH
+
+# Ticks at the start after each of which the belief is renewed: its first guess is far off.
+EAGER_TICKS = 20
+# Ticks at the start of which nothing is learned on a jaw with two condyles: 0.1 mm of an encoder's noise are 10 N of a
+# disc, and until the discs' pressures are known, what they push passes for tension.
+SETTLING_TICKS = 10
+# Early readings are filtered again about what they have taught, at the ends of windows of so many readings, each twice
+# as long as the last.
+FIRST_WINDOW, LAST_WINDOW = 20, 80
+LAST_WINDOW_OF_OPEN_POSE = 640
+
+
+@cache
+def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of what a filter knows of device, patient and prior."""
+    fields = [
+        ("dt", "f8"),
+        ("used", "u1", N_MEASUREMENTS),
+        ("last_window", "i8"),  # readings
+        ("measurement_variance", "f8", N_MEASUREMENTS),
+        ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
+        ("gain_variance", "f8"),
+        ("start_sd", "f8", n_states),  # of the motion before the first reading
+        ("basis", basis_dtype(n_muscles)),
+        ("prior_mean", "f8", (2 * n_muscles,)),
+        ("prior_sd", "f8", (2 * n_muscles,)),
+    ]
+    return np.dtype(fields, align=True)
+
+
+@cache
+def tick_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of what is kept of one tick: readings at its end, load cell and true wrench during it, true motion.
+
+    The filter, which may go back to it, reads ``measured``, ``samples`` and ``believed`` alone.
+    """
+    fields = [
+        ("measured", "f8", N_MEASUREMENTS),
+        ("samples", "f8", (N_SAMPLES, N_WRENCH)),
+        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),
+        ("state", "f8", (n_states,)),
+        ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
+    ]
+    return np.dtype(fields, align=True)
+
+
+@cache
+def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of the filter's working memory, stage by stage."""
+    stages: dict[str, list[Any]] = {
+        "time": time_update_fields(n_muscles, n_lines, n_states),
+        "update": measurement_update_fields(n_muscles, n_states),
+        "belief": belief_fields(n_muscles),
+    }
+    fields: list[Any] = [(name, np.dtype(stage, align=True)) for name, stage in stages.items()]
+    fields += [
+        ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
+        ("wrench_variance", "f8", N_WRENCH),
+        ("used", "u1", N_MEASUREMENTS),  # readings, screened
+    ]
+    return np.dtype(fields, align=True)
+
+
+def last_window(used: NDArray[np.bool_], start_sd: NDArray[np.float64], read_share: float = 1.0) -> int:
+    """Readings of the last window: more where a tick has fewer numbers of the pose than coordinates that can move.
+
+    Args:
+        used: (12,) which readings there are.
+        start_sd: (n,) of the motion before the first reading; 0 for what is held.
+        read_share: of the ticks, at whose end any encoder is read.
+    """
+    half = len(start_sd) // 2
+    leaves_pose_open = read_share * np.sum(used[: N_MEASUREMENTS // 2]) < np.sum(start_sd[:half] > 0.0)
+    return LAST_WINDOW_OF_OPEN_POSE if leaves_pose_open else LAST_WINDOW
+
+
+def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
+    """Write ``prior`` and the basis of tensions that spans it into ``settings``."""
+    settings["basis"] = build_basis(jaw, prior)[0]
+    settings["prior_mean"], settings["prior_sd"] = prior.mean, prior.sd
+
+
+@njit
+def begin_filter(belief, motion, settings):
+    """Before the first reading: the prior, and the motion (n) believed."""
+    begin_motion(belief, motion, settings.start_sd)
+    begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
+    belief.gated = 0
+
+
+@njit
+def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
+    """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
+
+    Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
+    """
+    left_out = 0
+    if tick > 0:
+        scratch.wrench_variance[:] = settings.wrench_variance
+        left_out += repair_samples(belief, samples, settings.dt, scratch.wrench_variance, scratch.samples)
+        predict_motion(
+            jaw, belief, scratch.samples, settings.dt, scratch.wrench_variance, settings.start_sd, scratch.time
+        )
+        follow_trend(belief.trend, scratch.samples, settings.dt)
+    left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
+    if scratch.used.any():
+        belief.readings += 1
+        variances, start_sd = settings.measurement_variance, settings.start_sd
+        if not update_motion(jaw, belief, measured, variances, scratch.used, start_sd, scratch.update):
+            belief.gated += 1
+    if jaw.condyles == 2 and tick < SETTLING_TICKS:
+        belief.score[:] = 0.0
+        belief.information[:, :] = 0.0
+    return left_out
+
+
+@njit
+def ends_window(belief, settings, scratch):
+    """Whether readings are to be filtered again after this tick."""
+    if not scratch.used.any() or belief.readings > settings.last_window:
+        return False
+    window = FIRST_WINDOW
+    while window < belief.readings:
+        window *= 2
+    return belief.readings == window
+
+
+@njit
+def replay(jaw, belief, rows, tick, settings, scratch):
+    """Filter ``rows`` 0 to ``tick`` from the first on, as if the muscles were as the belief's mean says.
+
+    The motion was filtered at the guesses of its time. What readings say about tensions hardly depends on those, but
+    the motion in between does.
+    """
+    begin_motion(belief, rows[0].believed, settings.start_sd)
+    forget_readings(belief)
+    for k in range(tick + 1):
+        take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+
+
+@njit_within
+def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
+    """One tick of the filter; at its end the belief is renewed if it is early. Returns how many readings were left out.
+
+    Args:
+        jaw: The filter's model.
+        belief: What the filter carries.
+        rows: (any number) records of dtype ``tick_dtype``, kept so far: what windows are filtered again from.
+        tick: Its number.
+        measured: (12,) encoders at its end.
+        samples: (3, 6) of the load cell during it.
+        settings: See ``filter_settings_dtype``.
+        scratch: Working memory.
+    """
+    left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
+    if tick < rows.shape[0] and ends_window(belief, settings, scratch):
+        learn(belief, settings, scratch.belief)
+        replay(jaw, belief, rows, tick, settings, scratch)
+        learn(belief, settings, scratch.belief)
+    elif tick < EAGER_TICKS:
+        learn(belief, settings, scratch.belief)
+    return left_out

@@ -1,0 +1,1 @@
+"""What a device measured: records, their files, and what an estimator returns."""

@@ -1,0 +1,113 @@
+"""The plain extended Kalman filter over a whole record in one compiled call.
+
+State and covariance recursion are those of ``ekf``. The parameters are natural logs, or with ``linear`` F_o and b
+themselves.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from jawenv.compiled import njit
+from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
+from jawenv.estimation.model.load_cell import follow_trend
+from jawenv.estimation.model.step import set_muscles
+from jawenv.estimation.references.joint_recursion import (
+    innovation_variance,
+    move,
+    predict_covariance,
+    reduce_covariance,
+    set_noise_variance,
+)
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+@njit
+def predict_plain(jaw, mean, covariance, samples, trend, dt, noise_variance, noise, linear, floor, logs, scratch):
+    """Time update over one tick; ``noise`` (p) is added to the variances of the parameters.
+
+    A linear parameter that has fallen below ``floor`` (p) counts as that: a muscle has no negative tension.
+    """
+    gain, first = mean.shape[0] - 1, scratch.total.shape[0]
+    for j in range(logs.shape[0]):
+        logs[j] = log(max(mean[first + j], floor[j])) if linear else mean[first + j]
+    set_muscles(jaw, logs, 0, scratch.muscles)
+    move(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
+    if linear:
+        for j in range(logs.shape[0]):
+            by_log = 1.0 / max(mean[first + j], floor[j])
+            for i in range(first):
+                scratch.total[i, first + j] *= by_log
+    set_noise_variance(noise_variance, covariance[gain, gain], samples, trend, scratch)
+    predict_covariance(covariance, scratch.noise_variance, scratch)
+    for j in range(logs.shape[0]):
+        covariance[first + j, first + j] += noise[j]
+
+
+@njit
+def update_plain(jaw, mean, covariance, measured, variances, scratch):
+    """Measurement update; NaN in ``measured`` (12) was not read."""
+    size = mean.shape[0]
+    expect(jaw, mean, scratch.rows, scratch.expected)
+    for j in range(size):
+        scratch.shift[j] = 0.0
+    for i in range(N_MEASUREMENTS):
+        if measured[i] != measured[i]:
+            continue
+        row = scratch.rows[i]
+        variance = innovation_variance(covariance, row, variances[i], scratch.gain)
+        innovation = measured[i] - scratch.expected[i]
+        for k in range(row.shape[0]):
+            innovation -= row[k] * scratch.shift[k]
+        reduce_covariance(covariance, scratch.gain, variance)
+        for j in range(size):
+            scratch.shift[j] += innovation / variance * scratch.gain[j]
+    for j in range(size - 1):
+        mean[j] += scratch.shift[j]
+
+
+@njit
+def filter_record(
+    jaw, means, covariance, measured, samples, dt, variances, noise_variance, noise, linear, floor,
+    kept, kept_cov, scratch,
+):  # fmt: skip
+    """Filter a record of T ticks.
+
+    Args:
+        jaw: record of dtype ``jaw_dtype``.
+        means: (T + 1, n + p + 1); row 0 holds the mean before the first reading, and all rows are filled with the means
+            after the readings of that time.
+        covariance: (n + p + 1, n + p + 1) before the first reading; changed.
+        measured: (T + 1, 12).
+        samples: (T, 3, 6) of the load cell.
+        dt: s.
+        variances: (12,) of the encoders.
+        noise_variance: (12,) of the wrench not known, constant over a tick and tilting.
+        noise: (T, p) variance that the parameters receive in each tick.
+        linear: Whether the parameters are F_o and b themselves.
+        floor: (p,) least value of a linear parameter.
+        kept: (K,) growing numbers of the times whose covariance is wanted, and
+        kept_cov: (K, p, p) where that of the parameters goes.
+        scratch: Working memory.
+    """
+    parameters = floor.shape[0]
+    first = means.shape[1] - 1 - parameters
+    trend, logs = np.zeros(N_WRENCH), floor * 0.0
+    place = 0
+    for k in range(means.shape[0]):
+        if k > 0:
+            for j in range(means.shape[1]):
+                means[k, j] = means[k - 1, j]
+            predict_plain(
+                jaw, means[k], covariance, samples[k - 1], trend, dt, noise_variance, noise[k - 1],
+                linear, floor, logs, scratch,
+            )  # fmt: skip
+            follow_trend(trend, samples[k - 1], dt)
+        update_plain(jaw, means[k], covariance, measured[k], variances, scratch)
+        if place < kept.shape[0] and kept[place] == k:
+            for i in range(parameters):
+                for j in range(parameters):
+                    kept_cov[place, i, j] = covariance[first + i, first + j]
+            place += 1
