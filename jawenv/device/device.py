@@ -97,8 +97,8 @@ class Device:
     slew_N_s: float = 12.0
     lag_s: float = 0.02
     max_rate_mm_s: float = 40.0
-    servo_stiffness_N_m: float = 2500.0
-    servo_damping_N_s_m: float = 15.0
+    servo_stiffness_N_m: float = 600.0
+    servo_damping_N_s_m: float = 8.0
     stop_stiffness_N_m: float = 5000.0
     stop_damping_N_s_m: float = 10.0
     brake_N_s_m: float = 30.0

@@ -38,6 +38,7 @@ GOVERNOR_ONSET = 0.1
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
 STOP_ONSET_WIDTH = 0.5e-3
 BRAKE_ONSET = SOFT_SPEED * (1.0 + GOVERNOR_ONSET * (HARD[SPEED] - 1.0))  # m/s
+IDLE, CAPPED, BRAKED, STOPPED = 0.0, 1.0, 2.0, 3.0  # what of the governor acts, the stiffest of them
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
@@ -100,9 +101,9 @@ def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
 
 @njit
 def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
-    """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and governor's part.
+    """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
-    The last value is 1.0 when the governor acts, else 0.0.
+    The last value says what of the governor acts: ``IDLE``, ``CAPPED``, ``BRAKED`` or ``STOPPED``, which may brake too.
     """
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
@@ -119,15 +120,21 @@ def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
         push = scale(thrust, axis)
         force = add(force, push)
         moment = add(moment, cross(arm, push))
-    stops = governor_force(device, jaw, limits, place, velocity)
+    stops = end_stops(device, jaw, limits, place, velocity)
     slide = condyle_stop(device, limits, q, u)
     pressed = norm(stops) + norm(slide)
-    acted = 1.0 if pressed > 0.0 else 0.0
+    acted = STOPPED if pressed > 0.0 else IDLE
+    speed = norm(velocity)
+    if speed > BRAKE_ONSET and device.brake > 0.0:
+        acted = max(acted, BRAKED)
+        braking = scale(-device.brake * (speed - BRAKE_ONSET) / speed, velocity)
+        stops = add(stops, braking)
+        pressed = norm(stops) + norm(slide)
     strength = norm(force)
     governed = min(SOFT_FORCE * onset(FORCE), device.force_cap)
     share = max(0.0, 1.0 - pressed / YIELD_FORCE)
     if strength > governed:
-        acted = 1.0
+        acted = max(acted, CAPPED)
         share *= governed / strength
     # A stop of the slide pushes along the condyles' axis: at the mouthpiece this is the same force and a moment.
     lever = apply(body_to_head, vector3(jaw.mouthpiece))
@@ -144,20 +151,15 @@ def end_stop(device, travel, limit, rate):
 
 
 @njit
-def governor_force(device, jaw, limits, place, velocity):
-    """Force of the mouthpiece's stops and of the brake (head axes); zero while neither works."""
+def end_stops(device, jaw, limits, place, velocity):
+    """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, place)
     wide = limits.side * onset(SIDE)
     far = limits.fore_aft * onset(FORE_AFT)
     up = end_stop(device, opening, limits.opening * onset(OPENING), -velocity[2])
     left = end_stop(device, -side, wide, -velocity[1]) - end_stop(device, side, wide, velocity[1])
     forward = end_stop(device, -fore_aft, far, -velocity[0]) - end_stop(device, fore_aft, far, velocity[0])
-    force = (forward, left, up)
-    speed = norm(velocity)
-    excess = speed - BRAKE_ONSET
-    if excess > 0.0:
-        force = add(force, scale(-device.brake * excess / speed, velocity))
-    return force
+    return (forward, left, up)
 
 
 @njit

@@ -58,7 +58,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
         ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
-        ("acted", "f8"),  # 1 when the governor has acted in this tick
+        ("acted", "f8"),  # what of the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, as the load cell averages it (``load_cell``)
         ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
         ("faults", "f8", 20),
@@ -194,7 +194,7 @@ def advance_world(device, model, world, action, settings, scratch, ticks):
         begin_tick(device, model, world, action, settings, scratch)
         acted = true_motion(device, world, scratch, settings)
         end_tick(device, model, world, settings, scratch, ticks)
-        world.governor += share * acted
+        world.governor += share if acted > 0.0 else 0.0
         take_comfort(world, scratch, share)
     end_step(world, settings, scratch)
 

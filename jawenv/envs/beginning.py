@@ -7,7 +7,7 @@ import numpy as np
 from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
+from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.advance import clear_step, sense
 from jawenv.envs.belief import cholesky_parameters, refresh_information
 from jawenv.envs.plants import lift_of, take_body, true_state
@@ -227,6 +227,7 @@ def begin_world(device, model, world, settings, scratch, beginning, ticks):
         return False
     world.tick = 0
     world.violated = 0
+    world.acted = IDLE
     clear_step(world)
     for k in range(6):
         world.reading[k] = 0.0

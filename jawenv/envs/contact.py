@@ -76,7 +76,7 @@ def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, 
     acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
     end_tick(device, models[i], world, settings, scratch, all_ticks[i])
     share = 1.0 / settings.ticks_per_step
-    world.governor += share * acted
+    world.governor += share if acted > 0.0 else 0.0
     take_comfort(world, scratch, share)
 
 

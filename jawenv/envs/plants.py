@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from jawenv.compiled import njit
 from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import device_wrench
+from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import device_rate
 from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
@@ -58,28 +58,37 @@ def stage_time(step, stage, h):
 
 @njit
 def midline_tick(device, world, scratch, settings):
-    """Move the midline plant through one tick; returns 1.0 if the governor acted.
+    """Move the midline plant through one tick; returns what of the governor acted (``device_wrench``).
 
-    Stops and brake are so stiff that the usual steps are unstable, and work seldom: where they did, the tick is taken
-    again in shorter ones. The usual steps bear the motors' servos alone.
+    Stops and brake are so stiff that the usual steps are unstable, and work seldom: the steps are as short as what
+    acted in the last tick asks for. Where something stiffer begins to act, the tick is taken again. The usual steps
+    bear the motors' servos.
     """
     q, u = split(world.state)
     rate = fastest_rate(world.jaw, scratch.effective, q)
-    parts = parts_needed(rate, TICK, SUBSTEPS)
+    parts = parts_of_tick(device, world.jaw, settings, rate, world.acted)
     acted = midline_steps(device, world, scratch, settings, parts)
-    rate += device_rate(device, world.jaw, settings.trajectory)
-    shorter = parts_needed(rate, TICK, SUBSTEPS)
-    if acted > 0.0 and shorter > parts:
+    shorter = parts_of_tick(device, world.jaw, settings, rate, acted)
+    if shorter > parts:
         for i in range(5):
             world.state[i], world.state[5 + i] = q[i], u[i]
         acted = midline_steps(device, world, scratch, settings, shorter)
+    world.acted = acted
     return acted
 
 
 @njit
+def parts_of_tick(device, jaw, settings, rate, acted):
+    """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
+    if acted >= BRAKED:
+        rate += device_rate(device, jaw, settings.trajectory, acted)
+    return parts_needed(rate, TICK, SUBSTEPS)
+
+
+@njit
 def midline_steps(device, world, scratch, settings, parts):
-    """One tick of the midline plant in so many Runge-Kutta steps; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.trajectory
+    """One tick of the midline plant in so many Runge-Kutta steps; returns what of the governor acted."""
+    acted, trajectory = IDLE, settings.trajectory
     h = TICK / parts
     clear_moments(scratch.wrench)
     for step in range(parts):
@@ -108,8 +117,8 @@ def midline_steps(device, world, scratch, settings, parts):
 
 @njit
 def bilateral_tick(device, world, scratch, settings):
-    """Move the plant with two condyles through one tick; returns 1.0 if the governor acted."""
-    acted, trajectory = 0.0, settings.trajectory
+    """Move the plant with two condyles through one tick; returns what of the governor acted."""
+    acted, trajectory = IDLE, settings.trajectory
     h = TICK / BODY_SUBSTEPS
     clear_moments(scratch.wrench)
     for step in range(BODY_SUBSTEPS):
@@ -163,7 +172,7 @@ def end_motion(device, world, scratch, trajectory):
 
 @njit
 def true_motion(device, world, scratch, settings):
-    """Move the jaw through one tick; samples the device's wrench, returns 1.0 if the governor acted."""
+    """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
     if world.jaw.condyles == 2:
         acted = bilateral_tick(device, world, scratch, settings)
     else:

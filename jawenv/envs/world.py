@@ -48,6 +48,7 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("tick", "i8"),
         ("limits", limits_dtype(n_lines)),
         ("motors", MOTORS),
+        ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
         ("bound", "f8", (n_filter, n_filter)),
         ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step

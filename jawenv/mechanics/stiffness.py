@@ -8,7 +8,7 @@ body down.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import ceil, sqrt
 
 from jawenv.compiled import njit
 from jawenv.mechanics.forces import muscle_pull, smooth_ramp
@@ -49,8 +49,7 @@ def fastest_rate(jaw, muscles, q):
 
 @njit
 def parts_needed(rate, dt, fewest):
-    """Into how many parts a step ``dt`` is divided: ``fewest``, doubled until each is short enough."""
-    parts = fewest
-    while rate * dt > LARGEST_PHASE * parts and parts < MOST_PARTS:
-        parts *= 2
-    return parts
+    """Into how many parts a step ``dt`` is divided: ``fewest``, or more until each is short enough."""
+    if not rate * dt < LARGEST_PHASE * MOST_PARTS:
+        return MOST_PARTS
+    return max(fewest, int(ceil(rate * dt / LARGEST_PHASE)))

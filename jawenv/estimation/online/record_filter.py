@@ -12,6 +12,7 @@ from jawenv.errors import InputError
 from jawenv.estimation.online.belief import learn
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.online.tick import (
+    LAST_WINDOW,
     begin_filter,
     filter_scratch_dtype,
     filter_settings_dtype,
@@ -63,6 +64,8 @@ class FilterRun:
     Attributes:
         arguments: jaw, belief, rows (T + 1), settings and scratch, as the kernels take them.
         last: number of the last row.
+        settings: those among the arguments.
+        leaves_pose_open: Whether the readings say too little of the pose for one motion alone to fit.
     """
 
     def __init__(self, record: Record) -> None:
@@ -80,6 +83,7 @@ class FilterRun:
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
         rows["believed"][0] = record.start_mean
         self.settings, self.last = settings, len(rows) - 1
+        self.leaves_pose_open = bool(settings["last_window"] > LAST_WINDOW)
         self.belief = np.zeros(1, dtype=belief_dtype(muscles, states))[0]
         scratch = np.zeros(1, dtype=filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
         begin_filter(self.belief, record.start_mean, settings)

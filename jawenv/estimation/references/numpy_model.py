@@ -59,7 +59,7 @@ def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
 def parts_needed(rate: float, dt: float) -> int:
     """Least power of two into which ``dt`` (s) is divided so that the phase of ``rate`` (rad/s) in a part is short."""
     shares = max(rate * dt / LARGEST_PHASE, 1.0)
-    return int(min(2 ** np.ceil(np.log2(shares)), MOST_PARTS))
+    return int(min(np.ceil(shares), MOST_PARTS))
 
 
 def reading_at(samples: Real, share: float) -> Real:

@@ -10,7 +10,7 @@ Then the most probable parameters, whatever the motion. The two differ, as where
 readings (Neyman & Scott 1948, Econometrica 16:1): the cost of a path prefers parameters that make the variance of the
 innovations large, and takes the load cell's noise for force. Under ``chirp`` and ``prbs`` the errors of the path's
 parameters are 1.28 times the bound, those of the most probable ones 1.07 and 0.99 times (48 patients, 30 s). The
-motion has to be integrated out (``integrated``).
+motion has to be integrated out (``mode_search``).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.extended_kalman import ExtendedKalman, run_filter
 from jawenv.estimation.references.initial import initial_belief, trends
-from jawenv.estimation.references.integrated import integrate_out
+from jawenv.estimation.references.mode_search import integrate_out
 from jawenv.estimation.references.whole_path import (
     divide,
     path_scratch_dtype,
