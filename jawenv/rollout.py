@@ -209,7 +209,7 @@ def play(
         world: Any = env.unwrapped
         if not world.configuration.record:
             return recording
-        from jawenv.envs.recording import record_of
+        from jawenv.envs.records import record_of
 
         return replace(recording, records=tuple(record_of(world.simulation, i) for i in range(number)))
     finally:

@@ -42,7 +42,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
     """
     import gymnasium as gym
 
-    from jawenv.envs.recording import record_of
+    from jawenv.envs.records import record_of
 
     env_id = {"sides": "jawenv/JawSides-v0", "jaw": "jawenv/Jaw-v0"}[model]
     agent = load_agent(MANEUVER, env_id=env_id)

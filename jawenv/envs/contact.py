@@ -47,11 +47,13 @@ def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
 
 
 @njit
-def contact_wrench(devices, worlds, i, all_settings, scratches, step, place, velocity, theta, theta_rate, since):
+def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     """Device and unmodelled wrench on world i: force forward and up (N), pitch moment (N m), as ``WrenchAt`` says.
 
-    It acts for a ``step`` (s) that ends at ``since``.
+    It acts for a ``step`` (s); ``motion`` is the mouthpiece's place and velocity, theta and its rate, and when the step
+    ends, as ``WrenchAt`` takes them.
     """
+    place, velocity, theta, theta_rate, since = motion
     device, world, scratch = devices[0], worlds[i], scratches[i]
     arm_x, arm_z = turned(world.jaw.mouthpiece, theta)
     x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
@@ -135,7 +137,7 @@ class ContactPlants:
 
         def wrench_at(*motion: Any) -> tuple[float, float, float]:
             wrench: tuple[float, float, float]
-            wrench = contact_wrench(device, worlds, i, settings, scratches, jaw.step, *motion)
+            wrench = contact_wrench(device, worlds, i, settings, scratches, jaw.step, motion)
             return wrench
 
         contact_clear(worlds, i)

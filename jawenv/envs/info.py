@@ -21,7 +21,8 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
     nats since the prior; ``information_bound`` and ``bound_sd`` (12) only ``with_bound``; ``nees``;
     ``cost`` and ``cost_<limit>`` (mean over the step); ``comfort`` {limit: largest used fraction of the soft limit
     during the step}; ``violation``; ``governor`` (share of the step in which it acted);
-    ``left_out`` (share of the step's readings that were missing or frozen, and not believed);
+    ``left_out`` (share of the step's readings that were missing or frozen, and not used); ``gated`` (share of the
+    step's ticks whose readings the filter's gate has refused to learn from);
     ``jaw_state`` (10: true q, u); ``time`` (s).
     """
     covariance = worlds["belief"]["cov"].copy()
@@ -41,6 +42,7 @@ def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) ->
         "violation": worlds["violated"] != 0,
         "governor": worlds["governor"] + 0.0,
         "left_out": worlds["left_out"] + 0.0,
+        "gated": worlds["gated"] + 0.0,
         "jaw_state": worlds["state"].copy(),
         "time": worlds["tick"] * TICK,
     }

@@ -52,36 +52,23 @@ class Bound:
 
 
 @njit
-def bound_path(
-    jaw,
-    muscles,
-    states,
-    wrenches,
-    samples,
-    used,
-    covariance,
-    measurement_variance,
-    noise_variance,
-    dt,
-    every,
-    kept,
-    scratch,
-):
-    """Run the recursion over all ticks; ``covariance`` is the prior's, and is changed.
+def bound_path(path, covariance, every, kept):
+    """Run the recursion over all ticks of a ``path.Path``; ``covariance`` is the prior's, and is changed.
 
-    Arguments as in ``path.Path``. The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into
-    ``kept`` (K, p, p), and that after the last tick into its last row.
+    The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``kept`` (K, p, p), and that after the
+    last tick into its last row.
     """
-    n_states, size, ticks = states.shape[1], kept.shape[1], wrenches.shape[0]
+    jaw, scratch, states = path.jaw, path.scratch, path.states
+    n_states, size, ticks = states.shape[1], kept.shape[1], path.wrenches.shape[0]
     trend = np.zeros(N_WRENCH)
     state = np.empty(n_states)
     for tick in range(ticks + 1):
         if tick > 0:
             state[:] = states[tick - 1]
-            move(jaw, muscles, state, wrenches[tick - 1], trend, 0.0, dt, scratch)
-            predict_covariance(covariance, noise_variance, scratch)
-            follow_trend(trend, samples[tick - 1], dt)
-        update_covariance(jaw, states[tick], covariance, measurement_variance, used[tick], scratch)
+            move(jaw, path.muscles, state, path.wrenches[tick - 1], trend, 0.0, path.dt, scratch)
+            predict_covariance(covariance, path.noise_variance, scratch)
+            follow_trend(trend, path.samples[tick - 1], path.dt)
+        update_covariance(jaw, states[tick], covariance, path.measurement_variance, path.used[tick], scratch)
         if tick % every == 0 or tick == ticks:
             row = kept.shape[0] - 1 if tick == ticks else tick // every
             for i in range(size):
@@ -118,19 +105,5 @@ def bound_of(path: Path, record: Record, every: int) -> Bound:
     ticks, parameters = len(path.wrenches), len(record.parameter_names)
     rows = np.unique(np.append(np.arange(0, ticks + 1, every), ticks))
     kept = np.empty((len(rows), parameters, parameters))
-    bound_path(
-        path.jaw,
-        path.muscles,
-        path.states,
-        path.wrenches,
-        path.samples,
-        path.used,
-        path.covariance.copy(),
-        path.measurement_variance,
-        path.noise_variance,
-        path.dt,
-        every,
-        kept,
-        path.scratch,
-    )
+    bound_path(path, path.covariance.copy(), every, kept)
     return Bound(time=record.time[rows], cov=kept, prior_sd=np.array(record.prior.sd))

@@ -67,25 +67,23 @@ class Observability:
 
 
 @njit
-def linearise_path(
-    jaw, muscles, states, wrenches, measurement_variance, used, dt, by_state, by_parameter, rows, trend, scratch
-):
-    """Derivatives along a motion: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
+def linearise_path(path, by_state, by_parameter, rows):
+    """Derivatives along a ``path.Path``: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
 
-    ``rows`` are over the sensors' sds, and zero where nothing was read. Other arguments as in ``path.Path``; ``trend``
-    (6) are zeros.
+    ``rows`` are over the sensors' sds, and zero where nothing was read.
     """
+    states, scratch = path.states, path.scratch
     n_states, parameters = states.shape[1], by_parameter.shape[2]
-    state = np.empty(n_states)
+    state, trend = np.empty(n_states), np.zeros(N_WRENCH)
     for tick in range(rows.shape[0]):
-        expect(jaw, states[tick], scratch.rows, scratch.expected)
+        expect(path.jaw, states[tick], scratch.rows, scratch.expected)
         for i in range(rows.shape[1]):
-            weight = used[tick, i] / np.sqrt(measurement_variance[i])
+            weight = path.used[tick, i] / np.sqrt(path.measurement_variance[i])
             for j in range(n_states):
                 rows[tick, i, j] = weight * scratch.rows[i, j]
-        if tick < wrenches.shape[0]:
+        if tick < path.wrenches.shape[0]:
             state[:] = states[tick]
-            move(jaw, muscles, state, wrenches[tick], trend, 0.0, dt, scratch)
+            move(path.jaw, path.muscles, state, path.wrenches[tick], trend, 0.0, path.dt, scratch)
             for i in range(n_states):
                 for j in range(n_states):
                     by_state[tick, i, j] = scratch.total[i, j]
@@ -99,20 +97,7 @@ def derivatives(path: Path) -> tuple[Array, Array, Array]:
     parameters = path.covariance.shape[0] - n_states - 1
     by_state, by_parameter = np.empty((ticks, n_states, n_states)), np.empty((ticks, n_states, parameters))
     rows = np.empty((ticks + 1, N_MEASUREMENTS, n_states))
-    linearise_path(
-        path.jaw,
-        path.muscles,
-        path.states,
-        path.wrenches,
-        path.measurement_variance,
-        path.used,
-        path.dt,
-        by_state,
-        by_parameter,
-        rows,
-        np.zeros(N_WRENCH),
-        path.scratch,
-    )
+    linearise_path(path, by_state, by_parameter, rows)
     return by_state, by_parameter, rows
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,7 @@ from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Path:
+class Path(NamedTuple):
     """A known motion of T ticks, n states and p parameters, with what is known about noise.
 
     Attributes:

@@ -30,6 +30,8 @@ def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
     """Working memory of this file as fields of a dtype."""
     columns, parameters = tension_columns(n_muscles), 2 * n_muscles
     return [
+        ("motion_cov", "f8", (n_states, n_states)),
+        ("by_tension", "f8", (n_states, columns)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("innovation", "f8", (N_MEASUREMENTS,)),
@@ -38,6 +40,11 @@ def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
         ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
         ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
         ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
+        ("gain", "f8", (n_states, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
+        ("motion_cov_change", "f8", (n_states, n_states)),
+        ("by_tension_change", "f8", (n_states, columns)),
+        ("turned_rows", "f8", (columns, N_MEASUREMENTS)),
+        ("information", "f8", (columns, columns)),
         ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
         ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
         ("spread", "f8", (N_MEASUREMENTS, parameters)),
@@ -61,7 +68,8 @@ def set_innovation(jaw, motion, measured, variances, used, scratch):
 def set_factor(covariance, scratch):
     """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
     rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
-    multiply(rows, covariance, moved)
+    scratch.motion_cov[:, :] = covariance
+    multiply(rows, scratch.motion_cov, moved)
     for i in range(N_MEASUREMENTS):
         for j in range(i + 1):
             value = scratch.variance[i] if i == j else 0.0
@@ -169,7 +177,8 @@ def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, variances, used, scratch)
-    multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
+    scratch.by_tension[:, :] = belief.by_tension
+    multiply(scratch.rows, scratch.by_tension, scratch.by_tension_rows)
     passes = passes_gate(belief, start_sd, scratch)
     correct_motion(belief, scratch)
     if passes:
@@ -180,30 +189,31 @@ def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
 @njit
 def correct_motion(belief, scratch):
     """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
-    whitened, innovation = scratch.whitened_motion, scratch.whitened_innovation
-    covariance, by_tension = belief.motion_cov, belief.by_tension
+    whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
     whiten(scratch.factor, whitened)
     whiten(scratch.factor, scratch.by_tension_rows)
-    for i in range(covariance.shape[0]):
+    for i in range(gain.shape[0]):
         for k in range(N_MEASUREMENTS):
-            factor = whitened[k, i]
-            belief.motion[i] += factor * innovation[k]
-            for j in range(covariance.shape[0]):
-                covariance[i, j] -= factor * whitened[k, j]
-            for j in range(by_tension.shape[1]):
-                by_tension[i, j] -= factor * scratch.by_tension_rows[k, j]
+            gain[i, k] = whitened[k, i]
+            belief.motion[i] += whitened[k, i] * innovation[k]
+    multiply(gain, whitened, scratch.motion_cov_change)
+    multiply(gain, scratch.by_tension_rows, scratch.by_tension_change)
+    for i in range(gain.shape[0]):
+        for j in range(gain.shape[0]):
+            belief.motion_cov[i, j] -= scratch.motion_cov_change[i, j]
+        for j in range(belief.by_tension.shape[1]):
+            belief.by_tension[i, j] -= scratch.by_tension_change[i, j]
 
 
 @njit
 def add_information(belief, scratch):
-    """What the innovations say of the tensions; the information is kept whole, not its lower half alone."""
-    rows, information = scratch.by_tension_rows, belief.information
-    for i in range(N_MEASUREMENTS):
-        innovation = scratch.whitened_innovation[i]
-        for j in range(rows.shape[1]):
-            belief.score[j] += rows[i, j] * innovation
-    for k in range(rows.shape[1]):
+    """What the innovations say of the tensions."""
+    rows, turned = scratch.by_tension_rows, scratch.turned_rows
+    for j in range(rows.shape[1]):
         for i in range(N_MEASUREMENTS):
-            factor = rows[i, k]
-            for j in range(rows.shape[1]):
-                information[k, j] += factor * rows[i, j]
+            turned[j, i] = rows[i, j]
+            belief.score[j] += rows[i, j] * scratch.whitened_innovation[i]
+    multiply(turned, rows, scratch.information)
+    for k in range(turned.shape[0]):
+        for j in range(turned.shape[0]):
+            belief.information[k, j] += scratch.information[k, j]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,8 +51,26 @@ class TensionFilter:
         run = FilterRun(record)
         times, size = record.time[:: self.every], len(record.prior.mean)
         mean, cov = np.empty((len(times), size)), np.empty((len(times), size, size))
-        filter_record(*run.arguments, self.every, mean, cov)
+        filter_record(run.arguments, self.every, mean, cov)
         return Estimate(self.name, times, mean, cov)
+
+
+class Arguments(NamedTuple):
+    """What the kernels take to filter a record: records and arrays of records, their dtypes in ``tick``, ``state``.
+
+    Attributes:
+        jaw: the model.
+        belief: what the filter carries; as before the first reading.
+        rows: (T + 1,) the readings.
+        settings: what the filter knows.
+        scratch: working memory.
+    """
+
+    jaw: Any
+    belief: Any
+    rows: Any
+    settings: Any
+    scratch: Any
 
 
 class FilterRun:
@@ -62,7 +80,7 @@ class FilterRun:
         record: it.
 
     Attributes:
-        arguments: jaw, belief, rows (T + 1), settings and scratch, as the kernels take them.
+        arguments: as the kernels take them.
         last: number of the last row.
         settings: those among the arguments.
         leaves_pose_open: Whether the readings say too little of the pose for one motion alone to fit.
@@ -87,15 +105,16 @@ class FilterRun:
         self.belief = np.zeros(1, dtype=belief_dtype(muscles, states))[0]
         scratch = np.zeros(1, dtype=filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
         begin_filter(self.belief, record.start_mean, settings)
-        self.arguments = record.jaw, self.belief, rows, settings, scratch
+        self.arguments = Arguments(record.jaw, self.belief, rows, settings, scratch)
 
 
 @njit
-def filter_record(jaw, belief, rows, settings, scratch, every, means, covs):
-    """Run the filter over ``rows`` (T + 1); after every ``every`` ticks the belief goes to ``means`` and ``covs``."""
+def filter_record(run, every, means, covs):
+    """Run the filter over all rows of ``Arguments``; after every ``every`` ticks the belief goes to the arrays."""
+    belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_filter(belief, rows[0].believed, settings)
     for tick in range(rows.shape[0]):
-        filter_tick(jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
+        filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
         if tick % every == 0:
             learn(belief, settings, scratch.belief)
             means[tick // every] = belief.mean

@@ -49,7 +49,10 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 
 @njit
 def multiply(left, right, product):
-    """``product`` (n, m) = the first k columns of ``left`` times ``right`` (k, m)."""
+    """``product`` (n, m) = the first k columns of ``left`` times ``right`` (k, m).
+
+    Where all three are fields of one record, the compiler knows that they do not overlap, and is several times faster.
+    """
     for i in range(product.shape[0]):
         for j in range(product.shape[1]):
             product[i, j] = 0.0

@@ -25,9 +25,14 @@ def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]
         ("step", step_dtype(n_lines, n_states)),
         ("start_motion", "f8", (n_states,)),
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
+        ("total", "f8", (n_states, inputs)),  # [A, G]
+        ("turned", "f8", (inputs, n_states)),  # its transpose
         ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
-        ("moved_cov", "f8", (n_states, inputs)),  # [A P, G W]
-        ("turned", "f8", (inputs, n_states)),  # transpose of [A, G]
+        ("after", "f8", (n_states, columns)),
+        ("cov", "f8", (n_states, n_states)),
+        ("moved_cov", "f8", (n_states, n_states)),  # A P
+        ("weighted", "f8", (n_states, inputs)),  # [A P, G W]
+        ("next_cov", "f8", (n_states, n_states)),
     ]
 
 
@@ -46,10 +51,11 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
         belief.motion[:] = scratch.start_motion
         lose_motion(belief, start_sd)
         return
-    predict_cov(belief.motion_cov, noise_variance, scratch.step.total, scratch.moved_cov, scratch.turned)
+    scratch.total[:, :] = scratch.step.total
+    predict_cov(belief.motion_cov, noise_variance, scratch)
     pose, place = middle_of(jaw, scratch.start_motion, belief.motion)
     set_line_wrenches(jaw, belief.basis, belief.trend, pose, place, scratch.line_wrench)
-    predict_by_tension(belief.by_tension, scratch.step.total, scratch.line_wrench, scratch.before)
+    predict_by_tension(belief.by_tension, scratch)
 
 
 @njit
@@ -62,28 +68,31 @@ def all_finite(values):
 
 
 @njit
-def predict_cov(covariance, noise_variance, total, moved, turned):
-    """P <- A P A^T + G W G^T with [A, G] in ``total`` (n, n + 6)."""
+def predict_cov(covariance, noise_variance, scratch):
+    """P <- A P A^T + G W G^T."""
+    total, weighted = scratch.total, scratch.weighted
     size, columns = total.shape
-    multiply(total, covariance, moved[:, :size])
+    scratch.cov[:, :] = covariance
+    multiply(total, scratch.cov, scratch.moved_cov)
     for i in range(size):
+        for k in range(size):
+            weighted[i, k] = scratch.moved_cov[i, k]
         for k in range(size, columns):
-            moved[i, k] = total[i, k] * noise_variance[k - size]
+            weighted[i, k] = total[i, k] * noise_variance[k - size]
         for k in range(columns):
-            turned[k, i] = total[i, k]
-    multiply(moved, turned, covariance)
+            scratch.turned[k, i] = total[i, k]
+    multiply(weighted, scratch.turned, scratch.next_cov)
     for i in range(size):
-        for j in range(i):
-            covariance[i, j] = covariance[j, i]
+        for j in range(size):
+            # Of two numbers that differ by rounding, the same one for (i, j) and (j, i).
+            covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
 
 
 @njit
-def predict_by_tension(by_tension, total, line_wrench, before):
+def predict_by_tension(by_tension, scratch):
     """The motion's derivative by the tensions at the end of the tick: A times the last one, and G times the wrench."""
     size = by_tension.shape[0]
-    for j in range(by_tension.shape[1]):
-        for i in range(size):
-            before[i, j] = by_tension[i, j]
-        for k in range(N_WRENCH):
-            before[size + k, j] = line_wrench[k, j]
-    multiply(total, before, by_tension)
+    scratch.before[:size, :] = by_tension
+    scratch.before[size:, :] = scratch.line_wrench
+    multiply(scratch.total, scratch.before, scratch.after)
+    by_tension[:, :] = scratch.after

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from jawenv.errors import InputError
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.references.extended_kalman_kernel import filter_record
+from jawenv.estimation.references.extended_kalman_kernel import Problem, filter_record
 from jawenv.estimation.references.initial import (
     check_every,
     check_noise,
@@ -97,20 +97,16 @@ def run_filter(
     count = len(record.prior.mean)
     means = np.repeat(mean[None], len(record.time), axis=0)
     kept_cov = np.full((len(kept), count, count), np.nan)
-    filter_record(
-        record.jaw,
-        means,
-        covariance.copy(),
-        record.measured,
-        record.samples,
-        record.dt,
-        record.measurement_sd**2,
-        record.noise_variance,
-        noise,
-        linear,
-        SMALLEST * np.exp(record.prior.mean),
-        kept,
-        kept_cov,
-        working_memory(record),
+    problem = Problem(
+        jaw=record.jaw,
+        measured=record.measured,
+        samples=record.samples,
+        dt=record.dt,
+        variances=record.measurement_sd**2,
+        noise_variance=record.noise_variance,
+        parameter_noise=noise,
+        linear=linear,
+        floor=SMALLEST * np.exp(record.prior.mean),
     )
+    filter_record(problem, means, covariance.copy(), kept, kept_cov, working_memory(record))
     return means, kept_cov

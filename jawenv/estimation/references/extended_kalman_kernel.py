@@ -7,8 +7,10 @@ themselves.
 from __future__ import annotations
 
 from math import log
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.compiled import njit
 from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
@@ -23,27 +25,54 @@ from jawenv.estimation.references.joint_recursion import (
 )
 from jawenv.mechanics.dynamics import N_WRENCH
 
+Array = NDArray[np.float64]
+
+
+class Problem(NamedTuple):
+    """A record of T ticks and how its p parameters are filtered; all that the kernels only read.
+
+    Attributes:
+        jaw: record of dtype ``jaw_dtype``.
+        measured: (T + 1, 12); NaN was not read.
+        samples: (T, 3, 6) of the load cell.
+        dt: s.
+        variances: (12,) of the encoders.
+        noise_variance: (12,) of the wrench not known, constant over a tick and tilting.
+        parameter_noise: (T, p) variance that the parameters receive in each tick.
+        linear: whether the parameters are F_o and b themselves.
+        floor: (p,) least value of a linear parameter: a muscle has no negative tension.
+    """
+
+    jaw: Any
+    measured: Array
+    samples: Array
+    dt: float
+    variances: Array
+    noise_variance: Array
+    parameter_noise: Array
+    linear: bool
+    floor: Array
+
 
 @njit
-def predict_plain(jaw, mean, covariance, samples, trend, dt, noise_variance, noise, linear, floor, logs, scratch):
-    """Time update over one tick; ``noise`` (p) is added to the variances of the parameters.
-
-    A linear parameter that has fallen below ``floor`` (p) counts as that: a muscle has no negative tension.
-    """
+def predict_plain(problem, tick, mean, covariance, trend, scratch):
+    """Time update over one tick."""
+    linear, floor, samples = problem.linear, problem.floor, problem.samples[tick]
     gain, first = mean.shape[0] - 1, scratch.total.shape[0]
+    logs = np.empty(floor.shape[0])
     for j in range(logs.shape[0]):
         logs[j] = log(max(mean[first + j], floor[j])) if linear else mean[first + j]
-    set_muscles(jaw, logs, 0, scratch.muscles)
-    move(jaw, scratch.muscles, mean, samples, trend, mean[gain], dt, scratch)
+    set_muscles(problem.jaw, logs, 0, scratch.muscles)
+    move(problem.jaw, scratch.muscles, mean, samples, trend, mean[gain], problem.dt, scratch)
     if linear:
         for j in range(logs.shape[0]):
             by_log = 1.0 / max(mean[first + j], floor[j])
             for i in range(first):
                 scratch.total[i, first + j] *= by_log
-    set_noise_variance(noise_variance, covariance[gain, gain], samples, trend, scratch)
+    set_noise_variance(problem.noise_variance, covariance[gain, gain], samples, trend, scratch)
     predict_covariance(covariance, scratch.noise_variance, scratch)
     for j in range(logs.shape[0]):
-        covariance[first + j, first + j] += noise[j]
+        covariance[first + j, first + j] += problem.parameter_noise[tick, j]
 
 
 @njit
@@ -69,43 +98,28 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 
 @njit
-def filter_record(
-    jaw, means, covariance, measured, samples, dt, variances, noise_variance, noise, linear, floor,
-    kept, kept_cov, scratch,
-):  # fmt: skip
+def filter_record(problem, means, covariance, kept, kept_cov, scratch):
     """Filter a record of T ticks.
 
     Args:
-        jaw: record of dtype ``jaw_dtype``.
+        problem: See ``Problem``.
         means: (T + 1, n + p + 1); row 0 holds the mean before the first reading, and all rows are filled with the means
             after the readings of that time.
         covariance: (n + p + 1, n + p + 1) before the first reading; changed.
-        measured: (T + 1, 12).
-        samples: (T, 3, 6) of the load cell.
-        dt: s.
-        variances: (12,) of the encoders.
-        noise_variance: (12,) of the wrench not known, constant over a tick and tilting.
-        noise: (T, p) variance that the parameters receive in each tick.
-        linear: Whether the parameters are F_o and b themselves.
-        floor: (p,) least value of a linear parameter.
         kept: (K,) growing numbers of the times whose covariance is wanted, and
         kept_cov: (K, p, p) where that of the parameters goes.
         scratch: Working memory.
     """
-    parameters = floor.shape[0]
+    parameters = problem.floor.shape[0]
     first = means.shape[1] - 1 - parameters
-    trend, logs = np.zeros(N_WRENCH), floor * 0.0
+    trend = np.zeros(N_WRENCH)
     place = 0
     for k in range(means.shape[0]):
         if k > 0:
-            for j in range(means.shape[1]):
-                means[k, j] = means[k - 1, j]
-            predict_plain(
-                jaw, means[k], covariance, samples[k - 1], trend, dt, noise_variance, noise[k - 1],
-                linear, floor, logs, scratch,
-            )  # fmt: skip
-            follow_trend(trend, samples[k - 1], dt)
-        update_plain(jaw, means[k], covariance, measured[k], variances, scratch)
+            means[k] = means[k - 1]
+            predict_plain(problem, k - 1, means[k], covariance, trend, scratch)
+            follow_trend(trend, problem.samples[k - 1], problem.dt)
+        update_plain(problem.jaw, means[k], covariance, problem.measured[k], problem.variances, scratch)
         if place < kept.shape[0] and kept[place] == k:
             for i in range(parameters):
                 for j in range(parameters):

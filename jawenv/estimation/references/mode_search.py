@@ -76,7 +76,7 @@ class ModeSearch:
     def _search(self, run: FilterRun, end: int, modes: NDArray[np.void]) -> None:
         """Replace the ``modes`` of the last window by those of the rows up to ``end``."""
         starts = starts_of(modes, run.settings["prior_mean"], run.settings["prior_sd"])
-        search(*run.arguments, end, starts, PASSES, SMALL_STEP, modes)
+        search(run.arguments, end, starts, PASSES, SMALL_STEP, modes)
 
 
 def starts_of(modes: NDArray[np.void], prior_mean: Array, prior_sd: Array) -> Array:
@@ -114,18 +114,19 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
     starts = np.array(start)[None]
     if run.leaves_pose_open:
         starts = np.vstack([starts, ModeSearch().estimate(record).mean])
-    search(*run.arguments, run.last, starts, PASSES, small_step, modes)
+    search(run.arguments, run.last, starts, PASSES, small_step, modes)
     return sum_of_modes(modes)
 
 
 @njit
-def search(jaw, belief, rows, settings, scratch, tick, starts, passes, small_step, modes):
+def search(run, tick, starts, passes, small_step, modes):
     """Into ``modes`` what rows 0 to ``tick`` lead to from ``starts`` (S, p); the prior where that is no number."""
+    belief, settings = run.belief, run.settings
     modes.number = 0
     about = np.empty(starts.shape[1])
     for s in range(starts.shape[0]):
         about[:] = starts[s]
-        density, new = settle(jaw, belief, rows, tick, settings, scratch, about, passes, small_step, modes)
+        density, new = settle(run, tick, about, passes, small_step, modes)
         if new:
             keep_mode(modes, belief, density, about)
     if modes.number == 0:
@@ -134,7 +135,7 @@ def search(jaw, belief, rows, settings, scratch, tick, starts, passes, small_ste
 
 
 @njit
-def settle(jaw, belief, rows, tick, settings, scratch, about, passes, small_step, modes):
+def settle(run, tick, about, passes, small_step, modes):
     """Follow a start, ``about`` (p), until the belief stays where the readings were filtered at, which it becomes.
 
     Each pass takes the whole step of the linear problem that the last one found. Where that leads to a longer step, it
@@ -143,8 +144,8 @@ def settle(jaw, belief, rows, tick, settings, scratch, about, passes, small_step
     Returns:
         The logarithm of the density there, and False where it comes to a mode that is kept, or is no number.
     """
-    origin, share = about.copy(), 1.0
-    reached = filter_at(jaw, belief, rows, tick, settings, scratch, about)
+    belief, origin, share = run.belief, about.copy(), 1.0
+    reached = filter_at(run, tick, about)
     goal = belief.mean.copy()
     density, left = reached, distance(belief, origin)
     for _ in range(passes - 1):
@@ -153,7 +154,7 @@ def settle(jaw, belief, rows, tick, settings, scratch, about, passes, small_step
         if nearest_mode(modes, belief)[1] < SAME:
             return reached, False
         about[:] = origin + share * (goal - origin)
-        reached = filter_at(jaw, belief, rows, tick, settings, scratch, about)
+        reached = filter_at(run, tick, about)
         ahead = distance(belief, about)
         if ahead < left or reached > density + DENSER:
             origin[:] = about
@@ -165,17 +166,18 @@ def settle(jaw, belief, rows, tick, settings, scratch, about, passes, small_step
 
 
 @njit
-def filter_at(jaw, belief, rows, tick, settings, scratch, parameters):
+def filter_at(run, tick, parameters):
     """Filter rows 0 to ``tick`` as if the muscles were ``parameters`` (p), of which nothing is known but the prior.
 
     Returns the logarithm of the posterior's density there, but for a constant; NaN where the filter has lost the jaw.
     """
+    belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_belief(settings.basis, belief, parameters, settings.prior_sd)
     begin_motion(belief, rows[0].believed, settings.start_sd)
     forget_readings(belief)
     density = 0.0
     for k in range(tick + 1):
-        take_readings(jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
+        take_readings(run.jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
         if scratch.used.any():
             density += log_likelihood(scratch.update)
     gain = belief.nominal.size

@@ -29,6 +29,7 @@ from jawenv.estimation.references.extended_kalman import ExtendedKalman, run_fil
 from jawenv.estimation.references.initial import initial_belief, trends
 from jawenv.estimation.references.mode_search import integrate_out
 from jawenv.estimation.references.whole_path import (
+    Problem,
     divide,
     path_scratch_dtype,
     roll_out,
@@ -183,17 +184,26 @@ class _Problem:
         self.mean, covariance = initial_belief(record)
         self.sd = np.sqrt(np.diag(covariance))
         self.sd[-1] = 0.0
-        self.trends = trends(record)
-        fast = np.einsum("i,tik->tk", SIMPSON, record.samples) - self.trends
-        self.wrench_variances = np.tile(record.noise_variance, (len(record.samples), 1))
-        self.wrench_variances[:, :N_WRENCH] += record.gain_sd**2 * fast**2
-        self.parts = np.ones(len(record.samples), dtype=np.int64)
+        trend = trends(record)
+        fast = np.einsum("i,tik->tk", SIMPSON, record.samples) - trend
+        wrench_variances = np.tile(record.noise_variance, (len(record.samples), 1))
+        wrench_variances[:, :N_WRENCH] += record.gain_sd**2 * fast**2
         self.sweeps = np.zeros(len(record.time), dtype=sweep_dtype(self.n, self.p))
         self.scratch: Any = np.zeros(1, dtype=path_scratch_dtype(self.p // 2, len(record.jaw["l_o"]), self.n))[0]
         place = CLOSE * record.start_sd[: self.n // 2]
         tolerance = np.concatenate([place, place / (TICKS_BACK * record.dt)]) ** 2
         # A coordinate that is held misses nothing; any positive number keeps the steering's matrix regular.
-        self.tolerance = np.where(tolerance > 0.0, tolerance, 1.0)
+        self.arrays = Problem(
+            jaw=record.jaw,
+            measured=record.measured,
+            samples=record.samples,
+            trends=trend,
+            dt=record.dt,
+            parts=np.ones(len(record.samples), dtype=np.int64),
+            variances=record.measurement_sd**2,
+            wrench_variances=wrench_variances,
+            tolerance=np.where(tolerance > 0.0, tolerance, 1.0),
+        )
 
     def first_path(self) -> Path:
         """A path through the filtered motion, with the parameters that the extended Kalman filter ends with."""
@@ -207,33 +217,17 @@ class _Problem:
         no_noise = np.zeros((len(record.samples), self.p))
         means, _ = run_filter(record, mean, known, no_noise, np.empty(0, dtype=np.int64))
         states = means[:, : self.n].copy()
-        divide(record.jaw, states, parameters, record.dt, self.parts, self.scratch)
+        divide(record.jaw, states, parameters, record.dt, self.arrays.parts, self.scratch)
         return self.path(states, np.zeros((len(record.samples), N_NOISE)), parameters)
 
     def divide(self, path: Path) -> bool:
         """Divide the steps as finely as a path asks for; whether any is finer than before, and so the cost another."""
         record = self.record
-        return bool(divide(record.jaw, path.states, path.parameters, record.dt, self.parts, self.scratch))
+        return bool(divide(record.jaw, path.states, path.parameters, record.dt, self.arrays.parts, self.scratch))
 
     def path(self, states: Array, wrenches: Array, parameters: Array) -> Path:
         """The path near a motion, which is overwritten."""
-        record = self.record
-        cost = roll_out(
-            record.jaw,
-            states,
-            wrenches,
-            parameters,
-            self.tolerance,
-            record.measured,
-            record.samples,
-            self.trends,
-            record.dt,
-            self.parts,
-            record.measurement_sd**2,
-            self.wrench_variances,
-            self.sweeps,
-            self.scratch,
-        )
+        cost = roll_out(self.arrays, states, wrenches, parameters, self.sweeps, self.scratch)
         away = np.concatenate([states[0], parameters, [0.0]]) - self.mean
         free = self.sd > 0.0
         return Path(states, wrenches, parameters, float(cost + 0.5 * np.sum((away[free] / self.sd[free]) ** 2)))
@@ -243,28 +237,15 @@ class _Problem:
 
         The path is the one that was made last, whose derivatives are kept.
         """
-        record = self.record
         mean = self.mean - np.concatenate([path.states[0], path.parameters, [0.0]])
         covariance, considered = np.diag(self.sd**2), np.zeros(len(mean))
         considered[-1] = 1.0
-        sweep_forward(
-            record.jaw,
-            path.states,
-            path.wrenches,
-            mean,
-            covariance,
-            considered,
-            record.measured,
-            record.measurement_sd**2,
-            self.wrench_variances,
-            self.sweeps,
-            self.scratch,
-        )
+        sweep_forward(self.arrays, path.states, path.wrenches, mean, covariance, considered, self.sweeps, self.scratch)
         to_states, wrenches = np.empty_like(path.states), np.empty_like(path.wrenches)
-        sweep_backward(self.wrench_variances, self.sweeps, to_states, wrenches, self.scratch)
+        sweep_backward(self.arrays.wrench_variances, self.sweeps, to_states, wrenches, self.scratch)
         parameters = slice(self.n, self.n + self.p)
         by_gain = considered[parameters]
-        cov = covariance[parameters, parameters] + record.gain_sd**2 * np.outer(by_gain, by_gain)
+        cov = covariance[parameters, parameters] + self.record.gain_sd**2 * np.outer(by_gain, by_gain)
         return Path(to_states, wrenches - path.wrenches, mean[parameters], np.nan), cov
 
     def search(self, path: Path, step: Path) -> Path | None:

@@ -13,7 +13,10 @@ Sizes: T ticks, n states of motion, p log-parameters, s = n + p + 1 with the loa
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.compiled import njit
 from jawenv.estimation.model.body_step import body_step_parts, propagate_body_in
@@ -27,6 +30,8 @@ from jawenv.estimation.references.joint_recursion import (
 )
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.equilibrium import solve_in_place
+
+Array = NDArray[np.float64]
 
 
 def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
@@ -58,6 +63,32 @@ def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[
     return np.dtype(fields, align=True)
 
 
+class Problem(NamedTuple):
+    """A record of T ticks as a least-squares problem; all that the kernels only read.
+
+    Attributes:
+        jaw: record of dtype ``jaw_dtype``.
+        measured: (T + 1, 12); NaN was not read.
+        samples: (T, 3, 6) of the load cell.
+        trends: (T, 6) of the load cell, at the start of each tick.
+        dt: s.
+        parts: (T,) into how many parts each tick is divided.
+        variances: (12,) of the encoders.
+        wrench_variances: (T, 12) of the unknown wrenches.
+        tolerance: (n,) variances within which a motion wanted is kept.
+    """
+
+    jaw: Any
+    measured: Array
+    samples: Array
+    trends: Array
+    dt: float
+    parts: NDArray[np.int64]
+    variances: Array
+    wrench_variances: Array
+    tolerance: Array
+
+
 @njit
 def divide(jaw, states, parameters, dt, parts, scratch):
     """Raise ``parts`` (T,) to what the motion ``states`` (T + 1, n) asks for; whether any was raised."""
@@ -74,16 +105,17 @@ def divide(jaw, states, parameters, dt, parts, scratch):
 
 
 @njit
-def push(jaw, state, samples, trend, wrench, dt, parts, scratch):
-    """Move ``state`` (n) over one tick under the readings and ``wrench`` (12); leaves the derivative in the scratch."""
+def push(problem, k, state, wrench, scratch):
+    """Move ``state`` (n) over tick k under its readings and ``wrench`` (12); leaves the derivative in the scratch."""
+    jaw, samples = problem.jaw, problem.samples[k]
     for i in range(samples.shape[0]):
-        for k in range(N_WRENCH):
-            scratch.pushed[i, k] = samples[i, k] + wrench[k] + (i - 1.0) * wrench[N_WRENCH + k]
-    inner = scratch.filter
+        for j in range(N_WRENCH):
+            scratch.pushed[i, j] = samples[i, j] + wrench[j] + (i - 1.0) * wrench[N_WRENCH + j]
+    inner, trend, parts = scratch.filter, problem.trends[k], problem.parts[k]
     if jaw.condyles == 2:
-        propagate_body_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, dt, parts, inner)
+        propagate_body_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, problem.dt, parts, inner)
     else:
-        propagate_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, dt, parts, inner)
+        propagate_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, problem.dt, parts, inner)
 
 
 @njit
@@ -98,9 +130,10 @@ def carry(total, vector, before):
 
 
 @njit
-def take_readings(jaw, state, mean, covariance, considered, measured, variances, sweep, scratch):
-    """Update of the deviation's belief with the readings at one time, linearised at ``state``."""
-    expect(jaw, state, sweep.rows, scratch.expected)
+def take_readings(problem, k, state, mean, covariance, considered, sweep, scratch):
+    """Update of the deviation's belief with the readings at time k, linearised at ``state``."""
+    measured, variances = problem.measured[k], problem.variances
+    expect(problem.jaw, state, sweep.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         sweep.variance[i] = 0.0
         if measured[i] != measured[i]:
@@ -108,9 +141,9 @@ def take_readings(jaw, state, mean, covariance, considered, measured, variances,
         row, gains = sweep.rows[i], sweep.gains[i]
         variance = innovation_variance(covariance, row, variances[i], gains)
         innovation, seen = measured[i] - scratch.expected[i], 0.0
-        for k in range(row.shape[0]):
-            innovation -= row[k] * mean[k]
-            seen += row[k] * considered[k]
+        for j in range(row.shape[0]):
+            innovation -= row[j] * mean[j]
+            seen += row[j] * considered[j]
         reduce_covariance(covariance, gains, variance)
         for j in range(mean.shape[0]):
             mean[j] += innovation / variance * gains[j]
@@ -119,21 +152,16 @@ def take_readings(jaw, state, mean, covariance, considered, measured, variances,
 
 
 @njit
-def sweep_forward(
-    jaw, states, wrenches, mean, covariance, considered, measured, variances, wrench_variances, sweeps, scratch
-):  # fmt: skip
+def sweep_forward(problem, states, wrenches, mean, covariance, considered, sweeps, scratch):
     """Filter the deviations from a path forward in time.
 
     Args:
-        jaw: Record of dtype ``jaw_dtype``.
+        problem: See ``Problem``.
         states: (T + 1, n) motion of the path.
         wrenches: (T, 12) wrenches of the path.
         mean: (s,) of the deviation before the first reading; changed to that after the last.
         covariance: (s, s) likewise, with zeros for the gain error.
         considered: (s,) derivative of the true deviation minus ``mean`` by the gain error; likewise.
-        measured: (T + 1, 12); NaN was not read.
-        variances: (12,) of the encoders.
-        wrench_variances: (T, 12) of the unknown wrenches.
         sweeps: (T + 1,) records of dtype ``sweep_dtype``, with the path's derivatives as ``roll_out`` leaves them; the
             rest is filled.
         scratch: Working memory.
@@ -150,9 +178,9 @@ def sweep_forward(
                 for j in range(N_NOISE):
                     mean[i] -= inner.total[i, size + j] * wrenches[k - 1, j]
             for j in range(N_NOISE):
-                inner.noise_variance[j] = wrench_variances[k - 1, j]
+                inner.noise_variance[j] = problem.wrench_variances[k - 1, j]
             predict_covariance(covariance, inner.noise_variance, inner)
-        take_readings(jaw, states[k], mean, covariance, considered, measured[k], variances, sweep, inner)
+        take_readings(problem, k, states[k], mean, covariance, considered, sweep, inner)
         for j in range(size):
             sweep.mean[j] = mean[j]
             for i in range(n_states):
@@ -214,9 +242,10 @@ def steer(total, missed, wrench_variance, tolerance, wrench, scratch):
 
 
 @njit
-def cost_of_readings(jaw, state, measured, variances, scratch):
-    """Half the squared misfit of the readings at one time, in sds."""
-    expect(jaw, state, scratch.rows, scratch.expected)
+def cost_of_readings(problem, k, state, scratch):
+    """Half the squared misfit of the readings at time k, in sds."""
+    measured, variances = problem.measured[k], problem.variances
+    expect(problem.jaw, state, scratch.rows, scratch.expected)
     cost = 0.0
     for i in range(N_MEASUREMENTS):
         if measured[i] == measured[i]:
@@ -226,53 +255,42 @@ def cost_of_readings(jaw, state, measured, variances, scratch):
 
 
 @njit
-def roll_out(
-    jaw, states, wrenches, parameters, tolerance,
-    measured, samples, trends, dt, parts, variances, wrench_variances, sweeps, scratch,
-):  # fmt: skip
+def roll_out(problem, states, wrenches, parameters, sweeps, scratch):
     """Turn a motion that the model would not make into a path close to it; the cost of its readings and wrenches.
 
     Without steering, a change of the parameters by a few per cent moves the end of a long path far away, however well
     the wrenches fit to the first order.
 
     Args:
-        jaw: Record of dtype ``jaw_dtype``.
+        problem: See ``Problem``.
         states: (T + 1, n) the motion wanted; row 0 is taken as it is, the others become those of the path.
         wrenches: (T, 12) the wrenches wanted, likewise.
         parameters: (p,) logs.
-        tolerance: (n,) variances within which the motion wanted is kept.
-        measured: (T + 1, 12); NaN was not read.
-        samples: (T, 3, 6) of the load cell.
-        trends: (T, 6).
-        dt: s.
-        parts: (T,) into how many parts each tick is divided.
-        variances: (12,) of the encoders.
-        wrench_variances: (T, 12) of the unknown wrenches.
         sweeps: (T + 1,) records of dtype ``sweep_dtype``; their ``total`` becomes the path's.
         scratch: Working memory.
 
     Returns:
         Half the sum of squares of the readings' misfits and of the wrenches, in sds.
     """
-    n_states, inner = states.shape[1], scratch.filter
-    set_muscles(jaw, parameters, 0, inner.muscles)
-    cost = cost_of_readings(jaw, states[0], measured[0], variances, inner)
+    n_states, inner, wrench_variances = states.shape[1], scratch.filter, problem.wrench_variances
+    set_muscles(problem.jaw, parameters, 0, inner.muscles)
+    cost = cost_of_readings(problem, 0, states[0], inner)
     for k in range(wrenches.shape[0]):
         wrench = wrenches[k]
         for i in range(n_states):
             inner.state[i] = states[k, i]
-        push(jaw, inner.state, samples[k], trends[k], wrench, dt, parts[k], scratch)
+        push(problem, k, inner.state, wrench, scratch)
         for i in range(n_states):
             inner.row[i] = states[k + 1, i] - inner.state[i]
-        steer(inner.total, inner.row, wrench_variances[k], tolerance, wrench, scratch)
+        steer(inner.total, inner.row, wrench_variances[k], problem.tolerance, wrench, scratch)
         for i in range(n_states):
             states[k + 1, i] = states[k, i]
-        push(jaw, states[k + 1], samples[k], trends[k], wrench, dt, parts[k], scratch)
+        push(problem, k, states[k + 1], wrench, scratch)
         copy_matrix(sweeps[k + 1].total, inner.total)
         for j in range(N_NOISE):
             if wrench_variances[k, j] > 0.0:
                 cost += 0.5 * wrench[j] * wrench[j] / wrench_variances[k, j]
-        cost += cost_of_readings(jaw, states[k + 1], measured[k + 1], variances, inner)
+        cost += cost_of_readings(problem, k + 1, states[k + 1], inner)
         if not np.isfinite(cost):
             return cost
     return cost
