@@ -11,8 +11,8 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
-from jawenv.envs.simulation import Configuration
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
