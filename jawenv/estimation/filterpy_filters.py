@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
@@ -24,6 +23,10 @@ from jawenv.estimation.filterpy_models import CompiledModel, Model, NumpyModel
 from jawenv.estimation.initial import check_every, check_noise, initial_belief, kept_ticks
 from jawenv.estimation.measurement import N_MEASUREMENTS
 from jawenv.estimation.record import Record
+from jawenv.extras import needs
+
+with needs("a reference filter", "filterpy", "reference"):
+    from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 
 Array = NDArray[np.float64]
 
