@@ -205,6 +205,8 @@ def play(
     first = whole_number(seed)
     if first is None or not 0 <= first <= LARGEST_SEED:
         raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+    if not isinstance(env_kwargs, Mapping | None):
+        raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
     env = gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
     try:

@@ -145,6 +145,7 @@ def test_the_bound_is_the_same_however_the_environment_is_named(recording):
         ({"seed": 10**24}, "seed: 1000000000000000000000000 given, allowed is a whole number, 0 to 4294967295"),
         ({"seed": "one"}, "seed: 'one' given"),
         ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
+        ({"env_kwargs": 5}, "env_kwargs: 5 given"),
     ],
 )
 def test_bad_input_is_named(change, message):
