@@ -1,4 +1,17 @@
-"""The one error that jawenv raises for input from outside."""
+"""The error that jawenv raises for input from outside, and how it shows a value."""
+
+from __future__ import annotations
+
+import reprlib
+
+__all__ = ["InputError", "MissingPackageError", "shown"]
+
+LONGEST_SHOWN_VALUE = 60
+
+_REPR = reprlib.Repr()
+# Longer than what is shown, so that the beginning of a value is shown and not its two ends.
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = 4 * LONGEST_SHOWN_VALUE
+_REPR.maxlist = _REPR.maxtuple = _REPR.maxdict = LONGEST_SHOWN_VALUE
 
 
 class InputError(ValueError):
@@ -7,3 +20,16 @@ class InputError(ValueError):
     The message is one line that names the field, the value and what is allowed, so that command lines can
     print it as it stands.
     """
+
+
+class MissingPackageError(InputError, ImportError):
+    """A package that only a part of jawenv needs is not installed; the message says how to install it."""
+
+
+def shown(value: object) -> str:
+    """A value as messages show it: its repr in one line, of 60 characters at most."""
+    try:
+        text = " ".join(_REPR.repr(value).split())
+    except ValueError:  # Python writes out no integer of more than some thousand digits
+        text = "an integer too long to show"
+    return text if len(text) <= LONGEST_SHOWN_VALUE else text[: LONGEST_SHOWN_VALUE - 3] + "..."

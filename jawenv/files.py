@@ -11,17 +11,30 @@ import tomllib
 import uuid
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 
-__all__ = ["InputModel", "Number", "read_mapping", "read_model", "validate", "write_json"]
+__all__ = [
+    "FILE_TYPES",
+    "InputModel",
+    "Number",
+    "Source",
+    "instance_of",
+    "read_into",
+    "read_mapping",
+    "read_model",
+    "validate",
+    "write_json",
+]
+
+Source: TypeAlias = Mapping[str, Any] | str | os.PathLike[str]
+"""A mapping of fields, or the path of a JSON, TOML or YAML file that holds one."""
 
 Model = TypeVar("Model", bound=BaseModel)
-
-LONGEST_SHOWN_VALUE = 60
+Built = TypeVar("Built")
 
 
 def _real_number(value: object) -> float:
@@ -87,6 +100,57 @@ def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
     return validate(model, read_mapping(path), os.fspath(path))
 
 
+def read_into(path: str | os.PathLike[str], build: Callable[[Mapping[str, Any]], Built]) -> Built:
+    """Build something of the mapping in a JSON, TOML or YAML file.
+
+    Raises:
+        InputError: what ``read_mapping`` or ``build`` refuses; the message begins with the file's name.
+    """
+    data = read_mapping(path)
+    try:
+        return build(data)
+    except InputError as error:
+        raise InputError(f"{os.fspath(path)}: {error}") from None
+
+
+class Loadable(Protocol):
+    """A class whose objects can be made of a mapping of their fields, or of a file that holds one."""
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """One made of a mapping of its fields."""
+        ...
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """One made of a file."""
+        ...
+
+
+Kind = TypeVar("Kind", bound=Loadable)
+
+
+def instance_of(kind: type[Kind], given: object, name: str) -> Kind:
+    """An object of a class, given as itself, as a mapping of its fields, or as the path of a file.
+
+    Args:
+        kind: the class.
+        given: what came from outside.
+        name: what the message calls it.
+
+    Raises:
+        InputError: none of the three, or a mapping or file that the class refuses.
+    """
+    if isinstance(given, kind):
+        return given
+    if isinstance(given, Mapping):
+        return kind.from_dict(given)
+    if isinstance(given, str | os.PathLike):
+        return kind.load(given)
+    allowed = f"a {kind.__name__}, a mapping of its fields, or the path of a file with them"
+    raise InputError(f"{name} is {shown(given)}; allowed: {allowed}")
+
+
 def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read a JSON, TOML or YAML file (by its suffix) whose top level is a mapping.
 
@@ -96,7 +160,7 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     path = Path(path)
     parse = _PARSERS.get(path.suffix.lower())
     if parse is None:
-        raise InputError(f"{path}: unknown file type '{path.suffix}'; allowed: {', '.join(_PARSERS)}")
+        raise InputError(f"{path}: unknown file type '{path.suffix}'; allowed: {', '.join(FILE_TYPES)}")
     try:
         data = parse(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -165,6 +229,8 @@ _PARSERS: dict[str, Callable[[str], Any]] = {
     ".yaml": _parse_yaml,
     ".yml": _parse_yaml,
 }
+FILE_TYPES = tuple(_PARSERS)
+"""Endings of the files that can be read."""
 
 
 def _one_line(error: ValidationError, model: type[BaseModel], source: str) -> str:
@@ -188,7 +254,7 @@ def _problem(problem: Any, model: type[BaseModel]) -> str:
         return f"unknown key '{field}'" + (f"; allowed: {', '.join(allowed)}" if allowed else "")
     if kind == "value_error" and isinstance(problem["input"], Mapping | BaseModel):
         return f"{field}: {message}" if field else message
-    return f"{field} = {_shown(problem['input'])} {message}"
+    return f"{field} = {shown(problem['input'])} {message}"
 
 
 def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
@@ -209,11 +275,6 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for argument in get_args(annotation) for model in _models_in(argument)]
-
-
-def _shown(value: object) -> str:
-    text = _flat(repr(value))
-    return text if len(text) <= LONGEST_SHOWN_VALUE else text[: LONGEST_SHOWN_VALUE - 3] + "..."
 
 
 def _kind(value: object) -> str:

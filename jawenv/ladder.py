@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.mechanics.jaw import ALL_FREE
 
 Plant = Literal["midline", "contact", "bilateral"]
@@ -136,7 +136,7 @@ def model_named(name: str) -> Model:
         InputError: unknown name; the message lists the known ones.
     """
     if not isinstance(name, str) or name not in MODELS:
-        raise InputError(f"model is {name!r}; allowed: {', '.join(MODELS)}")
+        raise InputError(f"model is {shown(name)}; allowed: {', '.join(MODELS)}")
     return MODELS[name]
 
 
@@ -150,4 +150,4 @@ def model_of_env(env: str) -> Model:
         if env in (model.env_id, model.title, model.name):
             return model
     ids = ", ".join(model.env_id for model in MODELS.values())
-    raise InputError(f"env {env!r}: unknown; allowed: {ids}, also as JawSides or sides")
+    raise InputError(f"env {shown(env)}: unknown; allowed: {ids}, also as JawSides or sides")

@@ -14,14 +14,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.errors import InputError
+from jawenv.checks import whole_number
+from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
     from jawenv.estimation.recordings.record import Record
+    from jawenv.files import Source
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
+LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
 DEFAULT_ENV = "jawenv/Jaw-v0"
 
 # N worlds, T + 1 times (the reset is time 0), P parameters, L comfort limits.
@@ -167,7 +170,7 @@ class Recording:
 def play(
     agent: Any,
     *,
-    patients: int | Sequence[Patient],
+    patients: int | Sequence[Patient | Source | None],
     seed: int,
     env_kwargs: Mapping[str, Any] | None = None,
     env_id: str = DEFAULT_ENV,
@@ -179,8 +182,8 @@ def play(
         agent: anything with stable-baselines3's `predict(observation, state, episode_start, deterministic)`;
             a `reset(num_envs, seed)` is called first where the agent has one.
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
-            patients.
-        seed: of patients and noise, >= 0.
+            patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
+        seed: of patients and noise, 0 to 2**32 - 1.
         env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise.
         env_id: a registered environment of jawenv with a native vector form.
         progress: called with (steps done, steps of the longest episode) after every control step.
@@ -189,22 +192,28 @@ def play(
         The recording of all worlds. A world that ends early stays frozen while the others go on.
 
     Raises:
-        InputError: no patient, a negative seed, or what the environment refuses.
+        InputError: an agent without `predict`, no patient, a seed out of range, or what the environment refuses.
     """
     import gymnasium as gym
 
-    number = patients if isinstance(patients, int) else len(patients)
-    if number < 1:
-        raise InputError(f"patients: {number} given, allowed is 1 or more")
-    if seed < 0:
-        raise InputError(f"seed: {seed} given, allowed is 0 or more")
+    if not callable(getattr(agent, "predict", None)):
+        raise InputError(
+            f"agent: {shown(agent)} given, allowed is an object with "
+            "predict(observation, state, episode_start, deterministic)"
+        )
+    number = _number_of(patients)
+    first = whole_number(seed)
+    if first is None or not 0 <= first <= LARGEST_SEED:
+        raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+    if not isinstance(env_kwargs, Mapping | None):
+        raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
     env = gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
     try:
-        options = None if isinstance(patients, int) else {"patients": list(patients)}
-        observation, info = env.reset(seed=seed, options=options)
+        options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
+        observation, info = env.reset(seed=first, options=options)
         if hasattr(agent, "reset"):
-            agent.reset(number, seed)
+            agent.reset(number, first)
         recording = _watch(agent, env, observation, info, progress)
         world: Any = env.unwrapped
         if not world.configuration.record:
@@ -214,6 +223,19 @@ def play(
         return replace(recording, records=tuple(record_of(world.simulation, i) for i in range(number)))
     finally:
         env.close()
+
+
+def _number_of(patients: object) -> int:
+    """How many patients are asked for, by their number or by themselves."""
+    if isinstance(patients, Sequence) and not isinstance(patients, str):
+        number: int | None = len(patients)
+    else:
+        number = whole_number(patients)
+    if number is None:
+        raise InputError(f"patients: {shown(patients)} given, allowed is a whole number, or a sequence of patients")
+    if number < 1:
+        raise InputError(f"patients: {number} given, allowed is 1 or more")
+    return number
 
 
 def _watch(

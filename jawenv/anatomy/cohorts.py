@@ -12,8 +12,10 @@ truncated at 2 sd. Its prior is computed from that definition: the mean and the 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -21,15 +23,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
+from jawenv.anatomy.cohort_fields import CohortFields
 from jawenv.anatomy.muscles import MuscleSet, muscle_set
-from jawenv.anatomy.patient import Patient
+from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
-from jawenv.errors import InputError
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
+from jawenv.files import FILE_TYPES, Source, instance_of, read_into, validate
 
 __all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "Stiffness", "cohort"]
 
 TRUNCATION_SD = 2.0
 """No parameter is drawn further than this many sd from its median."""
+
+LARGEST_SD = 1.5
+"""Of the natural log of F_o and b; from wider priors the environments' filter does not start reliably."""
 
 _TAIL = float(ndtr(-TRUNCATION_SD))
 
@@ -60,10 +68,12 @@ class Stiffness:
 
     def __post_init__(self) -> None:
         """Check that the logarithms exist."""
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if not (math.isfinite(value) and value > 0):
-                raise InputError(f"{one.name} = {value} must be finite and greater than 0")
+        for name in (one.name for one in fields(self)):
+            value = getattr(self, name)
+            number = real_number(value)
+            if number is None or number <= 0:
+                raise InputError(f"{name} = {shown(value)} must be finite and greater than 0")
+            object.__setattr__(self, name, number)
 
     def log_mean(self) -> tuple[float, float]:
         """Means of log F_o and log b."""
@@ -117,7 +127,12 @@ class Cohort:
     prior: Prior = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Arrays and prior follow from the groups."""
+        """Arrays and prior follow from the groups.
+
+        Raises:
+            InputError: no group, one that is no pair of `Stiffness`, or patients whom no `Patient` can describe.
+        """
+        self._check_groups()
         alike = [[self._of_muscle(name, group) for name in self.muscles.names] for group in self.groups]
         mean = np.array([[value for one in group for value in one.log_mean()] for group in alike])
         sd = np.array([[value for one in group for value in one.log_sd()] for group in alike])
@@ -127,6 +142,60 @@ class Cohort:
         object.__setattr__(self, "mean", mean)
         object.__setattr__(self, "sd", sd)
         object.__setattr__(self, "prior", Prior(mean.mean(axis=0), np.sqrt(variance)))
+
+    def _check_groups(self) -> None:
+        pairs = isinstance(self.groups, tuple) and all(
+            isinstance(group, tuple) and len(group) == 2 and all(isinstance(one, Stiffness) for one in group)
+            for group in self.groups
+        )
+        if not pairs or not self.groups:
+            raise InputError(
+                f"cohort {self.name!r}: groups is {shown(self.groups)}; allowed: one or more pairs (left, right) of "
+                "Stiffness, in tuples"
+            )
+        for one in (self._of_muscle(name, group) for group in self.groups for name in self.muscles.names):
+            self._check_range("F_o_N", one.F_o_N, one.F_o_sd, LARGEST_F_O_N)
+            self._check_range("b", one.b, one.b_sd, LARGEST_B)
+
+    def _check_range(self, symbol: str, median: float, sd: float, largest: float) -> None:
+        if sd > LARGEST_SD:
+            raise InputError(
+                f"cohort {self.name!r}: sd of log {symbol} = {sd:g}; allowed: more than 0, at most {LARGEST_SD:g}"
+            )
+        if math.log(median) + TRUNCATION_SD * sd > math.log(largest):
+            raise InputError(
+                f"cohort {self.name!r}: {symbol} = {median:g} with a log sd of {sd:g} is drawn larger than "
+                f"{largest:g}; allowed: up to {largest:g} at {TRUNCATION_SD:g} sd above the median"
+            )
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Cohort:
+        """A cohort from a mapping: `groups`, and if wanted `name`, `description` and `basis`.
+
+        `groups` is a list of mappings with `left` and `right`, each a mapping of the fields of `Stiffness`.
+
+        Raises:
+            InputError: one line that names the field, the value and what is allowed.
+        """
+        given = validate(CohortFields, data, cls.__name__)
+        groups = tuple(
+            (Stiffness(**group.left.model_dump()), Stiffness(**group.right.model_dump())) for group in given.groups
+        )
+        return cls(given.name, given.description, given.basis, groups)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Cohort:
+        """Read a cohort from a JSON, TOML or YAML file, as `from_dict` takes it.
+
+        Raises:
+            InputError: one line that names the file and what is wrong with it.
+        """
+        return read_into(path, cls.from_dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The mapping that `from_dict` takes, of text and numbers alone."""
+        groups = [{"left": asdict(left), "right": asdict(right)} for left, right in self.groups]
+        return {"name": self.name, "description": self.description, "basis": self.basis, "groups": groups}
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Rebuild through the constructor: plain unpickling would leave the arrays writable."""
@@ -206,12 +275,23 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
 """Every cohort by its name."""
 
 
-def cohort(name: str, muscles: MuscleSet | None = None) -> Cohort:
-    """The cohort of that name, its patients with the given muscles (the six whole muscles by default).
+def cohort(given: str | Cohort | Source, muscles: MuscleSet | None = None) -> Cohort:
+    """A cohort by its name in `COHORTS`, or given as itself, as a mapping or as the path of a file.
+
+    Args:
+        given: a text that ends as a JSON, TOML or YAML file does is a path; see `Cohort.from_dict` for mappings.
+        muscles: those of its patients; the six whole muscles, or a given cohort's own, by default.
 
     Raises:
-        InputError: unknown name; the message lists the known ones.
+        InputError: an unknown name (the message lists the known ones), or what `Cohort` refuses.
     """
-    if name not in COHORTS:
-        raise InputError(f"cohort '{name}' is unknown; allowed: {', '.join(COHORTS)}")
-    return COHORTS[name] if muscles is None else replace(COHORTS[name], muscles=muscles)
+    if isinstance(given, str) and Path(given).suffix.lower() not in FILE_TYPES:
+        if given not in COHORTS:
+            known = ", ".join(COHORTS)
+            raise InputError(f"cohort {shown(given)} is unknown; allowed: {known}, or a file ({', '.join(FILE_TYPES)})")
+        found = COHORTS[given]
+    elif isinstance(given, Cohort | Mapping | str | os.PathLike):
+        found = instance_of(Cohort, given, "cohort")
+    else:
+        raise InputError(f"cohort is {shown(given)}; allowed: a name, a Cohort, a mapping of its fields, or a file")
+    return found if muscles is None else replace(found, muscles=muscles)

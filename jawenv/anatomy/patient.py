@@ -14,7 +14,9 @@ from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_na
 from jawenv.errors import InputError
 from jawenv.files import InputModel, Number, read_model, validate, write_json
 
-__all__ = ["Patient"]
+__all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
+
+LARGEST_F_O_N, LARGEST_B = 100.0, 60.0
 
 
 def _of_all_muscles(values: dict[str, float]) -> dict[str, float]:
@@ -46,8 +48,8 @@ class Patient(InputModel):
     """
 
     name: str = Field(default="patient", min_length=1)
-    F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=100)]], AfterValidator(_of_all_muscles)]
-    b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=60)]], AfterValidator(_of_all_muscles)]
+    F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_F_O_N)]], AfterValidator(_of_all_muscles)]
+    b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_B)]], AfterValidator(_of_all_muscles)]
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0
 
     @classmethod

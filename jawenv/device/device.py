@@ -7,15 +7,17 @@ mouthpiece; the linkage multiplies the motor's thrust by ``lever`` and divides i
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from math import isfinite
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
+from jawenv.files import instance_of, read_into
 
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
@@ -126,11 +128,35 @@ class Device:
             "cell_gain",
             "brake_N_s_m",
         }
-        for name, value in asdict(self).items():
-            low = "0 or more" if name in may_be_zero else "more than 0"
-            number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-            if not number or value < 0.0 or (value == 0.0 and name not in may_be_zero):
-                raise InputError(f"device.{name} is {value!r}; allowed: a finite number, {low}")
+        for name in (field.name for field in fields(self)):
+            value = getattr(self, name)
+            number = real_number(value)
+            if number is None or number < 0.0 or (number == 0.0 and name not in may_be_zero):
+                low = "0 or more" if name in may_be_zero else "more than 0"
+                raise InputError(f"device.{name} is {shown(value)}; allowed: a finite number, {low}")
+            object.__setattr__(self, name, number)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """A device with the fields that a mapping names; the others have their defaults.
+
+        Raises:
+            InputError: an unknown field, or a value that is not allowed.
+        """
+        names = [field.name for field in fields(cls)]
+        for name in data:
+            if name not in names:
+                raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
+        return cls(**data)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """A device with the fields that a JSON, TOML or YAML file names.
+
+        Raises:
+            InputError: one line that names the file and what is wrong with it.
+        """
+        return read_into(path, cls.from_dict)
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""
@@ -165,16 +191,10 @@ class Device:
         return records
 
 
-def device_of(changed: Any) -> Device:
-    """The device with the fields that a mapping names.
+def device_of(given: object) -> Device:
+    """The device that is given as itself, as a mapping of fields or as the path of a file; None is the default one.
 
     Raises:
-        InputError: not a mapping, an unknown field, or a value that is not allowed.
+        InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
     """
-    if not isinstance(changed, Mapping):
-        raise InputError(f"device is {changed!r}; allowed: a mapping of its fields")
-    names = [field.name for field in fields(Device)]
-    for name in changed:
-        if name not in names:
-            raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
-    return Device(**changed)
+    return Device() if given is None else instance_of(Device, given, "device")

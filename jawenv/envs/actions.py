@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 
 SLACK = 1e-6  # single-precision policies overshoot their bounds by rounding
 
@@ -19,9 +19,13 @@ def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]
         InputError: another shape, not a number, or outside [-1, 1].
     """
     try:
-        array = np.asarray(actions, dtype=np.float64)
+        given = np.asarray(actions)
+        # A complex array would lose its imaginary part, and text that looks like numbers would pass for numbers.
+        array = given.astype(np.float64) if given.dtype.kind not in "cSU" else None
     except (TypeError, ValueError):
-        raise InputError(f"action is {actions!r}; allowed: numbers of shape {shape}") from None
+        array = None
+    if array is None:
+        raise InputError(f"action is {shown(actions)}; allowed: numbers of shape {shape}")
     if array.shape != shape:
         raise InputError(f"action has shape {array.shape}; allowed: {shape}")
     wrong = ~(np.abs(array) <= 1.0 + SLACK)

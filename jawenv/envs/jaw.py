@@ -9,14 +9,19 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Patient, Prior
-from jawenv.device.device import N_MOTORS
+from jawenv.anatomy import Cohort, Prior
+from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_actions
+from jawenv.envs.configuration import Control, Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
+from jawenv.envs.reset import checked_patient, checked_seed
 from jawenv.envs.rewards import potential
 from jawenv.envs.scene import build_scene
-from jawenv.envs.simulation import Simulation, configure
-from jawenv.errors import InputError
+from jawenv.envs.simulation import Simulation
+from jawenv.errors import InputError, shown
+from jawenv.files import Source
+from jawenv.ladder import Estimator
+from jawenv.reality import Reality
 
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
@@ -31,11 +36,6 @@ def observation_space(size: int) -> Any:
 def action_space() -> Any:
     """One number in [-1, 1] for each motor."""
     return spaces.Box(-1.0, 1.0, (N_MOTORS,), np.float32)
-
-
-def patient_of(value: Any) -> Patient:
-    """A patient from reset options: a ``Patient`` or a mapping of its fields."""
-    return value if isinstance(value, Patient) else Patient.from_dict(value)
 
 
 class JawEnv(gym.Env[Observation, Action]):
@@ -62,17 +62,28 @@ class JawEnv(gym.Env[Observation, Action]):
     ``comfort_weight`` times the integral of the cost over the step (s) is taken.
 
     ## Starting State
-    A patient drawn from ``cohort``, or ``options={"patient": Patient(...)}``, relaxed, at rest. The filter starts from
-    the cohort's prior.
+    A patient drawn from ``cohort``, or ``options={"patient": ...}``: a ``jawenv.Patient``, a mapping of its fields or
+    the path of a file; relaxed, at rest. The filter starts from the cohort's prior.
 
     ## Episode End
     Terminated when a hard comfort limit is crossed in spite of the device's governor, or when the filter's covariance
-    is no longer positive definite. Truncated after ``episode_s``.
+    is no longer positive definite. Truncated after ``episode_s``. A step after that warns and changes nothing: the same
+    observation and flags, reward 0.
 
     ## Arguments
-    ``control`` "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``; ``cohort``; ``episode_s`` (30);
-    ``control_hz`` (20); ``comfort_weight`` (0); ``track_bound`` (False: compute the bound for ``info`` as well);
-    ``device`` (mapping of fields of ``jawenv.device.Device``); ``render_mode``.
+    * ``control`` "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``.
+    * ``cohort``: whom ``reset`` draws: a name in ``jawenv.COHORTS``, a ``jawenv.Cohort``, a mapping as
+      ``Cohort.from_dict`` takes it, or the path of a JSON, TOML or YAML file with one.
+    * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number; ``comfort_weight``, nats per
+      second of cost 1.
+    * ``track_bound``: compute the bound for ``info`` as well; ``record``: keep what the device measures.
+    * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
+      with them; ``reality``: the same of ``jawenv.reality.Reality``.
+    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in; ``render_mode``.
+
+    ``env.spec.to_json()`` takes names, numbers, mappings, paths as text, and a ``Device`` or ``Reality``, which comes
+    back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no ``pathlib.Path`` and no
+    NumPy scalar; pickle takes all forms. A path stands for the file as it is when the environment is made.
 
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
@@ -82,15 +93,49 @@ class JawEnv(gym.Env[Observation, Action]):
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 20}
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
+    def __init__(
+        self,
+        *,
+        control: Control = "force",
+        sensors: Sensors = "pose",
+        reward: Reward = "uncertainty",
+        cohort: str | Cohort | Source = "trismus",
+        episode_s: float = 30.0,
+        control_hz: float = 20.0,
+        comfort_weight: float = 0.0,
+        track_bound: bool = False,
+        record: bool = False,
+        device: Device | Source | None = None,
+        reality: Reality | Source | None = None,
+        model: str = "jaw",
+        estimator: Estimator | None = None,
+        render_mode: str | None = None,
+        **unknown: Any,
+    ) -> None:
         """Check the arguments and allocate one world.
 
         Raises:
             InputError: an argument is unknown or has a value that is not allowed.
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise InputError(f"render_mode is {render_mode!r}; allowed: {', '.join(self.metadata['render_modes'])}")
-        self.configuration = configure(arguments)
+            modes = ", ".join(self.metadata["render_modes"])
+            raise InputError(f"render_mode is {shown(render_mode)}; allowed: {modes}")
+        arguments = {
+            "control": control,
+            "sensors": sensors,
+            "reward": reward,
+            "cohort": cohort,
+            "episode_s": episode_s,
+            "control_hz": control_hz,
+            "comfort_weight": comfort_weight,
+            "track_bound": track_bound,
+            "record": record,
+            "device": device,
+            "reality": reality,
+            "model": model,
+            "estimator": estimator,
+        }
+        self.configuration = configure(arguments | unknown)
         self.render_mode = render_mode
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
@@ -98,6 +143,7 @@ class JawEnv(gym.Env[Observation, Action]):
         self.metadata = {**self.metadata, "render_fps": self.configuration.control_hz}
         self._seeded = False
         self._potential = 0.0
+        self._end: tuple[bool, bool] | None = None
         self._renderer: Any = None
 
     @property
@@ -108,20 +154,26 @@ class JawEnv(gym.Env[Observation, Action]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Start an episode; ``options={"patient": ...}`` takes a ``Patient`` or a mapping of its fields.
+        """Start an episode.
+
+        Args:
+            seed: whole number, 0 or more, of patients and noise; the first reset without one draws it.
+            options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file.
 
         Raises:
-            InputError: an option is unknown, or the patient is not usable.
+            InputError: the seed or an option is not allowed, or the patient is not usable.
         """
-        super().reset(seed=seed)
         for name in options or {}:
             if name != "patient":
-                raise InputError(f"option {name!r} is unknown; allowed: patient")
+                raise InputError(f"option {shown(name)} is unknown; allowed: patient")
+        patient = checked_patient((options or {}).get("patient"), "option patient")
+        seed = checked_seed(seed)
+        super().reset(seed=seed)
         if seed is not None or not self._seeded:
             self.simulation.seed_world(0, self.np_random)
             self._seeded = True
-        given = (options or {}).get("patient")
-        self.simulation.reset(_ON, [None if given is None else patient_of(given)])
+        self.simulation.reset(_ON, [patient])
+        self._end = None
         self._potential = float(potential(self.configuration.reward, self.simulation.worlds)[0])
         if self._renderer is not None:
             self._renderer.reset()
@@ -130,7 +182,7 @@ class JawEnv(gym.Env[Observation, Action]):
         return self.simulation.observation[0].copy(), self.simulation.info(self.simulation.worlds[0])
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One control period.
+        """One control period. After the end of the episode it warns, and nothing moves any more.
 
         Raises:
             InputError: the action has another shape than (4,), or a component that is no number in [-1, 1].
@@ -139,6 +191,9 @@ class JawEnv(gym.Env[Observation, Action]):
             raise gym.error.ResetNeeded("call reset() before step()")
         checked = checked_actions(action, (N_MOTORS,))
         simulation, configuration = self.simulation, self.configuration
+        if self._end is not None:
+            gym.logger.warn("step() after the end of the episode does nothing; call reset()")
+            return simulation.observation[0].copy(), 0.0, *self._end, simulation.info(simulation.worlds[0])
         simulation.advance(checked[None], _ON)
         world = simulation.worlds[0]
         now = float(potential(configuration.reward, simulation.worlds)[0])
@@ -148,6 +203,8 @@ class JawEnv(gym.Env[Observation, Action]):
         self._potential = now
         terminated = bool(info["violation"] or not np.isfinite(world["log_det"]))
         truncated = bool(world["tick"] >= configuration.steps * configuration.ticks_per_step)
+        if terminated or truncated:
+            self._end = terminated, truncated
         if self.render_mode == "human":
             self.render()
         return simulation.observation[0].copy(), reward, terminated, truncated, info

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Cohort, Patient, cohort, default_mandible
-from jawenv.device.device import Device, device_of
+from jawenv.anatomy import Patient, default_mandible
 from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import describe
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
@@ -21,114 +20,19 @@ from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.estimation.online.tick import last_window, set_prior, tick_dtype
-from jawenv.ladder import Estimator, model_named
+from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.noise import philox
-from jawenv.reality import Reality, check_reality, perturb_geometry
+from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
 
-Control = Literal["force", "trajectory"]
-Sensors = Literal["pose", "point"]
-Reward = Literal["uncertainty", "bound", "score"]
 
 REDRAWS = 200
-LARGEST = 1e6  # of the numeric arguments
 KEPT_TICKS = 4  # for each reading of the filter's last window: encoders may lose three quarters
-
-
-@dataclass(frozen=True)
-class Configuration:
-    """The arguments that ``gymnasium.make`` passes on, checked."""
-
-    control: Control = "force"
-    sensors: Sensors = "pose"
-    reward: Reward = "uncertainty"
-    cohort: str = "trismus"
-    episode_s: float = 30.0
-    control_hz: float = 20.0
-    comfort_weight: float = 0.0
-    track_bound: bool = False
-    record: bool = False
-    device: dict[str, float] | None = None
-    reality: dict[str, float] | None = None
-    model: str = "jaw"
-    estimator: Estimator | None = None
-
-    def __post_init__(self) -> None:
-        """Check every field.
-
-        Raises:
-            InputError: a field has a value that is not allowed.
-        """
-        for name, kind in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
-            value = getattr(self, name)
-            if not isinstance(value, str) or value not in get_args(kind):
-                raise InputError(f"{name} is {value!r}; allowed: {', '.join(get_args(kind))}")
-        for name in ("episode_s", "control_hz", "comfort_weight"):
-            value = getattr(self, name)
-            low = "0 or more" if name == "comfort_weight" else "more than 0"
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            if not number or not 0.0 <= value <= LARGEST or (value == 0.0 and name != "comfort_weight"):
-                raise InputError(f"{name} is {value!r}; allowed: a number, {low}, at most {LARGEST:g}")
-        model = model_named(self.model)
-        if self.estimator not in (None, *model.estimators):
-            allowed = " or ".join(model.estimators)
-            raise InputError(f"estimator is {self.estimator!r}; allowed in {model.title}: {allowed}")
-        if not isinstance(self.cohort, str):
-            raise InputError(f"cohort is {self.cohort!r}; allowed: the name of a cohort")
-        ticks = 1.0 / (self.control_hz * TICK)
-        if abs(ticks - round(ticks)) > 1e-9 or ticks < 1.0:
-            raise InputError(f"control_hz is {self.control_hz!r}; allowed: 100 divided by a whole number")
-        if self.steps < 1:
-            raise InputError(f"episode_s is {self.episode_s!r}; allowed: at least one control period")
-        for name in ("track_bound", "record"):
-            if not isinstance(getattr(self, name), bool):
-                raise InputError(f"{name} is {getattr(self, name)!r}; allowed: true or false")
-
-    @property
-    def filter_model(self) -> Estimator:
-        """The mechanics that the filter believes in."""
-        return self.estimator or model_named(self.model).estimator
-
-    @property
-    def needs_bound(self) -> bool:
-        """Whether the bound's recursion runs beside the filter's."""
-        return self.track_bound or self.reward == "bound"
-
-    @property
-    def ticks_per_step(self) -> int:
-        """Sensor and filter ticks in one control period."""
-        return round(1.0 / (self.control_hz * TICK))
-
-    @property
-    def steps(self) -> int:
-        """Control periods in an episode."""
-        return round(self.episode_s * self.control_hz)
-
-    def build_device(self) -> Device:
-        """The device with the fields that the user changed."""
-        return device_of({} if self.device is None else self.device)
-
-    def build_reality(self) -> Reality:
-        """What the filter does not know, with the fields that the user changed."""
-        return Reality(**check_reality(self.reality))
-
-
-def configure(arguments: dict[str, Any]) -> Configuration:
-    """Configuration from keyword arguments.
-
-    Raises:
-        InputError: an argument is unknown or has a value that is not allowed.
-    """
-    names = [field.name for field in fields(Configuration)]
-    for name in arguments:
-        if name not in names:
-            raise InputError(f"argument {name!r} is unknown; allowed: {', '.join(names)}")
-    return Configuration(**arguments)
 
 
 class Simulation:
@@ -144,7 +48,8 @@ class Simulation:
         self.configuration = configuration
         self.model = model_named(configuration.model)
         muscles = self.model.muscles
-        self.cohort: Cohort = cohort(configuration.cohort, muscles)
+        self.cohort = configuration.build_cohort()
+        self._parameter_names = self.cohort.muscles.parameter_names
         self.device = configuration.build_device().records()
         self.reality = configuration.build_reality()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
@@ -166,6 +71,7 @@ class Simulation:
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
 
     def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
+        import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
         from jawenv.envs.contact import ContactPlants
 
         return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
@@ -313,7 +219,7 @@ class Simulation:
 
     def info(self, worlds: Any) -> dict[str, Any]:
         """Fresh info of one of this simulation's worlds, or of an array of them."""
-        return describe(worlds, self.cohort.muscles.parameter_names, self.configuration.needs_bound)
+        return describe(worlds, self._parameter_names, self.configuration.needs_bound)
 
 
 def _stream(key: NDArray[np.uint64], number: int) -> np.random.Generator:

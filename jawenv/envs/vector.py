@@ -12,14 +12,20 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Patient, Prior
-from jawenv.device.device import N_MOTORS
+from jawenv.anatomy import Cohort, Patient, Prior
+from jawenv.checks import whole_number
+from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_actions
+from jawenv.envs.configuration import Control, Reward, Sensors, configure
 from jawenv.envs.info import with_masks
-from jawenv.envs.jaw import action_space, observation_space, patient_of
+from jawenv.envs.jaw import action_space, observation_space
+from jawenv.envs.reset import checked_patient, checked_seed
 from jawenv.envs.rewards import potential
-from jawenv.envs.simulation import Simulation, configure
-from jawenv.errors import InputError
+from jawenv.envs.simulation import Simulation
+from jawenv.errors import InputError, shown
+from jawenv.files import Source
+from jawenv.ladder import Estimator
+from jawenv.reality import Reality
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -37,8 +43,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             ``info["final_info"]``), or "disabled" (a finished world stands still, with reward 0, until
             ``reset(options={"reset_mask": ...})``).
 
-    ``reset(seed=s)`` seeds world i with s + i. ``options`` may hold ``patients``, one ``Patient``, mapping or None per
-    world, and ``reset_mask`` (N,) bool.
+    ``reset(seed=s)`` seeds world i with s + i. ``options`` may hold ``patients``, one ``Patient``, mapping, path of a
+    file or None per world, and ``reset_mask`` (N,) bool.
     """
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -47,24 +53,53 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self,
         num_envs: int = 1,
         *,
+        control: Control = "force",
+        sensors: Sensors = "pose",
+        reward: Reward = "uncertainty",
+        cohort: str | Cohort | Source = "trismus",
+        episode_s: float = 30.0,
+        control_hz: float = 20.0,
+        comfort_weight: float = 0.0,
+        track_bound: bool = False,
+        record: bool = False,
+        device: Device | Source | None = None,
+        reality: Reality | Source | None = None,
+        model: str = "jaw",
+        estimator: Estimator | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
-        **arguments: Any,
+        **unknown: Any,
     ) -> None:
         """Check the arguments and allocate N worlds.
 
         Raises:
             InputError: an argument is unknown or has a value that is not allowed.
         """
-        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
-            raise InputError(f"num_envs is {num_envs!r}; allowed: a whole number, 1 or more")
+        number = whole_number(num_envs)
+        if number is None or number < 1:
+            raise InputError(f"num_envs is {shown(num_envs)}; allowed: a whole number, 1 or more")
         if render_mode is not None:
-            raise InputError(f"render_mode is {render_mode!r}; allowed in the vector form: None")
+            raise InputError(f"render_mode is {shown(render_mode)}; allowed in the vector form: None")
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.configuration = configure(arguments)
+        arguments = {
+            "control": control,
+            "sensors": sensors,
+            "reward": reward,
+            "cohort": cohort,
+            "episode_s": episode_s,
+            "control_hz": control_hz,
+            "comfort_weight": comfort_weight,
+            "track_bound": track_bound,
+            "record": record,
+            "device": device,
+            "reality": reality,
+            "model": model,
+            "estimator": estimator,
+        }
+        self.configuration = configure(arguments | unknown)
         self.render_mode = None
-        self.num_envs = int(num_envs)
+        self.num_envs = number
         self.simulation = Simulation(self.num_envs, self.configuration)
         self.single_observation_space = observation_space(self.simulation.observation.shape[1])
         self.single_action_space = action_space()
@@ -89,12 +124,13 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         options = options or {}
         for name in options:
             if name not in ("patients", "reset_mask"):
-                raise InputError(f"option {name!r} is unknown; allowed: patients, reset_mask")
+                raise InputError(f"option {shown(name)} is unknown; allowed: patients, reset_mask")
         chosen = self._checked_mask(options.get("reset_mask"))
         if not self._seeded and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
+        patients = self._checked_patients(options.get("patients"))
         self._seed_worlds(seed, chosen)
-        self._begin(chosen, self._checked_patients(options.get("patients")))
+        self._begin(chosen, patients)
         return self.simulation.observation.copy(), with_masks(
             self.simulation.info(self.simulation.worlds), chosen.copy()
         )
@@ -103,32 +139,32 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         if mask is None:
             return self._all
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
-            raise InputError(f"option reset_mask is {mask!r}; allowed: a bool array of shape ({self.num_envs},)")
+            raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({self.num_envs},)")
         return mask
 
     def _checked_patients(self, patients: Any) -> list[Patient | None]:
         if patients is None:
             return [None] * self.num_envs
-        if not isinstance(patients, Sequence):
-            raise InputError(f"option patients is {patients!r}; allowed: a sequence of {self.num_envs} entries")
+        if isinstance(patients, str) or not isinstance(patients, Sequence):
+            raise InputError(f"option patients is {shown(patients)}; allowed: a sequence of {self.num_envs} entries")
         if len(patients) != self.num_envs:
             raise InputError(f"option patients has {len(patients)} entries; allowed: {self.num_envs}")
-        return [None if patient is None else patient_of(patient) for patient in patients]
+        return [checked_patient(patient, f"option patients[{i}]") for i, patient in enumerate(patients)]
 
     def _seed_worlds(self, seed: int | Sequence[int | None] | None, chosen: NDArray[np.bool_]) -> None:
         """Seed world i with s + i for an integer s, or with entry i of a sequence; else only at the first reset."""
         seeds: list[int | None]
         if seed is None:
             seeds = [None] * self.num_envs
-        elif isinstance(seed, int | np.integer):
-            self._np_random, self._np_random_seed = np_random(int(seed))
-            seeds = [int(seed) + i for i in range(self.num_envs)]
-        elif not isinstance(seed, Sequence | np.ndarray):
-            raise InputError(f"seed is {seed!r}; allowed: an integer or {self.num_envs} entries")
-        else:
-            seeds = list(seed)
+        elif isinstance(seed, Sequence | np.ndarray):
+            seeds = [checked_seed(entry) for entry in seed]
             if len(seeds) != self.num_envs:
                 raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {self.num_envs} entries")
+        else:
+            first = checked_seed(seed)
+            assert first is not None
+            self._np_random, self._np_random_seed = np_random(first)
+            seeds = [first + i for i in range(self.num_envs)]
         for i in np.flatnonzero(self._all if not self._seeded else chosen):
             if seeds[i] is not None or not self._seeded:
                 self.simulation.seed_world(int(i), np_random(seeds[i])[0])
@@ -193,5 +229,5 @@ def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
         return mode
     names = [member.name.lower() for member in AutoresetMode]
     if str(mode).lower() not in names:
-        raise InputError(f"autoreset_mode is {mode!r}; allowed: {', '.join(names)}")
+        raise InputError(f"autoreset_mode is {shown(mode)}; allowed: {', '.join(names)}")
     return AutoresetMode[str(mode).upper()]

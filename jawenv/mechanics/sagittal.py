@@ -17,13 +17,16 @@ from math import exp, isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
-import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import load_quantities
 from jawenv.errors import InputError
+from jawenv.extras import needs
 from jawenv.mechanics.sagittal_forces import passive_forces, turned
 from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, add_fossa, add_mandible
+
+with needs("JawSagittal", "pymunk", "sagittal"):
+    import pymunk
 
 __all__ = ["CondyleContact", "Plane", "SagittalJaw", "WrenchAt"]
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pymunk
 from numpy.typing import NDArray
+
+from jawenv.extras import needs
+
+with needs("JawSagittal", "pymunk", "sagittal"):
+    import pymunk
 
 MM = 1e3
 # mm of overlap that contact rests on. Without it a contact is lost in every other step and the body falls back onto

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from math import isfinite, radians
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import radians
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from jawenv.errors import InputError
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
+from jawenv.files import instance_of, read_into
 
 REALITY = np.dtype(
     [
@@ -110,12 +115,35 @@ class Reality:
         Raises:
             InputError: a field is not a finite number or out of its range.
         """
-        for name, value in asdict(self).items():
-            low, high, closed = _ALLOWED[name]
-            number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-            if not number or not low <= value <= high or (value == low and not closed):
+        for name, (low, high, closed) in _ALLOWED.items():
+            value = getattr(self, name)
+            number = real_number(value)
+            if number is None or not low <= number <= high or (number == low and not closed):
                 more = f"{low:g} or more" if closed else f"more than {low:g}"
-                raise InputError(f"reality.{name} is {value!r}; allowed: a finite number, {more}, at most {high:g}")
+                allowed = f"a finite number, {more}, at most {high:g}"
+                raise InputError(f"reality.{name} is {shown(value)}; allowed: {allowed}")
+            object.__setattr__(self, name, number)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The effects that a mapping names; the others are off.
+
+        Raises:
+            InputError: an unknown field, or a value that is not allowed.
+        """
+        for name in data:
+            if name not in _ALLOWED:
+                raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(_ALLOWED)}")
+        return cls(**data)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """The effects that a JSON, TOML or YAML file names.
+
+        Raises:
+            InputError: one line that names the file and what is wrong with it.
+        """
+        return read_into(path, cls.from_dict)
 
     def records(self) -> NDArray[np.void]:
         """The options as an array of one record of dtype ``REALITY``, as the kernels read it, in SI units."""
@@ -137,18 +165,10 @@ class Reality:
         return records
 
 
-def check_reality(given: object) -> dict[str, float]:
-    """A mapping of fields from a user, checked; none is no effect.
+def check_reality(given: object) -> Reality:
+    """The effects given as a ``Reality``, as a mapping of fields or as the path of a file; None is no effect.
 
     Raises:
-        InputError: not a mapping, an unknown field, or a value that is not allowed.
+        InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
     """
-    if given is None:
-        return {}
-    if not isinstance(given, dict):
-        raise InputError(f"reality is {given!r}; allowed: a mapping of its fields")
-    for name in given:
-        if name not in _ALLOWED:
-            raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(_ALLOWED)}")
-    Reality(**given)
-    return given
+    return Reality() if given is None else instance_of(Reality, given, "reality")

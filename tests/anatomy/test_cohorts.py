@@ -124,11 +124,14 @@ def test_unknown_cohort() -> None:
     with pytest.raises(InputError) as caught:
         cohort("trizmus")
     assert str(caught.value) == (
-        "cohort 'trizmus' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide"
+        "cohort 'trizmus' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide, "
+        "or a file (.json, .toml, .yaml, .yml)"
     )
 
 
-@pytest.mark.parametrize(("F_o_sd", "shown"), [(0.0, "0.0"), (-1.0, "-1.0"), (float("nan"), "nan")])
+@pytest.mark.parametrize(
+    ("F_o_sd", "shown"), [(0.0, "0.0"), (-1.0, "-1.0"), (float("nan"), "nan"), ("1", "'1'"), (True, "True")]
+)
 def test_faulty_stiffness_is_refused(F_o_sd: float, shown: str) -> None:
     with pytest.raises(InputError) as caught:
         Stiffness(1.0, F_o_sd, 7.0, 0.3)

@@ -1,8 +1,10 @@
 """What Gymnasium and stable-baselines3 ask of an environment, and what a user gets told who asks for the impossible."""
 
+import inspect
 import pickle
 import subprocess
 import sys
+from dataclasses import fields
 
 import gymnasium as gym
 import numpy as np
@@ -11,6 +13,8 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import jawenv
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.vector import JawVectorEnv
 
@@ -41,7 +45,7 @@ def test_make_vec_gives_the_native_vector_form():
     env = gym.make_vec(ID, num_envs=256, cohort="severe")
     assert isinstance(env, JawVectorEnv)
     assert env.num_envs == 256
-    assert env.configuration.cohort == "severe"
+    assert env.simulation.cohort.name == "severe"
     assert env.observation_space.shape == (256, 63)
     assert env.single_action_space == make().action_space
 
@@ -52,6 +56,56 @@ def test_a_spec_survives_json_and_pickle():
         env = gym.make(copy).unwrapped
         assert env.configuration.control == "trajectory"
         assert env.simulation.device[0]["full_scale"] == 5.0
+
+
+@pytest.mark.parametrize("form", [JawEnv, JawVectorEnv])
+def test_the_signature_names_each_argument_with_its_default(form):
+    parameters = inspect.signature(form).parameters
+    stated = {name: one.default for name, one in parameters.items() if one.kind is one.KEYWORD_ONLY}
+    own = {"render_mode", "autoreset_mode"} & set(stated)
+    assert {name: stated[name] for name in set(stated) - own} == {
+        one.name: one.default for one in fields(Configuration)
+    }
+    assert all(one.annotation is not one.empty for one in parameters.values())
+
+
+def test_numpys_numbers_are_numbers():
+    """The same episode as with Python's."""
+    plain = {"episode_s": 1, "control_hz": 10, "comfort_weight": 2, "device": {"full_scale_N": 5}}
+    numpys = {
+        "episode_s": np.int64(1),
+        "control_hz": np.float32(10),
+        "comfort_weight": np.uint8(2),
+        "track_bound": np.bool_(False),
+        "device": {"full_scale_N": np.float64(5)},
+        "reality": {"creep_share": np.float32(0)},
+    }
+    seen = []
+    for arguments, seed in ((plain, 3), (numpys, np.int64(3))):
+        env = make(**arguments)
+        env.reset(seed=seed)
+        seen.append(env.step(NOTHING)[0])
+        assert type(env.configuration.episode_s) is float
+    np.testing.assert_array_equal(*seen)
+    together = gym.make_vec(ID, num_envs=np.int64(2), **numpys)
+    from_number, _ = together.reset(seed=np.uint32(3))
+    from_entries, _ = together.reset(seed=np.array([3, 4]))
+    np.testing.assert_array_equal(from_number, from_entries)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.0, "one", True, np.float64(2)])
+def test_an_unusable_seed_is_named(seed):
+    with pytest.raises(jawenv.InputError) as caught:
+        make().reset(seed=seed)
+    assert str(caught.value) == f"seed is {seed!r}; allowed: a whole number, 0 or more"
+
+
+def test_a_seed_that_gymnasium_drew_can_be_given_back():
+    """It has 128 bits."""
+    env = make()
+    first, _ = env.reset()
+    again, _ = env.reset(seed=env.np_random_seed)
+    np.testing.assert_array_equal(first, again)
 
 
 def test_importing_jawenv_imports_nothing_heavy():
@@ -90,14 +144,27 @@ ARGUMENTS = [
     ({"control": "torque"}, "control is 'torque'; allowed: force, trajectory"),
     ({"sensors": 6}, "sensors is 6; allowed: pose, point"),
     ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score"),
-    ({"cohort": "cats"}, "cohort 'cats' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide"),
+    (
+        {"cohort": "cats"},
+        "cohort 'cats' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide, "
+        "or a file (.json, .toml, .yaml, .yml)",
+    ),
+    ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),
+    ({"cohort": {"groups": []}}, "Cohort: groups = [] must have at least 1 item after validation, not 0"),
+    ({"cohort": {"sides": 2}}, "Cohort: unknown key 'sides'; allowed: name, description, basis, groups (and 1 more)"),
+    ({"cohort": "no/such.toml"}, "no/such.toml: no such file"),
     ({"episode_s": 0}, "episode_s is 0; allowed: a number, more than 0, at most 1e+06"),
     ({"episode_s": 0.01}, "episode_s is 0.01; allowed: at least one control period"),
     ({"comfort_weight": float("nan")}, "comfort_weight is nan; allowed: a number, 0 or more, at most 1e+06"),
     ({"control_hz": 30}, "control_hz is 30; allowed: 100 divided by a whole number"),
     ({"control_hz": 200}, "control_hz is 200; allowed: 100 divided by a whole number"),
     ({"track_bound": "yes"}, "track_bound is 'yes'; allowed: true or false"),
-    ({"device": 5}, "device is 5; allowed: a mapping of its fields"),
+    ({"control_hz": 1e-320}, "control_hz is 9.99989e-321; allowed: 100 divided by a whole number"),
+    ({"episode_s": 30 + 0j}, "episode_s is (30+0j); allowed: a number, more than 0, at most 1e+06"),
+    ({"episode_s": True}, "episode_s is True; allowed: a number, more than 0, at most 1e+06"),
+    ({"device": 5}, "device is 5; allowed: a Device, a mapping of its fields, or the path of a file with them"),
+    ({"device": "no/such.toml"}, "no/such.toml: no such file"),
+    ({"reality": 5}, "reality is 5; allowed: a Reality, a mapping of its fields, or the path of a file with them"),
     ({"device": {"colour": 1}}, "device.colour is not a field of Device; allowed: vertical_arm_mm, "),
     ({"device": {"lag_s": 0}}, "device.lag_s is 0; allowed: a finite number, more than 0"),
 ]
@@ -140,6 +207,8 @@ def test_unusable_arguments_of_one_form_are_named():
         ([0.0, np.nan, 0.0, 0.0], "action[1] is nan; allowed: -1 to 1"),
         ([0.0, 0.0, 0.0, np.inf], "action[3] is inf; allowed: -1 to 1"),
         ([1.5, 0.0, 0.0, 0.0], "action[0] is 1.5; allowed: -1 to 1"),
+        (np.full(4, 0.5j), "action is array([0.+0.5j, 0.+0.5j, 0.+0.5j, 0.+0.5j]); allowed: numbers of shape (4,)"),
+        (["0", "0", "0", "0"], "action is ['0', '0', '0', '0']; allowed: numbers of shape (4,)"),
         ([0.0, 0.0, 0.0], "action has shape (3,); allowed: (4,)"),
         ("open", "action is 'open'; allowed: numbers of shape (4,)"),
     ],
@@ -167,7 +236,11 @@ def test_an_unusable_action_of_many_is_named():
     ("options", "message"),
     [
         ({"pose": 1}, "option 'pose' is unknown; allowed: patient"),
-        ({"patient": 3}, "Patient: must hold a mapping of keys to values, not a number"),
+        (
+            {"patient": 3},
+            "option patient is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
+        ),
+        ({"patient": "no/such.json"}, "no/such.json: no such file"),
         (
             {"patient": {"F_o_N": MUSCLES | {"masseter_left": -1.0}, "b": MUSCLES}},
             "Patient: F_o_N.masseter_left = -1.0 must be greater than 0",
@@ -190,11 +263,18 @@ def test_an_unusable_option_is_named(options, message):
     [
         ({"options": {"patient": 1}}, "option 'patient' is unknown; allowed: patients, reset_mask"),
         ({"options": {"patients": [None]}}, "option patients has 1 entries; allowed: 2"),
+        ({"options": {"patients": "ab"}}, "option patients is 'ab'; allowed: a sequence of 2 entries"),
+        (
+            {"options": {"patients": [None, 3]}},
+            "option patients[1] is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
+        ),
         (
             {"options": {"reset_mask": [True, False]}},
             "option reset_mask is [True, False]; allowed: a bool array of shape (2,)",
         ),
         ({"seed": [1, 2, 3]}, "seed has 3 entries; allowed: an integer or 2 entries"),
+        ({"seed": -1}, "seed is -1; allowed: a whole number, 0 or more"),
+        ({"seed": [1, 0.5]}, "seed is 0.5; allowed: a whole number, 0 or more"),
     ],
 )
 def test_an_unusable_option_of_the_vector_form_is_named(arguments, message):
@@ -212,3 +292,26 @@ def test_step_and_render_need_a_reset():
         make(render_mode="rgb_array").render()
     with pytest.raises(gym.error.ResetNeeded):
         gym.make_vec(ID, num_envs=2).step(np.zeros((2, 4)))
+
+
+@pytest.mark.parametrize("reason", ["truncated", "terminated"])
+def test_a_step_after_the_end_warns_and_changes_nothing(reason):
+    """As in Gymnasium's classic control, which warns; here nothing goes on either."""
+    soft = {"stop_stiffness_N_m": 1.0, "stop_damping_N_s_m": 1e-3, "brake_N_s_m": 1e-3, "full_scale_N": 10.0}
+    ending = {"episode_s": 0.1, "record": True} if reason == "truncated" else {"device": soft, "cohort": "healthy"}
+    env = make(**ending)
+    env.reset(seed=1)
+    ended = (False, False)
+    while not any(ended):
+        observation, _, *ended, info = env.step(np.array([1, 1, 0, 0], dtype=np.float32))
+    assert ended == ([True, False] if reason == "terminated" else [False, True])
+    before = env.simulation.worlds.tobytes()
+    for _ in range(5):
+        with pytest.warns(UserWarning, match="after the end of the episode does nothing; call reset"):
+            again, reward, *flags, after = env.step(NOTHING)
+        np.testing.assert_array_equal(again, observation)
+        assert (reward, flags, after["time"]) == (0.0, ended, info["time"])
+        np.testing.assert_array_equal(after["belief_cov"], info["belief_cov"])
+    assert env.simulation.worlds.tobytes() == before
+    env.reset()
+    assert env.step(NOTHING)[2:4] == (False, False)

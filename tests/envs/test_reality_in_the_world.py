@@ -61,7 +61,10 @@ def test_the_joint_opposes_the_end_of_opening(plain):
 
 def test_unusable_effects_are_named():
     for arguments, message in (
-        ({"reality": 1.0}, "reality is 1.0; allowed: a mapping of its fields"),
+        (
+            {"reality": 1.0},
+            "reality is 1.0; allowed: a Reality, a mapping of its fields, or the path of a ",
+        ),
         ({"reality": {"magic": 1.0}}, "reality.magic is not a field of Reality; allowed: reflex_gain, "),
         ({"reality": {"creep_share": 1.5}}, "reality.creep_share is 1.5; allowed: a finite number, 0 or more, at"),
     ):

@@ -13,7 +13,8 @@ from scipy.stats import multivariate_normal, norm
 
 import jawenv
 from agents import load_agent
-from jawenv.envs.simulation import Simulation, configure
+from jawenv.envs.configuration import configure
+from jawenv.envs.simulation import Simulation
 from jawenv.estimation.online import replay
 from jawenv.estimation.online.record_filter import FilterRun, TensionFilter, belief_about, filter_record
 from jawenv.estimation.online.state import begin_belief

@@ -64,6 +64,23 @@ def test_given_patients_are_played(recording):
     np.testing.assert_allclose(played.truth, [patient.log_parameters() for patient in patients])
 
 
+def test_patients_and_seed_may_be_numpys_numbers(recording):
+    again = play(OPEN, patients=np.int64(3), seed=np.int64(5), env_kwargs=SHORT)
+    np.testing.assert_array_equal(again.truth, recording.truth)
+
+
+def test_patients_may_be_files_and_mappings(tmp_path):
+    patient = jawenv.cohort("severe").draw(np.random.default_rng(1))
+    patient.save(tmp_path / "patient.json")
+    played = play(REST, patients=[patient.model_dump(), tmp_path / "patient.json"], seed=0, env_kwargs=SHORT)
+    np.testing.assert_allclose(played.truth, [patient.log_parameters()] * 2)
+
+
+def test_something_that_is_no_agent_is_named():
+    with pytest.raises(InputError, match="^agent: <object object at .*> given, allowed is an object with predict"):
+        play(object(), patients=1, seed=0)
+
+
 def test_an_agent_is_told_how_many_worlds_and_when_they_start():
     agent, steps = Push(0, 0, 0, 0), []
     play(agent, patients=2, seed=9, env_kwargs={"episode_s": 0.2}, progress=lambda *step: steps.append(step))
@@ -121,8 +138,14 @@ def test_the_bound_is_the_same_however_the_environment_is_named(recording):
     [
         ({"patients": 0}, "patients: 0 given"),
         ({"patients": []}, "patients: 0 given"),
+        ({"patients": 2.0}, "patients: 2.0 given"),
+        ({"patients": "two"}, "patients: 'two' given"),
+        ({"patients": [3]}, r"option patients\[0\] is 3"),
         ({"seed": -1}, "seed: -1 given"),
+        ({"seed": 10**24}, "seed: 1000000000000000000000000 given, allowed is a whole number, 0 to 4294967295"),
+        ({"seed": "one"}, "seed: 'one' given"),
         ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
+        ({"env_kwargs": 5}, "env_kwargs: 5 given"),
     ],
 )
 def test_bad_input_is_named(change, message):

@@ -2,6 +2,7 @@
 
 import inspect
 import re
+import tomllib
 from dataclasses import fields
 from pathlib import Path
 
@@ -11,8 +12,8 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
-from jawenv.envs.simulation import Configuration
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -59,6 +60,16 @@ def test_info() -> None:
     assert stated - {"cost_<limit>"} == set(info) - costs
     assert costs <= set(info)
     env.close()
+
+
+def test_a_cohort_of_ones_own() -> None:
+    """The example runs, and its file says the same."""
+    section = TEXT.split("\n### A cohort, a device, a patient of your own\n")[1]
+    (example,) = re.findall(r"```python\n(.*?)```", section.split("\n## ")[0], re.S)
+    (file,) = re.findall(r"```toml\n(.*?)```", section.split("\n## ")[0], re.S)
+    names = {"gym": gym, "jawenv": jawenv}
+    exec(compile(example, "environment.md", "exec"), names)
+    assert tomllib.loads(file) == names["mine"]
 
 
 def test_comfort_limits() -> None:

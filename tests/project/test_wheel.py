@@ -4,17 +4,19 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from email.parser import Parser
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[2]
 DATA = (".toml", ".json", ".yaml")
 
 
 @pytest.fixture(scope="module")
-def names(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """The files of a wheel, built in a copy, so that the clone stays as it is."""
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A wheel, built in a copy, so that the clone stays as it is."""
     copy = tmp_path_factory.mktemp("copy")
     for name in ("jawenv", "agents", "training", "eval"):
         ignored = shutil.ignore_patterns("__pycache__")
@@ -23,7 +25,13 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
         shutil.copy(ROOT / name, copy)
     build = "from setuptools import build_meta; build_meta.build_wheel('dist')"
     subprocess.run([sys.executable, "-c", build], cwd=copy, check=True, capture_output=True, timeout=120)
-    (wheel,) = (copy / "dist").glob("*.whl")
+    (built,) = (copy / "dist").glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def names(wheel: Path) -> set[str]:
+    """Its files."""
     with zipfile.ZipFile(wheel) as archive:
         return set(archive.namelist())
 
@@ -43,3 +51,14 @@ def test_every_module_and_data_file_is_in_it(names: set[str]) -> None:
     assert any(name.endswith(DATA) for name in wanted)
     assert "jawenv/py.typed" in wanted
     assert wanted <= names
+
+
+def test_alone_it_brings_neither_pictures_nor_references(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        (path,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        metadata = Parser().parsestr(archive.read(path).decode("utf-8"))
+    required = [Requirement(line) for line in metadata.get_all("Requires-Dist", [])]
+    alone = {one.name for one in required if one.marker is None or one.marker.evaluate({"extra": ""})}
+    assert {"numpy", "numba", "gymnasium"} <= alone
+    assert not alone & {"filterpy", "matplotlib", "pymunk", "pygame-ce", "torch", "pandas"}
+    assert {"reference", "sagittal", "render", "all"} <= set(metadata.get_all("Provides-Extra", []))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from jawenv.envs.rendering.scene import Moment, Scene
 from jawenv.errors import InputError
+from jawenv.extras import needs
 
 if TYPE_CHECKING:
     import pygame
@@ -100,7 +101,8 @@ class Renderer:
     def _picture(self, scene: Scene) -> pygame.Surface:
         if self._frame is None:
             os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-            from jawenv.envs.rendering.frame import Frame
+            with needs("render_mode", "pygame", "render"):
+                from jawenv.envs.rendering.frame import Frame
 
             self._frame = Frame(self.size)
         while self._trace and self._trace[-1][0] >= scene.time_s:

@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
@@ -24,6 +23,10 @@ from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.filterpy_models import CompiledModel, Model, NumpyModel
 from jawenv.estimation.references.initial import check_every, check_noise, initial_belief, kept_ticks
+from jawenv.extras import needs
+
+with needs("a reference filter", "filterpy", "reference"):
+    from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 
 Array = NDArray[np.float64]
 

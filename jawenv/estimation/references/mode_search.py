@@ -97,8 +97,8 @@ def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
     while size < len(rows):
         sizes.append(rows[int(size) - 1])
         size = max(size + 1.0, GROWTH * size)
-    ends_of_windows = np.unique(np.concatenate([np.array(sizes, dtype=int), ends]))
-    return ends_of_windows[ends_of_windows <= ends[-1]]
+    ends_of_windows: NDArray[np.int_] = np.unique(np.concatenate([np.array(sizes, dtype=int), ends]))
+    return np.asarray(ends_of_windows[ends_of_windows <= ends[-1]], dtype=np.int_)
 
 
 def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tuple[Array, Array]:

@@ -1,0 +1,38 @@
+"""The fields of a cohort as a mapping or a file holds them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from jawenv.files import InputModel, Number
+
+__all__ = ["CohortFields"]
+
+Positive = Annotated[Number, Field(gt=0)]
+
+
+class StiffnessFields(InputModel):
+    """The fields of `Stiffness`."""
+
+    F_o_N: Positive
+    F_o_sd: Positive
+    b: Positive
+    b_sd: Positive
+
+
+class GroupFields(InputModel):
+    """Stiffness of every whole muscle on each side."""
+
+    left: StiffnessFields
+    right: StiffnessFields
+
+
+class CohortFields(InputModel):
+    """Equally likely groups, and what tables call the cohort."""
+
+    name: str = Field(default="cohort", min_length=1)
+    description: str = ""
+    basis: str = ""
+    groups: list[GroupFields] = Field(min_length=1)

@@ -1,0 +1,134 @@
+"""The arguments of the environments, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from jawenv.anatomy import Cohort, cohort
+from jawenv.checks import real_number
+from jawenv.device.device import Device, device_of
+from jawenv.envs.plants import TICK
+from jawenv.errors import InputError, shown
+from jawenv.files import Source
+from jawenv.ladder import Estimator, model_named
+from jawenv.reality import Reality, check_reality
+
+Control = Literal["force", "trajectory"]
+Sensors = Literal["pose", "point"]
+Reward = Literal["uncertainty", "bound", "score"]
+
+LARGEST = 1e6  # of the numeric arguments
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The arguments that ``gymnasium.make`` passes on, checked.
+
+    Numbers become Python's own; cohort, device and reality become objects, so that a file is read once.
+    """
+
+    control: Control = "force"
+    sensors: Sensors = "pose"
+    reward: Reward = "uncertainty"
+    cohort: str | Cohort | Source = "trismus"
+    episode_s: float = 30.0
+    control_hz: float = 20.0
+    comfort_weight: float = 0.0
+    track_bound: bool = False
+    record: bool = False
+    device: Device | Source | None = None
+    reality: Reality | Source | None = None
+    model: str = "jaw"
+    estimator: Estimator | None = None
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: a field has a value that is not allowed.
+        """
+        for name, kind in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
+            value = getattr(self, name)
+            if not isinstance(value, str) or value not in get_args(kind):
+                raise InputError(f"{name} is {shown(value)}; allowed: {', '.join(get_args(kind))}")
+        self._set("episode_s", _checked_number("episode_s", self.episode_s))
+        self._set("control_hz", _checked_number("control_hz", self.control_hz))
+        self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
+        model = model_named(self.model)
+        if self.estimator not in (None, *model.estimators):
+            allowed = " or ".join(model.estimators)
+            raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
+        ticks = 1.0 / self.control_hz / TICK
+        if not math.isfinite(ticks) or abs(ticks - round(ticks)) > 1e-9 or ticks < 1.0:
+            raise InputError(f"control_hz is {self.control_hz:g}; allowed: 100 divided by a whole number")
+        if self.steps < 1:
+            raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
+        for name in ("track_bound", "record"):
+            if not isinstance(getattr(self, name), bool | np.bool_):
+                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: true or false")
+            self._set(name, bool(getattr(self, name)))
+        self._set("cohort", cohort(self.cohort, model.muscles))
+        self._set("device", device_of(self.device))
+        self._set("reality", check_reality(self.reality))
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    @property
+    def filter_model(self) -> Estimator:
+        """The mechanics that the filter believes in."""
+        return self.estimator or model_named(self.model).estimator
+
+    @property
+    def needs_bound(self) -> bool:
+        """Whether the bound's recursion runs beside the filter's."""
+        return self.track_bound or self.reward == "bound"
+
+    @property
+    def ticks_per_step(self) -> int:
+        """Sensor and filter ticks in one control period."""
+        return round(1.0 / (self.control_hz * TICK))
+
+    @property
+    def steps(self) -> int:
+        """Control periods in an episode."""
+        return round(self.episode_s * self.control_hz)
+
+    def build_cohort(self) -> Cohort:
+        """Whom ``reset`` draws, with the muscles of the model."""
+        return cohort(self.cohort)
+
+    def build_device(self) -> Device:
+        """The device with the fields that the user changed."""
+        return device_of(self.device)
+
+    def build_reality(self) -> Reality:
+        """What the filter does not know, with the fields that the user changed."""
+        return check_reality(self.reality)
+
+
+def _checked_number(name: str, value: object, or_zero: bool = False) -> float:
+    """A number more than 0, or also 0, and at most ``LARGEST``."""
+    number = real_number(value)
+    if number is None or not 0.0 <= number <= LARGEST or (number == 0.0 and not or_zero):
+        low = "0 or more" if or_zero else "more than 0"
+        raise InputError(f"{name} is {shown(value)}; allowed: a number, {low}, at most {LARGEST:g}")
+    return number
+
+
+def configure(arguments: Mapping[str, Any]) -> Configuration:
+    """Configuration from keyword arguments.
+
+    Raises:
+        InputError: an argument is unknown or has a value that is not allowed.
+    """
+    names = [field.name for field in fields(Configuration)]
+    for name in arguments:
+        if name not in names:
+            raise InputError(f"argument {shown(name)} is unknown; allowed: {', '.join(names)}")
+    return Configuration(**arguments)
