@@ -95,7 +95,9 @@ class FilterRun:
         settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
         settings["used"], settings["start_sd"] = True, record.start_sd
         there = np.isfinite(record.measured)
-        settings["last_window"] = last_window(np.asarray(there.any(axis=0)), record.start_sd, float(there.any(axis=1).mean()))
+        settings["last_window"] = last_window(
+            np.asarray(there.any(axis=0)), record.start_sd, float(there.any(axis=1).mean())
+        )
         set_prior(settings, record.jaw, record.prior)
         rows: Any = np.zeros(len(record.time), dtype=tick_dtype(states))
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
