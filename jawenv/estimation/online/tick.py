@@ -28,7 +28,7 @@ SETTLING_TICKS = 10
 # Early readings are filtered again about what they have taught, at the ends of windows of so many readings, each twice
 # as long as the last.
 FIRST_WINDOW, LAST_WINDOW = 20, 80
-LAST_WINDOW_OF_OPEN_POSE = 640
+LAST_WINDOW_OF_OPEN_POSE = 1280
 
 
 @cache
