@@ -27,7 +27,7 @@ from eval.options import (
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
-    from eval.results import Results
+    from eval.comparison.results import Results
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
@@ -80,7 +80,7 @@ def compare_command(
     Writes report.html, patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the
     same command goes on from there.
     """
-    from eval.compare import Settings, compare
+    from eval.comparison.compare import Settings, compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.progress import StudyProgress
 
@@ -115,7 +115,7 @@ def report_command(
     reference: Reference = None,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
-    from eval import results
+    from eval.comparison import results
 
     _present(results.load(folder), folder, reference, _console())
 
@@ -155,9 +155,9 @@ def calibrate_command(
     Writes beliefs.parquet (one row per patient, filter and time), calibration.parquet and calibration.md. Ctrl-C keeps
     the chunks of patients that are finished: the same command goes on from there.
     """
-    from eval import honesty
-    from eval.calibrate import Calibration, about, calibrate, write_table
-    from eval.compare import Settings
+    from eval.calibration import summary
+    from eval.calibration.calibrate import Calibration, about, calibrate, write_table
+    from eval.comparison.compare import Settings
     from eval.thesis.progress import DrawProgress
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
@@ -169,12 +169,12 @@ def calibrate_command(
     specs, console = list(dict.fromkeys(entries or [])), _console()
     with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:
         rows = calibrate(specs, wanted, output, fresh=fresh, progress=progress.finished)
-    table, made_with = honesty.summary(rows), about(wanted, command)
+    table, made_with = summary.summary(rows), about(wanted, command)
     write_table(rows, output / "beliefs.parquet", made_with)
     write_table(table, output / "calibration.parquet", made_with)
-    text = honesty.markdown(table, f"`{command}`")
+    text = summary.markdown(table, f"`{command}`")
     (output / "calibration.md").write_text(text, encoding="utf-8")
-    honesty.show(table, console)
+    summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"
         f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",
@@ -214,15 +214,15 @@ def thesis_command(
 
 
 def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
-    from eval import report, table
-    from eval.ranking import rank
+    from eval.comparison.ranking import rank
+    from eval.report import page, table
 
     ranking = rank(study, reference)
     table.show(ranking, console)
     if not console.is_terminal:
         console.print("drawing the report")
     with console.status("drawing the report"):
-        written = report.write(study, ranking, output / "report.html")
+        written = page.write(study, ranking, output / "report.html")
     console.print(
         f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",
         soft_wrap=True,

@@ -9,8 +9,8 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from eval import words
 from eval.entries import Entry
+from eval.report import words
 
 PLAIN_INTERVAL_S = 10.0
 

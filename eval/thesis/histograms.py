@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from eval import drawing, words
+from eval.report import drawing, words
 
 FORCE, EXPONENT = "#3b82c4", "#e08a2c"
 _SIDES = {"left": "#3b82c4", "right": "#8b6cc6"}

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import words
+from eval.report import words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import histograms, physician_view

@@ -8,8 +8,8 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from eval import words
 from eval.progress import PLAIN_INTERVAL_S
+from eval.report import words
 
 
 class DrawProgress:

@@ -16,8 +16,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import svg
-from eval.report import TEMPLATES
+from eval.report import svg
+from eval.report.page import TEMPLATES
 from eval.thesis.item import Finding, Item
 from eval.thesis.run import Settings
 

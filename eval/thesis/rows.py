@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics, words
+from eval import statistics
+from eval.report import words
 from eval.statistics import Interval
 from jawenv.estimation.estimator import Estimate
 from jawenv.estimation.record import Record

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from eval.compare import versions
+from eval.comparison.compare import versions
 from eval.thesis import report
 from eval.thesis.catalogue import chosen
 from eval.thesis.item import Finding

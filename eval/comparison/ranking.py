@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from eval import statistics
-from eval.results import Results
+from eval.comparison.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, nees_band, whole_muscles_per_line

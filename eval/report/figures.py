@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
-from eval import drawing, panels, words
-from eval.drawing import BAND, INK, REFERENCE
-from eval.ranking import SIGMAS, Ranking
-from eval.results import Results
+from eval.comparison.ranking import SIGMAS, Ranking
+from eval.comparison.results import Results
+from eval.report import drawing, panels, words
+from eval.report.drawing import BAND, INK, REFERENCE
 from eval.statistics import Interval
 
 _TARGETS = (0.10, 0.05, 0.02)

@@ -11,9 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from eval import results
+from eval.comparison import results
+from eval.comparison.results import Results
 from eval.entries import Entry, fingerprint
-from eval.results import Results
 from jawenv.anatomy import cohort
 from jawenv.device.device import device_of
 from jawenv.errors import InputError

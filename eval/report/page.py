@@ -12,9 +12,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from eval import drawing, figures, panels, svg, verdict, words
-from eval.ranking import Ranking
-from eval.results import Results
+from eval.comparison.ranking import Ranking
+from eval.comparison.results import Results
+from eval.report import drawing, figures, panels, svg, verdict, words
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import drawing
-from eval.results import Results
+from eval.comparison.results import Results
+from eval.report import drawing
 from jawenv.anatomy.muscles import SIDES
 
 _SYMBOLS = {"log_F_o": r"$F_o$", "log_b": r"$b$"}

@@ -8,7 +8,7 @@ import re
 
 from matplotlib.figure import Figure
 
-from eval import drawing
+from eval.report import drawing
 
 _CSS = {
     drawing.INK: "currentColor",
@@ -30,7 +30,7 @@ def inline(figure: Figure, name: str, label: str) -> str:
     """The figure as an <svg> element of class `figure`, as wide as the page allows.
 
     Args:
-        figure: drawn in `eval.drawing.style`.
+        figure: drawn in `eval.report.drawing.style`.
         name: unique on the page; every id inside begins with it.
         label: what a screen reader says.
     """

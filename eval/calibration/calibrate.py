@@ -22,11 +22,11 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from eval import beliefs
-from eval import filters as known_filters
-from eval.compare import Settings, versions
+from eval.calibration import beliefs
+from eval.calibration import filters as known_filters
+from eval.calibration.filters import TENSION, filters_named
+from eval.comparison.compare import Settings, versions
 from eval.entries import Entry, fingerprint, load_entries
-from eval.filters import TENSION, filters_named
 from eval.pool import run_all, stopped
 from jawenv.errors import InputError
 from jawenv.rollout import play
@@ -44,7 +44,7 @@ class Calibration:
 
     Attributes:
         on: patients, environment and effects; its ``episode_s`` is the last of the times.
-        filters: names, see ``eval.filters``.
+        filters: names, see ``eval.calibration.filters``.
         times: s, growing, at which beliefs are judged.
 
     Raises:

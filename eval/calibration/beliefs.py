@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval.filters import OTHERS, TENSION
+from eval.calibration.filters import OTHERS, TENSION
 from jawenv.errors import InputError
 from jawenv.estimation.estimator import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
@@ -32,7 +32,7 @@ def rows_of(
 
     Args:
         recording: of N worlds, with their records unless the filter is the environment's own.
-        name: of the filter, see ``eval.filters``.
+        name: of the filter, see ``eval.calibration.filters``.
         times: s, growing, each a time of the recording's control steps.
         seed: of the first patient.
         told: called before each patient; may raise to stop.

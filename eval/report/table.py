@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import words
-from eval.ranking import Ranking, Row
+from eval.comparison.ranking import Ranking, Row
+from eval.report import words
 from eval.statistics import Interval
 
 _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
@@ -19,7 +19,7 @@ def show(ranking: Ranking, console: Console) -> None:
     """Print how well the parameters are known, how soon, how honestly, and at what discomfort.
 
     Args:
-        ranking: see `eval.ranking.rank`.
+        ranking: see `eval.comparison.ranking.rank`.
         console: where to print.
     """
     for table in (_precision(ranking), _speed(ranking), _trust(ranking)):

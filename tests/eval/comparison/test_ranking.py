@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from eval import table, verdict, words
-from eval.ranking import rank
+from eval.comparison.ranking import rank
+from eval.report import table, verdict, words
 from eval.statistics import Interval
 from jawenv.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, TRAINED, study

@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from eval import results
+from eval.comparison import results
 from jawenv.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, study
 

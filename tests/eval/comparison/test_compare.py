@@ -5,9 +5,9 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from eval import compare as comparison
 from eval.cli import main
-from eval.compare import Settings
+from eval.comparison import compare as comparison
+from eval.comparison.compare import Settings
 from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
 from jawenv.errors import InputError
 
@@ -22,7 +22,7 @@ def run(*arguments):
 def undrawn(request, monkeypatch):
     """Leave out the report, which takes seconds, where a test does not look at it."""
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr("eval.report.write", lambda study, ranking, path: path)
+        monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
 
 
 @pytest.fixture
@@ -197,7 +197,7 @@ def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
 
 
 def test_settings_are_kept_with_the_results(tmp_path):
-    from eval import results
+    from eval.comparison import results
 
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     about = results.load(tmp_path).about
@@ -280,7 +280,7 @@ def test_a_trained_run_is_compared_with_a_maneuver(trained_run, tmp_path, drawn)
 def test_a_report_can_be_drawn_again_against_another_reference(tmp_path, monkeypatch, capsys):
     assert run("hold_still", "chirp", *SHORT, "--output", str(tmp_path)) == 0
     references = []
-    monkeypatch.setattr("eval.report.write", lambda study, ranking, path: references.append(ranking.reference))
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: references.append(ranking.reference))
     for reference in ("chirp", "hold_still"):
         assert main(["report", str(tmp_path), "--reference", reference]) == 0
     assert references == ["chirp", "hold_still"]

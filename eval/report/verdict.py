@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from eval import words
-from eval.ranking import Ranking, Row
+from eval.comparison.ranking import Ranking, Row
+from eval.report import words
 
 
 def headline(ranking: Ranking) -> str:

@@ -9,8 +9,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import statistics, words
-from eval.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval import statistics
+from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval.report import words
 from eval.statistics import Interval
 from jawenv.metrics import nees_band
 
@@ -43,7 +44,7 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
 
     Args:
-        rows: of ``eval.calibrate.calibrate``.
+        rows: of ``eval.calibration.calibrate.calibrate``.
 
     Returns:
         ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES
