@@ -1,9 +1,8 @@
 """Baselines that look at nothing."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.protocol import State
+from agents.protocol import Action, Mask, Observation, State
 
 ACTION_SIZE = 4
 
@@ -31,11 +30,11 @@ class RandomPolicy:
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """See `agents.protocol.Agent.predict`; the observation only says how many worlds there are."""
         observation = np.asarray(observation)
         num_envs = 1 if observation.ndim == 1 else len(observation)

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.protocol import State
+from agents.protocol import Action, Mask, Observation, State
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,11 +44,11 @@ class TrainedPolicy:
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """See `agents.protocol.Agent.predict`.
 
         Raises:

@@ -56,14 +56,14 @@ def _aside_range() -> np.ndarray:
     clean = lowering_then_sideways()
     assert clean.states is not None, "a prescribed motion has its states"
     furthest = clean.states[np.argmax(np.abs(clean.measured[:, 1]))]
-    return 1e3 * compatible_range(clean.jaw, furthest[:5], *BOUNDS)[1]
+    return 1e3 * np.asarray(compatible_range(clean.jaw, furthest[:5], *BOUNDS)[1])
 
 
 def _errors(table: pd.DataFrame, name: str) -> np.ndarray:
     """Root mean square error of the condyle's place in each draw, mm."""
     found, true = (table[[f"{one}_{axis}_mm" for axis in "xyz"]].to_numpy() for one in (name, "true"))
     squares = pd.Series(((found - true) ** 2).sum(axis=1)).groupby(table["draw"].to_numpy()).mean()
-    return np.sqrt(squares.to_numpy())
+    return np.asarray(np.sqrt(squares.to_numpy()))
 
 
 def judge(table: pd.DataFrame) -> Finding:
