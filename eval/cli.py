@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,6 +26,8 @@ from eval.options import (
     fields_of,
 )
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.seeds import REPORTS
 
 if TYPE_CHECKING:
     from eval.comparison.results import Results
@@ -64,7 +67,7 @@ def compare_command(
     ] = None,
     patients: Patients = 64,
     cohort: Cohort = "trismus",
-    seed: Seed = 0,
+    seed: Seed = REPORTS[0].start,
     control: Control = "force",
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
@@ -80,9 +83,9 @@ def compare_command(
     Writes report.html, patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the
     same command goes on from there.
     """
-    from eval.comparison.compare import Settings, compare
+    from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
-    from eval.progress import StudyProgress
+    from eval.settings import Settings
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
     effects = fields_of("reality", reality, "creep_share=0.3")
@@ -96,16 +99,7 @@ def compare_command(
         raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
     console = _console()
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
-    with StudyProgress(loaded, console) as progress:
-        study = compare(
-            loaded,
-            settings,
-            output,
-            command=command,
-            fresh=fresh,
-            progress=progress.advance,
-            finished=progress.finished,
-        )
+    study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
     _present(study, output, reference, console)
 
 
@@ -134,7 +128,7 @@ def calibrate_command(
         ),
     ] = "tension",
     patients: Patients = 200,
-    seed: Seed = 0,
+    seed: Seed = REPORTS[0].start,
     cohort: Cohort = "trismus",
     control: Control = "force",
     sensors: Sensors = "pose",
@@ -156,9 +150,9 @@ def calibrate_command(
     the chunks of patients that are finished: the same command goes on from there.
     """
     from eval.calibration import summary
-    from eval.calibration.calibrate import Calibration, about, calibrate, write_table
-    from eval.comparison.compare import Settings
-    from eval.thesis.progress import DrawProgress
+    from eval.calibration.calibrate import Calibration, calibrate
+    from eval.settings import Settings
+    from eval.tables import made_with, write_table
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     moments = tuple(_seconds(text) for text in times.split(","))
@@ -167,13 +161,12 @@ def calibrate_command(
     on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
     wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
-    with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:
-        rows = calibrate(specs, wanted, output, fresh=fresh, progress=progress.finished)
-    table, made_with = summary.summary(rows), about(wanted, command)
-    write_table(rows, output / "beliefs.parquet", made_with)
-    write_table(table, output / "calibration.parquet", made_with)
-    text = summary.markdown(table, f"`{command}`")
-    (output / "calibration.md").write_text(text, encoding="utf-8")
+    rows = calibrate(specs, wanted, output, fresh=fresh, console=console)
+    table, about = summary.summarise(rows), made_with(command, settings=asdict(wanted))
+    write_table(rows, output / "beliefs.parquet", about)
+    write_table(table, output / "calibration.parquet", about)
+    with atomic_write(output / "calibration.md") as unfinished:
+        unfinished.write_text(summary.markdown(table, f"`{command}`"), encoding="utf-8")
     summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"

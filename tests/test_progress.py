@@ -1,12 +1,12 @@
-"""What the terminal shows during a training."""
+"""What the terminal shows while a command works."""
 
 import io
 
 import pytest
 from rich.console import Console
 
-from training import progress as module
-from training.progress import TrainingProgress
+from jawenv import progress as module
+from jawenv.progress import Progress
 
 
 class Clock:
@@ -25,9 +25,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 def test_plain_line_every_ten_seconds(clock: Clock) -> None:
     out = io.StringIO()
-    with TrainingProgress(100_000, 20_000, Console(file=out)) as progress:
-        progress.learning_return(1.5)
-        progress.best_evaluation(12.25, 30_000)
+    with Progress(100_000, "steps", Console(file=out), 20_000) as progress:
+        progress.note("return", "return 1.5")
+        progress.note("best", "best evaluation 12.25 at 30,000")
         for steps in range(21_000, 51_000, 1_000):
             clock.now += 1.0
             progress.advance_to(steps)
@@ -40,8 +40,25 @@ def test_plain_line_every_ten_seconds(clock: Clock) -> None:
 
 def test_bar_on_a_terminal(clock: Clock) -> None:
     out = io.StringIO()
-    with TrainingProgress(1000, 0, Console(file=out, force_terminal=True, width=140)) as progress:
+    with Progress(1000, "steps", Console(file=out, force_terminal=True, width=140)) as progress:
         clock.now += 2.0
         progress.advance_to(500)
-        progress.doing("evaluating")
+        progress.note("activity", "evaluating")
     assert "500/1000" in out.getvalue() and "250 steps/s · 0:02 left · evaluating" in out.getvalue()
+
+
+def test_what_an_earlier_run_has_done_says_nothing_about_the_speed(clock: Clock) -> None:
+    progress = Progress(100, "draws", Console(quiet=True))
+    progress.skip(40)
+    assert progress.done == 40 and progress.describe() == ""
+    clock.now += 20.0
+    progress.advance_to(50)
+    assert progress.describe() == "1:40 left"
+
+
+def test_a_note_goes_when_it_is_empty(clock: Clock) -> None:
+    progress = Progress(100, "draws", Console(quiet=True))
+    progress.note("item", "rates")
+    assert progress.describe() == "rates"
+    progress.note("item", "")
+    assert progress.describe() == ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -21,9 +21,7 @@ SIGMAS = (1, 2, 3)
 LATE = 1e-6  # s; by how much a kept time may miss the wanted one
 
 
-def rows_of(
-    recording: Recording, name: str, times: Sequence[float], seed: int, told: Callable[[], None] | None = None
-) -> pd.DataFrame:
+def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) -> pd.DataFrame:
     """One row per patient and time.
 
     ``outcome`` is ``judged``; ``ended`` where the episode ended before that time, at a hard limit or because the
@@ -35,15 +33,12 @@ def rows_of(
         name: of the filter, see ``eval.calibration.filters``.
         times: s, growing, each a time of the recording's control steps.
         seed: of the first patient.
-        told: called before each patient; may raise to stop.
 
     Raises:
         InputError: a time that is not one of the control steps'.
     """
     rows = []
     for world in range(recording.num_worlds):
-        if told is not None:
-            told()
         ends = float(recording.time[recording.last[world]])
         reached = tuple(time for time in times if time <= ends + LATE)
         estimate = _estimate(recording, world, name, reached)

@@ -40,7 +40,7 @@ NOTE = (
 _WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
 
 
-def summary(rows: pd.DataFrame) -> pd.DataFrame:
+def summarise(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
 
     Args:

@@ -9,8 +9,6 @@ bound. Quantities are `sd/<parameter>`, `worst_sd`, and as means over the patien
 
 from __future__ import annotations
 
-import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,15 +16,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 
-from jawenv.errors import InputError
+from eval.tables import read_table, write_table
 from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
 from jawenv.rollout import DEFAULT_ENV, Recording
 
 Array = npt.NDArray[np.float64]
-_KEY = b"jawenv.eval"
 _CURVE_INTERVAL_S = 0.1
 
 PATIENT_METRICS = (
@@ -162,14 +157,8 @@ def save(results: Results, folder: Path, stem: str = "") -> None:
     """Write `<stem>patients.parquet` and `<stem>curves.parquet`, each either whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
     # Curves first: whoever finds the patients' table finds the curves as well.
-    for name, frame in (("curves", results.curves), ("patients", results.patients)):
-        table = pa.Table.from_pandas(frame, preserve_index=False)
-        about = json.dumps(results.about, sort_keys=True).encode()
-        table = table.replace_schema_metadata({**(table.schema.metadata or {}), _KEY: about})
-        path = folder / f"{stem}{name}.parquet"
-        unfinished = path.with_name(path.name + ".unfinished")
-        pq.write_table(table, unfinished, compression="zstd")
-        os.replace(unfinished, path)
+    write_table(results.curves, folder / f"{stem}curves.parquet", results.about)
+    write_table(results.patients, folder / f"{stem}patients.parquet", results.about)
 
 
 def load(folder: Path, stem: str = "") -> Results:
@@ -178,23 +167,6 @@ def load(folder: Path, stem: str = "") -> Results:
     Raises:
         InputError: a file is missing, damaged, or not a table of this program.
     """
-    patients, about = _read(folder / f"{stem}patients.parquet", ("entry", "patient", *PATIENT_METRICS))
-    curves, _ = _read(folder / f"{stem}curves.parquet", ("entry", "time_s", "quantity", "centre", "bound"))
+    patients, about = read_table(folder / f"{stem}patients.parquet", ("entry", "patient", *PATIENT_METRICS))
+    curves, _ = read_table(folder / f"{stem}curves.parquet", ("entry", "time_s", "quantity", "centre", "bound"))
     return Results(patients, curves, about)
-
-
-def _read(path: Path, columns: tuple[str, ...]) -> tuple[pd.DataFrame, dict[str, Any]]:
-    try:
-        table = pq.read_table(path)
-        about = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
-        frame = table.to_pandas()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, pa.ArrowException, ValueError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
-    missing = [column for column in columns if column not in frame]
-    if about is None or missing:
-        lacks = f"column {missing[0]!r}" if missing else "what it was made with"
-        raise InputError(f"{path} is no table of this program, it lacks {lacks}; delete it, or use --fresh")
-    return frame, about

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
-from eval.report import drawing, figures, panels, svg, verdict, words
+from eval.report import drawing, figures, panels, template, verdict, words
+from eval.report.template import picture
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
-
-TEMPLATES = Path(__file__).parent / "templates"
 
 
 @dataclass(frozen=True)
@@ -40,12 +36,7 @@ def write(study: Results, ranking: Ranking, path: Path) -> Path:
     Returns:
         The path.
     """
-    page = render(study, ranking)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(path.name + ".unfinished")
-    unfinished.write_text(page, encoding="utf-8")
-    os.replace(unfinished, path)
-    return path
+    return template.write(render(study, ranking), path)
 
 
 def render(study: Results, ranking: Ranking) -> str:
@@ -55,21 +46,8 @@ def render(study: Results, ranking: Ranking) -> str:
         study: results of all entries.
         ranking: of the same study.
     """
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=select_autoescape(("html.j2",), default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
-        "number": words.number,
-        "percent": words.percent,
-        "interval": words.interval,
-        "label": words.label,
-        "in_percent": lambda found: words.scaled(found, 100.0),
-    }
-    return environment.get_template("report.html.j2").render(
+    return template.render(
+        "report.html.j2",
         ranking=ranking,
         about=study.about,
         headline=verdict.headline(ranking),
@@ -98,7 +76,7 @@ def _pictures(study: Results, ranking: Ranking) -> Iterator[tuple[str, Markup]]:
         "discomfort": (figures.discomfort, "Information against discomfort"),
     }
     for name, (draw, label) in drawn.items():
-        yield name, _picture(draw(study, ranking), name, label)
+        yield name, picture(draw(study, ranking), name, label)
 
 
 def _entry_figures(study: Results, ranking: Ranking) -> Iterator[EntryFigure]:
@@ -106,8 +84,4 @@ def _entry_figures(study: Results, ranking: Ranking) -> Iterator[EntryFigure]:
     for place, row in enumerate(ranking.rows, 1):
         drawn = figures.sd_of_entry(study, row.entry, colour[row.entry])
         label = f"Standard deviation of every parameter over time, {words.label(row.entry)}"
-        yield EntryFigure(row.entry, _picture(drawn, f"entry{place}", label))
-
-
-def _picture(figure: Figure, name: str, label: str) -> Markup:
-    return Markup(svg.inline(figure, name, label))  # noqa: S704  (our own figure, ids and label are escaped)
+        yield EntryFigure(row.entry, picture(drawn, f"entry{place}", label))

@@ -140,7 +140,7 @@ def test_a_patient_counts_only_at_times_that_it_reached(recording):
     over = ended(recording, 1, 10, True)
     for name in ("tension", "smoother"):
         rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some")
-        table = summary.summary(rows).set_index("time_s")
+        table = summary.summarise(rows).set_index("time_s")
         assert list(table["patients"]) == [3, 2] and list(table["ended"]) == [0, 1]
         assert list(table["diverged"]) == [0, 0]
         others = rows[(rows["seed"] != 5) & (rows["time_s"] == 1.0)]
@@ -162,7 +162,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
 
     monkeypatch.setattr(beliefs, "OTHERS", {**OTHERS, "broken": lambda every, times: Broken()})
     rows = beliefs.rows_of(recording, "broken", (0.25, 0.5, 1.0), 4).assign(entry="some")
-    table = summary.summary(rows)
+    table = summary.summarise(rows)
     assert list(table["diverged"]) == [0, 3, 3] and list(table["patients"]) == [3, 0, 0]
     assert "–" in summary.markdown(table, "lead"), "nobody left to judge"
 

@@ -7,8 +7,8 @@ import pytest
 
 from eval.cli import main
 from eval.comparison import compare as comparison
-from eval.comparison.compare import Settings
 from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
+from eval.settings import Settings
 from jawenv.errors import InputError
 
 SHORT = ["--patients", "2", "--episode-s", "0.5"]

@@ -5,7 +5,8 @@ from html.parser import HTMLParser
 import pytest
 
 from eval.comparison.ranking import rank
-from eval.report import figures, page, svg
+from eval.report import figures, svg
+from eval.report.page import render, write
 from tests.eval.studies import BOASTFUL, ENTRIES, GOOD, study
 
 FIGURES = ("overview", "differences", "sd_over_time", "time_to_target", "calibration", "nees_over_time", "discomfort")
@@ -44,7 +45,7 @@ def made():
 
 @pytest.fixture(scope="module")
 def page(made):
-    return page.render(made, rank(made))
+    return render(made, rank(made))
 
 
 def test_the_report_is_one_whole_page_without_the_network(page):
@@ -75,7 +76,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
     whole = study(patients=1)
     strange = whole.about | {"command": "<script>alert(1)</script>"}
     one = type(whole)(whole.of(GOOD), whole.curves[whole.curves["entry"] == GOOD], strange)
-    path = page.write(one, rank(one), tmp_path / "new" / "report.html")
+    path = write(one, rank(one), tmp_path / "new" / "report.html")
     text = path.read_text()
     assert "One patient only" in text
     assert "<script>" not in text
@@ -102,7 +103,7 @@ def test_every_figure_is_valid_svg_in_the_colours_of_the_page(made, name):
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, first):
     made = study(patients=5, env=env)
-    page = page.render(made, rank(made))
+    page = render(made, rank(made))
     assert f"<title>{env}: " in page
     assert f"The {number} parameters of {env} are identified best by good one." in page
     for words in (f"worst of the {number} sd", f"honest: {number})", f"known<br>of {number}<"):

@@ -253,4 +253,4 @@ def test_chunks_share_what_does_not_change_and_differ_in_what_does(tmp_path):
     assert ten == more[:1]
     assert ten == run.chunks_of(catalogue.ITEMS["nonlinear_full"], run.Settings(10), tmp_path)
     for other in (run.Settings(10, seed=1), run.Settings(10, quick=True)):
-        assert run.chunks_of(item, other, tmp_path)[0].path != ten[0].path
+        assert run.chunks_of(item, other, tmp_path)[0].files != ten[0].files
