@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -73,14 +74,15 @@ def finish(
     count = min(workers or os.cpu_count() or 1, max(len(missing), 1))
     # One thread for each process: more would only wait for each other.
     parallel = Parallel(count, "loky", "generator_unordered", batch_size=1, inner_max_num_threads=1)
-    with Progress(total, unit, console or Console(quiet=True)) as progress:
+    with warnings.catch_warnings(), Progress(total, unit, console or Console(quiet=True)) as progress:
         progress.say(f"making {total} {unit}")
         if left < total:
             progress.skip(total - left)
             progress.say(f"{total - left} of {total} {unit} kept from an earlier run")
+        # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         for chunk in parallel(delayed(_worked)(work, chunk) for chunk in missing):
-            progress.note("item", chunk.key)
-            progress.advance_to(progress.done + _items([chunk]))
+            progress.advance_to(progress.done + _items([chunk]), chunk.key)
 
 
 def _worked(work: Callable[[Chunk], None], chunk: Chunk) -> Chunk:

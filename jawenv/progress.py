@@ -15,7 +15,7 @@ from rich.progress import Progress as Bar
 
 PLAIN_INTERVAL_S = 10.0
 RATE_WINDOW_S = 30.0
-SLOWEST_RATE = 1.0  # per second: below it a rate is harder to read than the time left
+SLOWEST_RATE = 10.0  # per second: below it a rate is harder to read than the time left
 
 
 class Progress:
@@ -67,9 +67,11 @@ class Progress:
         """How much is done in all."""
         return self._done
 
-    def advance_to(self, done: float) -> None:
-        """Say how much is done in all."""
+    def advance_to(self, done: float, item: str = "") -> None:
+        """Say how much is done in all, and of what the latest was."""
         now = time.monotonic()
+        if item:
+            self._notes["item"] = item
         self._done = done
         self._history.append((now, done))
         while now - self._history[0][0] > RATE_WINDOW_S and len(self._history) > 2:

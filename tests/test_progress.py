@@ -58,7 +58,7 @@ def test_what_an_earlier_run_has_done_says_nothing_about_the_speed(clock: Clock)
 
 def test_a_note_goes_when_it_is_empty(clock: Clock) -> None:
     progress = Progress(100, "draws", Console(quiet=True))
-    progress.note("item", "rates")
+    progress.advance_to(0.0, "rates")
     assert progress.describe() == "rates"
     progress.note("item", "")
     assert progress.describe() == ""

@@ -86,14 +86,14 @@ def compare(
 def _results_of(entry: Entry, settings: Settings, folder: Path | None, fresh: bool, progress: Progress) -> Results:
     """Results of one entry: those that the folder has, or new ones, which it then keeps."""
     stem, before = f"{fingerprint(entry, asdict(settings))}.", progress.done
-    place = f"{before + 1:.0f} of {progress.total}  {words.label(entry.label)}"
+    name = words.label(entry.label)
+    place = f"{before + 1:.0f} of {progress.total}  {name}"
     if folder is not None and not fresh and (folder / f"{stem}patients.parquet").exists():
         part = results.load(folder, stem)
         progress.skip(1)
         progress.say(f"{place}: kept from an earlier run")
         return part
-    progress.note("entry", words.label(entry.label))
-    part = play_entry(entry, settings, lambda step, steps: progress.advance_to(before + step / steps))
+    part = play_entry(entry, settings, lambda step, steps: progress.advance_to(before + step / steps, name))
     if folder is not None:
         results.save(part, folder, stem)
     progress.say(f"{place}: done")
