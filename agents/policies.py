@@ -93,10 +93,10 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
 def _checkpoint(path: Path) -> Path:
     """The checkpoint file that a path stands for, known to be a zip with a checkpoint's entries."""
     if path.is_dir():
-        found = [path / name for name in MODELS_OF_A_RUN if (path / name).is_file()]
-        if not found:
+        models = [path / name for name in MODELS_OF_A_RUN if (path / name).is_file()]
+        if not models:
             raise InputError(f"{path}: not a training run, it holds neither {' nor '.join(MODELS_OF_A_RUN)}")
-        path = found[0]
+        path = models[0]
     elif not path.exists():
         raise InputError(f"{path}: no such file or folder")
     try:

@@ -29,13 +29,13 @@ def made_with(command: str, **more: Any) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Python, the machine, and the packages that decide results."""
-    found = {"python": platform.python_version(), "machine": platform.platform()}
+    installed = {"python": platform.python_version(), "machine": platform.platform()}
     for package in _PACKAGES:
         try:
-            found[package] = version(package)
+            installed[package] = version(package)
         except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+            installed[package] = "not installed"
+    return installed
 
 
 def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:

@@ -63,9 +63,9 @@ class RunFolder:
         Raises:
             InputError: it has others; the message names them.
         """
-        found = self.open()
+        present = self.open()
         fields = [name for name in TrainingConfig.model_fields if name != "steps"]
-        other = [name for name in fields if getattr(found, name) != getattr(wanted, name)]
+        other = [name for name in fields if getattr(present, name) != getattr(wanted, name)]
         if other:
             raise InputError(
                 f"the run in {self.path} has other settings ({', '.join(other)}); "

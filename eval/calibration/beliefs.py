@@ -76,8 +76,8 @@ def _estimate(recording: Recording, world: int, name: str, times: tuple[float, .
 
 def _judge(recording: Recording, world: int, estimate: Estimate, time: float) -> dict[str, object]:
     """The figures of one belief."""
-    found, step = index_of(estimate.time, time), index_of(recording.time, time)
-    mean, cov, truth = estimate.mean[found], estimate.cov[found], recording.truth[world]
+    index, step = index_of(estimate.time, time), index_of(recording.time, time)
+    mean, cov, truth = estimate.mean[index], estimate.cov[index], recording.truth[world]
     if not (np.isfinite(mean).all() and np.isfinite(cov).all()):
         return {"outcome": DIVERGED}
     try:
@@ -97,13 +97,13 @@ def _judge(recording: Recording, world: int, estimate: Estimate, time: float) ->
     return figures
 
 
-def index_of(kept: Array, time: float) -> int:
+def index_of(times: Array, time: float) -> int:
     """Number of the kept time that is meant.
 
     Raises:
         InputError: there is none; the message names the spacing.
     """
-    found = int(np.abs(kept - time).argmin())
-    if abs(float(kept[found]) - time) > LATE:
-        raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {float(kept[1]):g} s")
-    return found
+    index = int(np.abs(times - time).argmin())
+    if abs(float(times[index]) - time) > LATE:
+        raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {float(times[1]):g} s")
+    return index

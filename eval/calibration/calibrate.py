@@ -36,7 +36,7 @@ class Calibration:
     """What is judged, and on whom.
 
     Attributes:
-        on: patients, environment and effects; its ``episode_s`` is the last of the times.
+        settings: patients, environment and effects; its ``episode_s`` is the last of the times.
         filters: names, see ``eval.calibration.filters``.
         times: s, growing, at which beliefs are judged.
 
@@ -44,7 +44,7 @@ class Calibration:
         InputError: an unknown filter, or times that are not growing numbers above 0.
     """
 
-    on: Settings
+    settings: Settings
     filters: tuple[str, ...]
     times: tuple[float, ...]
 
@@ -53,7 +53,7 @@ class Calibration:
         object.__setattr__(self, "filters", filters_named(self.filters))
         growing = all(earlier < later for earlier, later in zip((0.0, *self.times), self.times, strict=False))
         if not self.times or not growing or not math.isfinite(self.times[-1]):
-            given = ",".join(f"{one:g}" for one in self.times)
+            given = ",".join(f"{time:g}" for time in self.times)
             raise InputError(f"times: {given or 'none'} given, allowed are growing numbers of seconds above 0")
 
     def check_steps(self, entry: Entry) -> None:
@@ -63,9 +63,9 @@ class Calibration:
             InputError: one is not.
         """
         step = 1.0 / float(entry.env_kwargs.get("control_hz", CONTROL_HZ))
-        for one in self.times:
-            if abs(one - round(one / step) * step) > beliefs.LATE:
-                raise InputError(f"times: {one:g} given, allowed are multiples of the control step, {step:g} s")
+        for time in self.times:
+            if abs(time - round(time / step) * step) > beliefs.LATE:
+                raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {step:g} s")
 
 
 def calibrate(
@@ -96,7 +96,7 @@ def calibrate(
     """
     if not specs:
         raise InputError("nothing to calibrate on: name a maneuver or a training run")
-    entries = load_entries(specs, wanted.on.env_kwargs, wanted.on.env)
+    entries = load_entries(specs, wanted.settings.env_kwargs, wanted.settings.env)
     for entry in entries:
         wanted.check_steps(entry)
     folder = folder_for(output, "chunks")
@@ -115,13 +115,13 @@ def calibrate(
 
 def _chunks_of(entry: Entry, wanted: Calibration, folder: Path) -> list[Chunk]:
     """The chunks of a maneuver with the files of all filters."""
-    on = wanted.on
+    played = wanted.settings
     # The number of patients decides no row of theirs, and filters have files of their own.
-    settings = {key: value for key, value in asdict(on).items() if key not in ("patients", "seed")}
+    settings = {key: value for key, value in asdict(played).items() if key not in ("patients", "seed")}
     settings |= {"times": wanted.times, "program": _digest()}
     chunks = []
-    for first in range(on.seed, on.seed + on.patients, CHUNK):
-        number, files = min(CHUNK, on.seed + on.patients - first), []
+    for first in range(played.seed, played.seed + played.patients, CHUNK):
+        number, files = min(CHUNK, played.seed + played.patients - first), []
         for name in wanted.filters:
             own = {"filter": name, "seed": first, "patients": number}
             files.append((name, folder / f"{name}-{first:05d}-{fingerprint(entry, settings | own)}.parquet"))
@@ -143,7 +143,7 @@ def judge_chunk(chunk: Chunk, wanted: Calibration, specs: Mapping[str, str]) -> 
         wanted: filters, times, environment.
         specs: what the user typed, by the maneuvers' labels.
     """
-    entry = load_entries([specs[chunk.key]], wanted.on.env_kwargs, wanted.on.env)[0]
+    entry = load_entries([specs[chunk.key]], wanted.settings.env_kwargs, wanted.settings.env)[0]
     recording = play(
         entry.agent,
         patients=chunk.number,

@@ -59,7 +59,8 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
     judged = rows[rows["outcome"] == JUDGED]
     parameters = [column.removeprefix("sd/") for column in map(str, rows) if column.startswith("sd/")]
     size, number = len(parameters), len(judged)
-    told: dict[str, object] = {key: rows[key].iloc[0] for key in ("entry", "filter", "time_s")} | {"patients": number}
+    figures: dict[str, object] = {key: rows[key].iloc[0] for key in ("entry", "filter", "time_s")}
+    figures["patients"] = number
     values = {
         "nees_per_parameter": judged["nees"] / size,
         "claimed": judged["claimed"],
@@ -67,41 +68,41 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
         "gap": judged["claimed"] - judged["true"],
     }
     intervals = {key: statistics.mean(column.to_numpy()) if number else NOTHING for key, column in values.items()}
-    error, bound = (judged[[f"{kind}/{one}" for one in parameters]].to_numpy() for kind in ("error", "bound_sd"))
+    error, bound = (judged[[f"{kind}/{name}" for name in parameters]].to_numpy() for kind in ("error", "bound_sd"))
     known = number > 0 and np.isfinite(bound).all()
     intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else NOTHING
-    for key, found in intervals.items():
-        told |= {key: found.value, f"{key}_low": found.low, f"{key}_high": found.high}
+    for key, interval in intervals.items():
+        figures |= {key: interval.value, f"{key}_low": interval.low, f"{key}_high": interval.high}
     low, high = nees_band(number, size) if number else (float("nan"), float("nan"))
-    told |= {"honest_low": low / size, "honest_high": high / size}
-    told |= {f"inside_{one}": judged[f"inside_{one}"].mean() if number else float("nan") for one in SIGMAS}
-    told |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
-    return told | {"parameters": size}
+    figures |= {"honest_low": low / size, "honest_high": high / size}
+    figures |= {f"inside_{sigmas}": judged[f"inside_{sigmas}"].mean() if number else float("nan") for sigmas in SIGMAS}
+    figures |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
+    return figures | {"parameters": size}
 
 
 def cells(row: pd.Series) -> list[str]:
     """A row's figures in the order of ``COLUMNS``, each with its interval."""
-    found = {key: Interval(row[key], row[f"{key}_low"], row[f"{key}_high"]) for key in _WITH_ENDS}
+    interval = {key: Interval(row[key], row[f"{key}_low"], row[f"{key}_high"]) for key in _WITH_ENDS}
     return [
         words.label(row["entry"]),
         row["filter"],
         f"{row['time_s']:g}",
         str(row["patients"]),
-        _told(found["nees_per_parameter"], 2),
+        _with_interval(interval["nees_per_parameter"], 2),
         words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING,
         " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
-        _told(found["claimed"], 1),
-        _told(found["true"], 1),
-        _told(found["gap"], 1),
-        _told(found["rmse_over_bound"], 2),
+        _with_interval(interval["claimed"], 1),
+        _with_interval(interval["true"], 1),
+        _with_interval(interval["gap"], 1),
+        _with_interval(interval["rmse_over_bound"], 2),
         str(row[ENDED]),
         str(row[DIVERGED]),
     ]
 
 
-def _told(found: Interval, digits: int) -> str:
-    ends = words.interval(found, digits)
-    return words.number(found.value, digits) + (f" ({ends})" if ends else "")
+def _with_interval(interval: Interval, digits: int) -> str:
+    ends = words.interval(interval, digits)
+    return words.number(interval.value, digits) + (f" ({ends})" if ends else "")
 
 
 def show(table: pd.DataFrame, console: Console) -> None:
@@ -129,13 +130,12 @@ def show(table: pd.DataFrame, console: Console) -> None:
         for head in heads:
             printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
         for _, row in rows.iterrows():
-            of = cells(row)
-            nees, *rest = (_two_lines(of[i]) for i in (4, 8, 9, 10))
+            texts = cells(row)
+            nees, *rest = (_two_lines(texts[i]) for i in (4, 8, 9, 10))
             nees.stylize(_colour(row))
             inside = "/".join(words.percent(row[f"inside_{sigmas}"], sigmas // 3) for sigmas in SIGMAS)
-            printed.add_row(
-                of[1], of[2], of[3], nees, inside, words.number(row["claimed"]), *rest, f"{of[11]}/{of[12]}"
-            )
+            claimed, ends = words.number(row["claimed"]), f"{texts[11]}/{texts[12]}"
+            printed.add_row(*texts[1:4], nees, inside, claimed, *rest, ends)
         console.print(printed)
     console.print(Text(NOTE, style="dim"))
 

@@ -143,15 +143,15 @@ def _row(study: Results, entry: str, reference: str) -> Row:
     def mean(column: str) -> Interval:
         return statistics.mean(table[column].to_numpy(dtype=np.float64))
 
-    about: dict[str, Any] = next((one for one in study.about["entries"] if one["label"] == entry), {})
-    targets = [found.group(1) for found in map(_TIME_TO.fullmatch, map(str, table)) if found]
+    about: dict[str, Any] = next((each for each in study.about["entries"] if each["label"] == entry), {})
+    targets = [match.group(1) for match in map(_TIME_TO.fullmatch, map(str, table)) if match]
     times = {float(target): table[f"time_to_{target}_s"].to_numpy(dtype=np.float64) for target in targets}
     truth, error, sd = (study.array(entry, name) for name in ("truth", "error", "sd"))
     forces = np.array([name.startswith("log_F_o/") for name in study.parameters])
     fibrosed_F_o_N = FIBROSED_F_O_N * whole_muscles_per_line(study.parameters)
     diagnoses = {
-        name: diagnose(truth[:, of], (truth + error)[:, of], sd[:, of], threshold)
-        for name, of, threshold in (("fibrosed", forces, fibrosed_F_o_N), ("blocked", ~forces, BLOCKED_B))
+        name: diagnose(truth[:, columns], (truth + error)[:, columns], sd[:, columns], threshold)
+        for name, columns, threshold in (("fibrosed", forces, fibrosed_F_o_N), ("blocked", ~forces, BLOCKED_B))
     }
     information = table["information_true"].to_numpy()
     paired = study.of(reference)["information_true"].to_numpy()

@@ -73,11 +73,11 @@ def colours(ranking: Ranking) -> dict[str, str]:
 def dashes(ranking: Ranking) -> dict[str, Any]:
     """A line style per entry, which tells those apart that share a colour."""
     seen: dict[str, int] = {}
-    found: dict[str, Any] = {}
+    styles: dict[str, Any] = {}
     for entry, colour in colours(ranking).items():
-        found[entry] = _DASHES[seen.get(colour, 0) % len(_DASHES)]
+        styles[entry] = _DASHES[seen.get(colour, 0) % len(_DASHES)]
         seen[colour] = seen.get(colour, 0) + 1
-    return found
+    return styles
 
 
 def names(ranking: Ranking) -> dict[str, str]:

@@ -67,22 +67,22 @@ def overview(study: Results, ranking: Ranking) -> Figure:
     return figure
 
 
-def _bar(axes: Axes, found: Interval, place: float, colour: str, floor: float = -np.inf) -> None:
+def _bar(axes: Axes, estimate: Interval, place: float, colour: str, floor: float = -np.inf) -> None:
     """A dot with its interval, or an arrow and a number at the floor for what lies below it."""
-    if found.value < floor:
+    if estimate.value < floor:
         axes.plot(floor, place, "<", color=colour, ms=7, mec="none", zorder=3)
         axes.annotate(
-            words.number(found.value, 0),
+            words.number(estimate.value, 0),
             (floor, place),
             xytext=(7, 0),
             textcoords="offset points",
             va="center_baseline",
         )
         return
-    if found.known:
-        ends = [max(found.low, floor), found.high]
+    if estimate.known:
+        ends = [max(estimate.low, floor), estimate.high]
         axes.plot(ends, [place, place], color=colour, lw=2.6, solid_capstyle="butt")
-    axes.plot(found.value, place, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
+    axes.plot(estimate.value, place, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
 
 
 def _floor(ranking: Ranking) -> float:
@@ -195,8 +195,8 @@ def calibration(study: Results, ranking: Ranking) -> Figure:
     for place, row in enumerate(ranking.rows):
         _bar(left, row.nees, place, colour[row.entry])
         _bar(right, row.honesty_gap, place, colour[row.entry])
-        for axes, found in zip(coverage, row.inside.values(), strict=True):
-            _bar(axes, words.scaled(found, 100.0), place, colour[row.entry])
+        for axes, share_inside in zip(coverage, row.inside.values(), strict=True):
+            _bar(axes, words.scaled(share_inside, 100.0), place, colour[row.entry])
     if max(row.nees.value for row in ranking.rows) > 5.0 * min(row.nees.value for row in ranking.rows):
         left.set_xscale("log")
     gaps = np.array([abs(row.honesty_gap.value) for row in ranking.rows])
@@ -253,11 +253,11 @@ def discomfort(study: Results, ranking: Ranking) -> Figure:
             "va": "center_baseline",
         }
         axes.text(x.value, height, str(place), zorder=4, **number)
-        told = ["\u2193"] if below else []
+        remarks = ["\u2193"] if below else []
         if row.violated.value > 0.0:
-            told.append(f"{words.percent(row.violated.value, 0)} % of the episodes stopped early")
+            remarks.append(f"{words.percent(row.violated.value, 0)} % of the episodes stopped early")
         axes.annotate(
-            " ".join(told), (x.value, height), xytext=(10, 7), textcoords="offset points", fontsize=8, color=INK
+            " ".join(remarks), (x.value, height), xytext=(10, 7), textcoords="offset points", fontsize=8, color=INK
         )
     axes.set(
         xlabel="discomfort, s (integral of the cost: 0 is within every soft limit)",

@@ -84,16 +84,16 @@ def grid(figure: Figure, study: Results, head: float = 0.0) -> dict[str, Axes]:
     )
     sd = study.curves[study.curves["quantity"].str.startswith("sd/")]
     longest = float(sd["time_s"].max())
-    found = {}
+    places = {}
     for parameter, panel in panels.items():
         place = axes[lines.index(panel.muscle), columns.index((panel.symbol, panel.side))]
         place.set_title(panel.title, fontsize=8.5 if len(panel.title) <= _LONG else 6.8)
         drawing.log_percent(place)
         place.set_xlim(0.0, longest)
-        found[parameter] = place
+        places[parameter] = place
     axes[0, 0].set_ylim(0.8 * float(np.nanmin(sd[["low", "bound"]].to_numpy())), 1.15 * float(sd["high"].max()))
     for place in axes[:, 0]:
         place.set_ylabel("sd")
     for place in axes[-1]:
         place.set_xlabel("time, s")
-    return found
+    return places

@@ -121,7 +121,7 @@ def _name(row: Row) -> Text:
     return name
 
 
-def _both(found: Interval) -> Text:
-    text = Text(words.number(found.value))
-    text.append(f"\n{words.interval(found)}", style="dim")
+def _both(estimate: Interval) -> Text:
+    text = Text(words.number(estimate.value))
+    text.append(f"\n{words.interval(estimate)}", style="dim")
     return text

@@ -29,7 +29,7 @@ def render(name: str, **values: Any) -> str:
         "percent": words.percent,
         "interval": words.interval,
         "label": words.label,
-        "in_percent": lambda found: words.scaled(found, 100.0),
+        "in_percent": lambda estimate: words.scaled(estimate, 100.0),
     }
     return environment.get_template(name).render(**values)
 

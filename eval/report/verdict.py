@@ -22,16 +22,16 @@ def headline(ranking: Ranking) -> str:
 
 def remarks(ranking: Ranking) -> list[str]:
     """What a reader must know before believing the ranking: agents, honesty, comfort."""
-    found = [_of_agent(ranking, row) for row in ranking.rows if row.trained]
-    found += _of_honesty(ranking)
-    found += _of_comfort(ranking)
+    lines = [_of_agent(ranking, row) for row in ranking.rows if row.trained]
+    lines += _of_honesty(ranking)
+    lines += _of_comfort(ranking)
     if ranking.patients < 2:
-        found.append("One patient only: there is no interval, and no figure here says anything about other patients.")
+        lines.append("One patient only: there is no interval, and no figure here says anything about other patients.")
     elif ranking.patients < 20:
-        found.append(
+        lines.append(
             f"Only {ranking.patients} patients: the intervals are rough, and the 90 % quantile rests on one or two."
         )
-    return found
+    return lines
 
 
 def _tied(row: Row) -> bool:
@@ -45,25 +45,25 @@ def _of_agent(ranking: Ranking, row: Row) -> str:
     name = f"The trained agent {words.label(row.entry)}"
     if number == 1:
         return f"{name} was played alone."
-    told = f"{name} is number {place} of {number}"
+    sentence = f"{name} is number {place} of {number}"
     if row.difference is not None:
         ahead = row.difference.value > 0.0
-        told += (
+        sentence += (
             f": {words.number(abs(row.difference.value))} nats {'more' if ahead else 'less'} than "
             f"{words.label(ranking.reference)}"
         )
         if row.difference.known:
             chance = "which may be chance" if _tied(row) else "which is not chance"
             digits = 2 if abs(row.difference.value) < 10.0 else 1
-            told += f" (95 % interval {words.interval(row.difference, digits)}, {chance})"
+            sentence += f" (95 % interval {words.interval(row.difference, digits)}, {chance})"
     ahead_of_it = [words.label(other.entry) for other in ranking.rows[: place - 1] if not other.trained]
     if ahead_of_it:
-        told += f". Ahead of it: {_list(ahead_of_it)}"
+        sentence += f". Ahead of it: {_list(ahead_of_it)}"
     below = [other for other in ranking.rows[place:] if not other.trained]
     clear = [words.label(other.entry) for other in below if not row.information_true.overlaps(other.information_true)]
     if clear:
-        told += f". Its interval lies wholly above that of {_list(clear)}"
-    return told + "."
+        sentence += f". Its interval lies wholly above that of {_list(clear)}"
+    return sentence + "."
 
 
 def _of_honesty(ranking: Ranking) -> list[str]:
@@ -72,12 +72,12 @@ def _of_honesty(ranking: Ranking) -> list[str]:
         kind: [row for row in ranking.rows if ranking.calibration(row) == kind]
         for kind in ("overconfident", "cautious")
     }
-    found = []
+    lines = []
     if groups["overconfident"]:
         listed = _list(
             [f"{words.label(row.entry)} ({words.number(row.nees.value)})" for row in groups["overconfident"]]
         )
-        found.append(
+        lines.append(
             f"Overconfident: {listed}. The mean NEES is above {high:.1f}, so the errors are larger than the sd that "
             "the filter states; read those sd as too small."
         )
@@ -90,16 +90,16 @@ def _of_honesty(ranking: Ranking) -> list[str]:
             if prior < low
             else ""
         )
-        found.append(f"Too cautious: {listed}. The mean NEES is below {low:.1f}: the truth is nearer than stated.{why}")
-    if not found:
-        found.append(f"Every entry is honest: all mean NEES lie within {low:.1f} … {high:.1f}.")
+        lines.append(f"Too cautious: {listed}. The mean NEES is below {low:.1f}: the truth is nearer than stated.{why}")
+    if not lines:
+        lines.append(f"Every entry is honest: all mean NEES lie within {low:.1f} … {high:.1f}.")
     claimed = max(ranking.rows, key=lambda row: row.information_claimed.value)
     if claimed is not ranking.rows[0]:
-        found.append(
+        lines.append(
             f"By what the filter claims, {words.label(claimed.entry)} would be first; by the truth it is number "
             f"{ranking.rows.index(claimed) + 1}."
         )
-    return found
+    return lines
 
 
 def _of_comfort(ranking: Ranking) -> list[str]:

@@ -26,16 +26,16 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
-def interval(found: Interval, digits: int = 1) -> str:
+def interval(estimate: Interval, digits: int = 1) -> str:
     """The ends of an interval, or nothing where there is none or all patients agree."""
-    if not found.known or found.low == found.high:
+    if not estimate.known or estimate.low == estimate.high:
         return ""
-    return f"{number(found.low, digits)} … {number(found.high, digits)}"
+    return f"{number(estimate.low, digits)} … {number(estimate.high, digits)}"
 
 
-def scaled(found: Interval, factor: float) -> Interval:
+def scaled(estimate: Interval, factor: float) -> Interval:
     """An interval in another unit."""
-    return Interval(factor * found.value, factor * found.low, factor * found.high)
+    return Interval(factor * estimate.value, factor * estimate.low, factor * estimate.high)
 
 
 def muscle(parameter: str) -> str:

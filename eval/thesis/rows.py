@@ -62,9 +62,9 @@ def last(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["time_s"] == table.groupby("case")["time_s"].transform("max")]
 
 
-def told(found: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
+def with_interval(estimate: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
     """A figure with its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
-    scaled = words.scaled(found, factor)
+    scaled = words.scaled(estimate, factor)
     ends = words.interval(scaled, digits)
     return f"{words.number(scaled.value, digits)}{unit}" + (f" ({ends})" if ends else "")
 
@@ -92,6 +92,6 @@ def share(hits: Sequence[bool] | NDArray[np.bool_]) -> Interval:
     from scipy.stats import binomtest
 
     hits = np.asarray(hits)
-    found = binomtest(int(hits.sum()), len(hits))
-    ends = found.proportion_ci(method="wilson")
+    test = binomtest(int(hits.sum()), len(hits))
+    ends = test.proportion_ci(method="wilson")
     return Interval(float(hits.mean()), float(ends.low), float(ends.high))

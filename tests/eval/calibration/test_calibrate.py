@@ -90,7 +90,7 @@ def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
     lines = [line for line in page if line.startswith("|")]
     assert len(lines) == 2 + 4 and len({line.count("|") for line in lines}) == 1
     made_with = json.loads(pq.read_schema(tmp_path / "calibration.parquet").metadata[b"jawenv.eval"])
-    assert made_with["settings"]["on"]["seed"] == 4 and made_with["settings"]["times"] == [0.5, 1.0]
+    assert made_with["calibration"]["settings"]["seed"] == 4 and made_with["calibration"]["times"] == [0.5, 1.0]
 
 
 def test_the_environments_own_filter_is_the_same_over_the_record(recording):
