@@ -115,7 +115,7 @@ class Progress:
         if self._bar is not None:
             self._bar.update(self._task, completed=min(self._done, self.total), description=self.describe())
         elif now - self._last_line_s >= PLAIN_INTERVAL_S:
-            figures = f"{self._done:,.0f} of {self.total:,.0f} {self._unit} ({100.0 * self._done / self.total:.0f} %)"
+            figures = f"{int(self._done):,} of {self.total:,.0f} {self._unit} ({100.0 * self._done / self.total:.0f} %)"
             self.say(" · ".join(filter(None, (figures, self.describe()))))
 
 
