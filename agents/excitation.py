@@ -8,27 +8,26 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.protocol import State
+from agents.protocol import Action, Array, Mask, Observation, State
 
 ACTION_SIZE = 4
 
-Draw = Callable[[np.random.Generator, NDArray, int, float], NDArray]
+Draw = Callable[[np.random.Generator, Array, int, float], Array]
 """From a stream, the last action (4), the number of the step and its length (s) to the next action."""
 
 
-def uniform(stream: np.random.Generator, last: NDArray, step: int, dt: float) -> NDArray:
+def uniform(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
     """Independent and uniform at every step."""
-    return stream.uniform(-1.0, 1.0, ACTION_SIZE)
+    return np.asarray(stream.uniform(-1.0, 1.0, ACTION_SIZE))
 
 
 def ornstein_uhlenbeck(sd: float, time_s: float) -> Draw:
     """A stationary Ornstein-Uhlenbeck process of this sd and time constant, as exploration noise is."""
 
-    def draw(stream: np.random.Generator, last: NDArray, step: int, dt: float) -> NDArray:
+    def draw(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
         share = np.exp(-dt / time_s) if step else 0.0
-        return share * last + sd * np.sqrt(1.0 - share**2) * stream.standard_normal(ACTION_SIZE)
+        return np.asarray(share * last + sd * np.sqrt(1.0 - share**2) * stream.standard_normal(ACTION_SIZE))
 
     return draw
 
@@ -36,7 +35,7 @@ def ornstein_uhlenbeck(sd: float, time_s: float) -> Draw:
 def switching(mean_s: float) -> Draw:
     """Each motor at 1 or -1, thrown over after times with this mean."""
 
-    def draw(stream: np.random.Generator, last: NDArray, step: int, dt: float) -> NDArray:
+    def draw(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
         drawn = stream.choice([-1.0, 1.0], ACTION_SIZE)
         thrown = stream.random(ACTION_SIZE) < 1.0 - np.exp(-dt / mean_s)
         return np.where(thrown | (step == 0), drawn, last)
@@ -70,21 +69,20 @@ class Excitation:
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """See `agents.protocol.Agent.predict`; the observation only says how many worlds there are."""
-        observation = np.asarray(observation)
-        num_envs = 1 if observation.ndim == 1 else len(observation)
+        num_envs = 1 if np.ndim(observation) == 1 else len(observation)
         if len(self._streams) != num_envs:
             self.reset(num_envs)
         for world, stream in enumerate(self._streams):
             self._last[world] = self._draw(stream, self._last[world], self._step, self._dt)
         self._step += 1
         action = np.clip(self._last, -1.0, 1.0).astype(np.float32)
-        return action.reshape(*observation.shape[:-1], ACTION_SIZE), None
+        return action.reshape(*np.shape(observation)[:-1], ACTION_SIZE), None
 
 
 class Harmonics(Excitation):
@@ -94,9 +92,9 @@ class Harmonics(Excitation):
 
     def __init__(self, name: str = "harmonics", control_hz: float = 20.0) -> None:
         super().__init__(name, self._sum, control_hz)
-        self._coefficients: dict[int, NDArray] = {}
+        self._coefficients: dict[int, Array] = {}
 
-    def _sum(self, stream: np.random.Generator, last: NDArray, step: int, dt: float) -> NDArray:
+    def _sum(self, stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
         if step == 0:
             weights = stream.random((self.SINES, ACTION_SIZE))
             weights *= stream.random(ACTION_SIZE) / weights.sum(axis=0)
@@ -104,7 +102,8 @@ class Harmonics(Excitation):
             phases = 2.0 * np.pi * stream.random((self.SINES, ACTION_SIZE))
             self._coefficients[id(stream)] = np.stack([weights, frequencies, phases])
         weights, frequencies, phases = self._coefficients[id(stream)]
-        return np.sum(weights * np.sin(2.0 * np.pi * frequencies * step * dt + phases), axis=0)
+        total: Array = np.sum(weights * np.sin(2.0 * np.pi * frequencies * step * dt + phases), axis=0)
+        return total
 
 
 EXCITATIONS: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(

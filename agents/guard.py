@@ -1,10 +1,10 @@
 """Keeps a maneuver within a patient's comfort: targets shrink before a limit is used up."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.maneuver import CHANNELS
 from agents.observed import Observed
+from agents.protocol import Array
 from jawenv.device.comfort import COMFORT_LIMITS
 
 # Which channels shrink when little is left of a limit, and the margin below which they begin to. Opening and side are
@@ -30,7 +30,7 @@ _GUARD = np.array(
 _FASTEST = np.array([FASTEST[channel] for channel in CHANNELS])
 
 
-def comfortable_size(size: NDArray, seen: Observed, dt: float) -> NDArray:
+def comfortable_size(size: Array, seen: Observed, dt: float) -> Array:
     """What the targets of each channel are to be multiplied by next.
 
     A channel shrinks in proportion to what is missing of its guard, with the time constant `SHRINK_S` and no faster

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from agents.protocol import Array
 from jawenv.anatomy import default_mandible
 from jawenv.device.device import Device
 
@@ -28,22 +28,22 @@ class Wanted(NamedTuple):
         force_N: (N,) fore-aft force, + forward.
     """
 
-    place: NDArray
-    rate: NDArray
-    force_N: NDArray
+    place: Array
+    rate: Array
+    force_N: Array
 
 
 class Felt(NamedTuple):
     """What is observed: place and force as in `Wanted`; pitch in rad, opened as a share of the range."""
 
-    place: NDArray
-    force_N: NDArray
-    down_N: NDArray
-    pitch: NDArray
-    opened: NDArray
+    place: Array
+    force_N: Array
+    down_N: Array
+    pitch: Array
+    opened: Array
 
 
-def _motors(down: NDArray, forward: NDArray, roll: NDArray, yaw: NDArray) -> NDArray:
+def _motors(down: Array, forward: Array, roll: Array, yaw: Array) -> Array:
     """Four motors (N, 4): common downward and forward parts, and what the right one has more than the left."""
     return np.stack([down - roll, down + roll, forward - yaw, forward + yaw], axis=-1)
 
@@ -67,7 +67,7 @@ class TrajectoryLaw:
     admittance: float = 8.0
     fastest: float = 30.0
 
-    def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
+    def act(self, wanted: Wanted, felt: Felt, integral: Array, dt: float) -> tuple[Array, Array]:
         """Action (N, 4); the integral (N, 3) is not used and returned as it is."""
         rate = wanted.rate + self.correction * (wanted.place - felt.place)
         down, side = np.clip(rate[:, :2], -self.fastest, self.fastest).T
@@ -100,7 +100,7 @@ class ForceLaw:
     largest: tuple[float, float, float] = (12.0, 0.3, 0.2)
     holds_roll: bool = False
 
-    def act(self, wanted: Wanted, felt: Felt, integral: NDArray, dt: float) -> tuple[NDArray, NDArray]:
+    def act(self, wanted: Wanted, felt: Felt, integral: Array, dt: float) -> tuple[Array, Array]:
         """Action (N, 4) and the new integral (N, 3) in N, N m and N m."""
         stiffness = self.stiffness + np.multiply.outer(np.clip(felt.opened, 0.0, 1.0), self.stiffening)
         error = wanted.place - felt.place
@@ -113,7 +113,7 @@ class ForceLaw:
         thrust = _motors(down / 2.0, forward, 1e3 * roll / (2.0 * _VERTICAL_ARM), 1e3 * yaw / (2.0 * _HORIZONTAL_ARM))
         return np.clip(thrust / _DEVICE.full_scale_N, -1.0, 1.0), integral
 
-    def _stiffer(self, felt: Felt) -> NDArray:
+    def _stiffer(self, felt: Felt) -> Array:
         """How much stiffer than typical the jaw is (N,), 1 to 5, by the force that holds it open.
 
         A typical jaw takes twice its stiffness times the opening, as it must be lifted off the teeth first.
@@ -122,8 +122,9 @@ class ForceLaw:
         return np.clip(felt.down_N / typical, 1.0, 5.0)
 
 
-def _height_over_lever(pitch: NDArray) -> NDArray:
+def _height_over_lever(pitch: Array) -> Array:
     """How far the mouthpiece is below the condyles, over how far it is before them."""
     x, _, z = _MOUTHPIECE_MM
-    below = x * np.sin(pitch) - z * np.cos(pitch)
-    return below / (x * np.cos(pitch) + z * np.sin(pitch))
+    below: Array = x * np.sin(pitch) - z * np.cos(pitch)
+    ahead: Array = x * np.cos(pitch) + z * np.sin(pitch)
+    return below / ahead

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from agents.protocol import Array
 from agents.signals import AnySignal, KeyframePoint, Keyframes, Signal
 from jawenv.files import InputModel, Number, read_model
 
@@ -22,8 +22,8 @@ _AT_REST = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0)
 class Targets(NamedTuple):
     """What the channels ask for at one moment, one row per world, columns as in `CHANNELS`."""
 
-    value: NDArray
-    rate: NDArray
+    value: Array
+    rate: Array
 
 
 class Channels(InputModel):
@@ -82,7 +82,7 @@ class Maneuver(InputModel):
         points = (KeyframePoint(t_s=0.0, value=0.0), KeyframePoint(t_s=self.fade_in_s, value=1.0))
         return Keyframes(kind="keyframes", points=points)
 
-    def targets(self, t: NDArray) -> Targets:
+    def targets(self, t: Array) -> Targets:
         """Targets and their rates (1/s) at times t (N,) in seconds: two arrays (N, 4)."""
         fade, fade_rate = self._fade.value(t), self._fade.rate(t)
         signals = [self.channels.signal(name) for name in CHANNELS]

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from agents.protocol import Array, Observation
 from jawenv.anatomy import default_fossa
 from jawenv.device.comfort import SOFT_FORCE
 from jawenv.envs.observation import (
@@ -30,17 +30,17 @@ class Observed(NamedTuple):
         margin: (N, 8) what is left of each comfort limit, negative beyond it.
     """
 
-    jaw: NDArray
-    range_mm: NDArray
-    pitch: NDArray
-    roll: NDArray
-    condyle: NDArray
-    forward_N: NDArray
-    down_N: NDArray
-    margin: NDArray
+    jaw: Array
+    range_mm: Array
+    pitch: Array
+    roll: Array
+    condyle: Array
+    forward_N: Array
+    down_N: Array
+    margin: Array
 
 
-def read(observation: NDArray) -> Observed:
+def read(observation: Observation) -> Observed:
     """Take N observations (N, size) apart, of any of jawenv's models.
 
     Raises:

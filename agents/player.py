@@ -9,7 +9,7 @@ from agents.guard import comfortable_size
 from agents.laws import Felt, ForceLaw, TrajectoryLaw, Wanted
 from agents.maneuver import ROLL_FULL_SCALE_RAD, Maneuver, Targets
 from agents.observed import Observed, read
-from agents.protocol import State
+from agents.protocol import Action, Array, Mask, Observation, State
 from jawenv.device.comfort import SOFT_FORCE
 from jawenv.errors import InputError
 
@@ -26,10 +26,10 @@ class Memory(NamedTuple):
         rest_roll: (N,) roll at the start of the episode, rad.
     """
 
-    step: NDArray
-    size: NDArray
-    integral: NDArray
-    rest_roll: NDArray
+    step: NDArray[np.int64]
+    size: Array
+    integral: Array
+    rest_roll: Array
 
 
 class Player:
@@ -67,11 +67,11 @@ class Player:
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """See `agents.protocol.Agent.predict`; a maneuver is always deterministic.
 
         Raises:
@@ -82,15 +82,15 @@ class Player:
         seen = read(rows[None] if single else rows)
         memory = self._recall(state, seen, episode_start)
         size = comfortable_size(memory.size, seen, self._dt)
-        targets = self.maneuver.targets(memory.step * self._dt)
+        targets = self.maneuver.targets(self._dt * memory.step.astype(np.float64))
         targets = Targets(size * targets.value, size * targets.rate)
         wanted, felt = _wanted(targets, seen), _felt(seen, memory.rest_roll)
         action, integral = self._law.act(wanted, felt, memory.integral, self._dt)
         self._memory = Memory(memory.step + 1, size, integral, memory.rest_roll)
-        action = action.astype(np.float32)
-        return (action[0] if single else action), self._memory
+        single_precision = action.astype(np.float32)
+        return (single_precision[0] if single else single_precision), self._memory
 
-    def _recall(self, state: State, seen: Observed, episode_start: NDArray | None) -> Memory:
+    def _recall(self, state: State, seen: Observed, episode_start: Mask | None) -> Memory:
         """The memory to go on from, blank for worlds that begin an episode."""
         worlds = len(seen.roll)
         blank = Memory(np.zeros(worlds, int), np.ones((worlds, 4)), np.zeros((worlds, 3)), seen.roll)
@@ -119,7 +119,7 @@ def _wanted(targets: Targets, seen: Observed) -> Wanted:
     return Wanted(place, rate, targets.value[:, 2] * SOFT_FORCE)
 
 
-def _felt(seen: Observed, rest_roll: NDArray) -> Felt:
+def _felt(seen: Observed, rest_roll: Array) -> Felt:
     """The observed place in the same units."""
     place = np.column_stack([seen.jaw[:, :2] * seen.range_mm[:, :2], seen.roll - rest_roll])
     return Felt(place, seen.forward_N, seen.down_N, seen.pitch, seen.jaw[:, 0])

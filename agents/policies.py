@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.protocol import State
+from agents.protocol import Action, Mask, Observation, State
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,11 +44,11 @@ class TrainedPolicy:
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """See `agents.protocol.Agent.predict`.
 
         Raises:
@@ -94,10 +93,10 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
 def _checkpoint(path: Path) -> Path:
     """The checkpoint file that a path stands for, known to be a zip with a checkpoint's entries."""
     if path.is_dir():
-        found = [path / name for name in MODELS_OF_A_RUN if (path / name).is_file()]
-        if not found:
+        models = [path / name for name in MODELS_OF_A_RUN if (path / name).is_file()]
+        if not models:
             raise InputError(f"{path}: not a training run, it holds neither {' nor '.join(MODELS_OF_A_RUN)}")
-        path = found[0]
+        path = models[0]
     elif not path.exists():
         raise InputError(f"{path}: no such file or folder")
     try:

@@ -1,10 +1,15 @@
 """What every agent is: something that answers an observation with an action."""
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 from numpy.typing import NDArray
 
-State = tuple[NDArray, ...] | None
+Array = NDArray[np.float64]
+Observation = NDArray[np.float32]
+Action = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+State = tuple[NDArray[Any], ...] | None
 
 
 @runtime_checkable
@@ -26,11 +31,11 @@ class Agent(Protocol):
 
     def predict(
         self,
-        observation: NDArray,
+        observation: Observation,
         state: State = None,
-        episode_start: NDArray | None = None,
+        episode_start: Mask | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray, State]:
+    ) -> tuple[Action, State]:
         """Choose the next action.
 
         Args:

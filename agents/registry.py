@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from agents.baselines import RandomPolicy
+from agents.excitation import EXCITATIONS
 from agents.maneuver import FOLDER, Maneuver
 from agents.player import Player
 from agents.policies import load_policy
@@ -12,7 +12,6 @@ from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.rollout import DEFAULT_ENV
 
-RANDOM = "random"
 MANEUVER_SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 
 
@@ -31,7 +30,7 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), `random`, a maneuver file, a training run's folder or a
+        spec: a hand-made maneuver's name (`names()`), the name of an excitation (`EXCITATIONS`), a maneuver file, a training run's folder or a
             stable-baselines3 checkpoint.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment.
@@ -41,8 +40,8 @@ def load_agent(
         InputError: an unknown name or environment, or a file that is not what it should be; one line that says so.
     """
     path, model = Path(spec), model_of_env(env_id)
-    if str(spec) == RANDOM:
-        return RandomPolicy()
+    if str(spec) in EXCITATIONS:
+        return EXCITATIONS[str(spec)](control_hz)
     if str(spec) in names():
         maneuver = Maneuver.load(FOLDER / f"{spec}.yaml")
         return Player(maneuver, control=control, control_hz=control_hz)
@@ -52,7 +51,7 @@ def load_agent(
         from jawenv.envs.observation import observation_size
 
         return load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
-    known = ", ".join((*names(), RANDOM))
+    known = ", ".join((*names(), *EXCITATIONS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(MANEUVER_SUFFIXES)}), "
         "a run folder or a checkpoint .zip"

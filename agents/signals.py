@@ -10,11 +10,12 @@ from itertools import pairwise
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 from scipy.interpolate import BPoly
 from scipy.signal import max_len_seq
 
+from agents.protocol import Array
 from jawenv.files import InputModel, Number
 
 Positive = Annotated[Number, Field(gt=0)]
@@ -24,11 +25,11 @@ class Signal(InputModel, ABC):
     """A target over time."""
 
     @abstractmethod
-    def value(self, t: ArrayLike) -> NDArray:
+    def value(self, t: ArrayLike) -> Array:
         """The target at times t (s), an array of t's shape."""
 
     @abstractmethod
-    def rate(self, t: ArrayLike) -> NDArray:
+    def rate(self, t: ArrayLike) -> Array:
         """The target's time derivative (1/s) at times t (s), an array of t's shape."""
 
     def bounds(self, duration_s: float = 120.0) -> tuple[float, float]:
@@ -37,7 +38,7 @@ class Signal(InputModel, ABC):
         return float(values.min()), float(values.max())
 
 
-def _stairs(times: NDArray, values: NDArray, smooth: bool) -> BPoly:
+def _stairs(times: Array, values: Array, smooth: bool) -> BPoly:
     """Piecewise polynomial through the points, at rest at each of them if smooth.
 
     The smooth form is the quintic with zero speed and acceleration at both ends, which is the minimum-jerk movement
@@ -92,19 +93,19 @@ class Keyframes(Signal):
     def _slope(self) -> BPoly:
         return self._path.derivative()
 
-    def _time(self, t: ArrayLike) -> NDArray:
+    def _time(self, t: ArrayLike) -> Array:
         """The time on the path at time t."""
-        first, last = self._path.x[0], self._path.x[-1]
-        t = np.asarray(t, dtype=float)
+        first, last = float(self._path.x[0]), float(self._path.x[-1])
+        seconds: Array = np.asarray(t, dtype=np.float64)
         if self.repeat:
-            return np.where(t < first, first, first + np.mod(t - first, last - first))
-        return np.clip(t, first, last)
+            return np.where(seconds < first, first, first + np.mod(seconds - first, last - first))
+        return seconds.clip(first, last)
 
-    def value(self, t: ArrayLike) -> NDArray:
+    def value(self, t: ArrayLike) -> Array:
         """See `Signal.value`."""
         return np.asarray(self._path(self._time(t)))
 
-    def rate(self, t: ArrayLike) -> NDArray:
+    def rate(self, t: ArrayLike) -> Array:
         """See `Signal.rate`; zero where the first or last value holds."""
         t = np.asarray(t, dtype=float)
         moving = t >= self._path.x[0]
@@ -146,18 +147,18 @@ class Harmonics(Signal):
     offset: Number = 0.0
 
     @cached_property
-    def _table(self) -> tuple[NDArray, NDArray, NDArray]:
+    def _table(self) -> tuple[Array, Array, Array]:
         """Amplitude, angular frequency and phase (rad), each (K,)."""
         rows = [(h.amplitude, h.angular_frequency, np.deg2rad(h.phase_deg)) for h in self.harmonics]
         amplitude, omega, phase = np.array(rows).T
         return amplitude, omega, phase
 
-    def value(self, t: ArrayLike) -> NDArray:
+    def value(self, t: ArrayLike) -> Array:
         """See `Signal.value`."""
         amplitude, omega, phase = self._table
         return self.offset + np.sin(np.multiply.outer(t, omega) + phase) @ amplitude
 
-    def rate(self, t: ArrayLike) -> NDArray:
+    def rate(self, t: ArrayLike) -> Array:
         """See `Signal.rate`."""
         amplitude, omega, phase = self._table
         return np.cos(np.multiply.outer(t, omega) + phase) @ (amplitude * omega)
@@ -176,12 +177,12 @@ class Chirp(Signal):
     duration_s: Positive
     offset: Number = 0.0
 
-    def _phase(self, t: ArrayLike) -> tuple[NDArray, NDArray]:
+    def _phase(self, t: ArrayLike) -> tuple[Array, Array]:
         """Phase (rad) and its rate (rad/s)."""
         span = self.duration_s
         slope = (self.to_hz - self.from_hz) / span
 
-        def cycles(s: NDArray) -> NDArray:
+        def cycles(s: Array) -> Array:
             return s * (self.from_hz + 0.5 * slope * s)
 
         sweeps, s = np.divmod(np.asarray(t, dtype=float), span)
@@ -191,12 +192,12 @@ class Chirp(Signal):
         frequency = self.from_hz + slope * np.where(falling, span - s, s)
         return 2.0 * np.pi * (sweeps * whole + turned), 2.0 * np.pi * frequency
 
-    def value(self, t: ArrayLike) -> NDArray:
+    def value(self, t: ArrayLike) -> Array:
         """See `Signal.value`."""
         phase, _ = self._phase(t)
         return self.offset + self.amplitude * np.sin(phase)
 
-    def rate(self, t: ArrayLike) -> NDArray:
+    def rate(self, t: ArrayLike) -> Array:
         """See `Signal.rate`."""
         phase, omega = self._phase(t)
         return self.amplitude * omega * np.cos(phase)
@@ -231,7 +232,7 @@ class Prbs(Signal):
         register = [(self.seed >> k) & 1 for k in range(bits)]
         sequence, _ = max_len_seq(bits, state=register)
         level = self.offset + self.amplitude * (2.0 * sequence - 1.0)
-        start = self.interval_s * np.arange(len(level) + 1)
+        start = self.interval_s * np.arange(len(level) + 1, dtype=np.float64)
         if self.switch_s == self.interval_s:
             return _stairs(start, np.append(level[-1], level), smooth=True)
         times = np.column_stack([start, start + self.switch_s]).ravel()[:-1]
@@ -242,11 +243,11 @@ class Prbs(Signal):
     def _slope(self) -> BPoly:
         return self._path.derivative()
 
-    def value(self, t: ArrayLike) -> NDArray:
+    def value(self, t: ArrayLike) -> Array:
         """See `Signal.value`."""
         return np.asarray(self._path(np.mod(t, self._path.x[-1])))
 
-    def rate(self, t: ArrayLike) -> NDArray:
+    def rate(self, t: ArrayLike) -> Array:
         """See `Signal.rate`."""
         return np.asarray(self._slope(np.mod(t, self._path.x[-1])))
 

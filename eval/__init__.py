@@ -1,10 +1,8 @@
-"""Comparison of maneuvers and agents on the same patients: ``python -m eval compare``.
+"""Judging of maneuvers, agents and filters on simulated patients: ``python -m eval``.
 
-Run it from a clone of the project; this package is not part of the installed library. Order of the files,
-from the outside in: `cli` (commands), `compare` (a study from start to end), `entries` (what is compared, and
-under which settings it is played), `results` (tables per patient and over time, and their files),
-`statistics` (intervals over patients and paired differences), `table` (the terminal), `figures` (matplotlib,
-also for notebooks), `verdict` (what the figures say, in plain words) and `report` (one HTML file).
-`calibrate` asks whether filters are honest: `filters` (their names), `beliefs` (rows per patient and time) and
-`honesty` (what they say in sum). `pool` spreads tasks over all cores.
+Run it from a clone of the project; this package is not part of the installed library. A folder per job: `comparison`
+(maneuvers and agents on the same patients), `calibration` (whether filters are honest), `thesis` (the results of
+Young 2016) and `report` (figures, tables, words and pages). Beside them lies what these share: `cli` and `options`
+(commands), `settings` (on whom and how is played), `entries` (what is played), `chunks` (work on all cores that goes on
+where it was interrupted), `tables` (files) and `statistics` (intervals over patients).
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,9 +26,11 @@ from eval.options import (
     fields_of,
 )
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.seeds import REPORTS
 
 if TYPE_CHECKING:
-    from eval.results import Results
+    from eval.comparison.results import Results
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
@@ -64,7 +67,7 @@ def compare_command(
     ] = None,
     patients: Patients = 64,
     cohort: Cohort = "trismus",
-    seed: Seed = 0,
+    seed: Seed = REPORTS[0].start,
     control: Control = "force",
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
@@ -80,9 +83,9 @@ def compare_command(
     Writes report.html, patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the
     same command goes on from there.
     """
-    from eval.compare import Settings, compare
+    from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
-    from eval.progress import StudyProgress
+    from eval.settings import Settings
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
     effects = fields_of("reality", reality, "creep_share=0.3")
@@ -96,16 +99,7 @@ def compare_command(
         raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
     console = _console()
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
-    with StudyProgress(loaded, console) as progress:
-        study = compare(
-            loaded,
-            settings,
-            output,
-            command=command,
-            fresh=fresh,
-            progress=progress.advance,
-            finished=progress.finished,
-        )
+    study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
     _present(study, output, reference, console)
 
 
@@ -115,7 +109,7 @@ def report_command(
     reference: Reference = None,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
-    from eval import results
+    from eval.comparison import results
 
     _present(results.load(folder), folder, reference, _console())
 
@@ -134,7 +128,7 @@ def calibrate_command(
         ),
     ] = "tension",
     patients: Patients = 200,
-    seed: Seed = 0,
+    seed: Seed = REPORTS[0].start,
     cohort: Cohort = "trismus",
     control: Control = "force",
     sensors: Sensors = "pose",
@@ -155,26 +149,25 @@ def calibrate_command(
     Writes beliefs.parquet (one row per patient, filter and time), calibration.parquet and calibration.md. Ctrl-C keeps
     the chunks of patients that are finished: the same command goes on from there.
     """
-    from eval import honesty
-    from eval.calibrate import Calibration, about, calibrate, write_table
-    from eval.compare import Settings
-    from eval.thesis.progress import DrawProgress
+    from eval.calibration import summary
+    from eval.calibration.calibrate import Calibration, calibrate
+    from eval.settings import Settings
+    from eval.tables import made_with, write_table
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     moments = tuple(_seconds(text) for text in times.split(","))
     effects = fields_of("reality", reality, "creep_share=0.3")
     changed = fields_of("device", device, "cell_force_N=0.2")
-    on = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
-    wanted = Calibration(on, tuple(name.strip() for name in filters.split(",")), moments)
+    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
+    wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
-    with DrawProgress(len(specs) * len(wanted.filters) * patients, console, "estimates") as progress:
-        rows = calibrate(specs, wanted, output, fresh=fresh, progress=progress.finished)
-    table, made_with = honesty.summary(rows), about(wanted, command)
-    write_table(rows, output / "beliefs.parquet", made_with)
-    write_table(table, output / "calibration.parquet", made_with)
-    text = honesty.markdown(table, f"`{command}`")
-    (output / "calibration.md").write_text(text, encoding="utf-8")
-    honesty.show(table, console)
+    rows = calibrate(specs, wanted, output, fresh=fresh, console=console)
+    table, about = summary.summarise(rows), made_with(command, calibration=asdict(wanted))
+    write_table(rows, output / "beliefs.parquet", about)
+    write_table(table, output / "calibration.parquet", about)
+    with atomic_write(output / "calibration.md") as unfinished:
+        unfinished.write_text(summary.markdown(table, f"`{command}`"), encoding="utf-8")
+    summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"
         f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",
@@ -214,15 +207,15 @@ def thesis_command(
 
 
 def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
-    from eval import report, table
-    from eval.ranking import rank
+    from eval.comparison.ranking import rank
+    from eval.report import page, table
 
     ranking = rank(study, reference)
     table.show(ranking, console)
     if not console.is_terminal:
         console.print("drawing the report")
     with console.status("drawing the report"):
-        written = report.write(study, ranking, output / "report.html")
+        written = page.write(study, ranking, output / "report.html")
     console.print(
         f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",
         soft_wrap=True,

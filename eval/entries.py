@@ -69,7 +69,7 @@ class Entry:
 
 def maneuver_names() -> tuple[str, ...]:
     """Every hand-made maneuver of the project, and the random policy as the floor."""
-    return (*registry.names(), registry.RANDOM)
+    return (*registry.names(), "random")
 
 
 def env_of_runs(specs: Iterable[str]) -> str:

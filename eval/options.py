@@ -51,11 +51,11 @@ def fields_of(option: str, texts: list[str] | None, example: str) -> dict[str, f
     Raises:
         InputError: a text is no field with a number.
     """
-    found = {}
+    fields = {}
     for text in texts or []:
         name, _, value = text.partition("=")
         try:
-            found[name] = float(value)
+            fields[name] = float(value)
         except ValueError:
             raise InputError(f"{option}: {text!r} given, allowed is FIELD=VALUE with a number, as {example}") from None
-    return found
+    return fields

@@ -47,7 +47,7 @@ def _over_patients(statistic: Callable[[Array], Array], values: Array, method: s
     def of_rows(rows: Array, axis: int = -1) -> Array:
         return statistic(values[rows.astype(np.intp)])
 
-    found = bootstrap(
+    ends = bootstrap(
         (np.arange(len(values)),),
         of_rows,
         n_resamples=RESAMPLES,
@@ -56,7 +56,7 @@ def _over_patients(statistic: Callable[[Array], Array], values: Array, method: s
         method=method,
         rng=np.random.default_rng(seed),
     ).confidence_interval
-    return Interval(estimate, float(found.low), float(found.high))
+    return Interval(estimate, float(ends.low), float(ends.high))
 
 
 def mean(values: Array, seed: int = 0) -> Interval:
@@ -85,12 +85,12 @@ def quantile(values: Array, share: float, seed: int = 0) -> Interval:
     # end.
     ranked = np.where(np.isfinite(values), values, largest + 1.0)
 
-    def of(x: Array) -> Array:
-        found: Array = np.quantile(x[..., 0], share, axis=-1, method="inverted_cdf")
-        return found
+    def statistic(x: Array) -> Array:
+        quantiles: Array = np.quantile(x[..., 0], share, axis=-1, method="inverted_cdf")
+        return quantiles
 
-    found = _over_patients(of, ranked[:, None], "percentile", seed)
-    return Interval(*(np.inf if end > largest else end for end in (found.value, found.low, found.high)))
+    estimate = _over_patients(statistic, ranked[:, None], "percentile", seed)
+    return Interval(*(np.inf if end > largest else end for end in (estimate.value, estimate.low, estimate.high)))
 
 
 def rmse_over_bound(error: Array, bound_sd: Array, seed: int = 0) -> Interval:
@@ -103,12 +103,12 @@ def rmse_over_bound(error: Array, bound_sd: Array, seed: int = 0) -> Interval:
     """
     size = error.shape[1]
 
-    def of(x: Array) -> Array:
+    def statistic(x: Array) -> Array:
         squares = np.mean(np.square(x), axis=-2)
         ratio: Array = np.sqrt(squares[..., :size] / squares[..., size:]).mean(axis=-1)
         return ratio
 
-    return _over_patients(of, np.hstack([error, bound_sd]), "BCa", seed)
+    return _over_patients(statistic, np.hstack([error, bound_sd]), "BCa", seed)
 
 
 def difference(values: Array, reference: Array, seed: int = 0) -> Interval:

@@ -21,9 +21,10 @@ import jawenv
 from agents import load_agent, names
 from agents.maneuver import Maneuver
 from agents.player import Player
+from jawenv.seeds import REPORTS, TUNING
 
 PERIOD_S = 30.0
-TRAIN_SEED, TEST_SEED = 5_000, 10_000
+TRAIN_SEED, TEST_SEED = TUNING.start, REPORTS[1].start
 # Nats that a second of cost 1, a patient whose hard limit is crossed, a share of time with the governor at work, and a
 # mm/s too fast are worth. The hand-made maneuvers cost 0.002 to 0.013 s.
 PER_DISCOMFORT_S, PER_VIOLATION, PER_GOVERNOR, PER_SPEED = 100.0, 200.0, 100.0, 1.0

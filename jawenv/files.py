@@ -1,4 +1,4 @@
-"""Files from outside become validated models, or one line that says what is wrong with them."""
+"""Files from outside become validated models, or one line that says what is wrong; files of ours appear whole."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 import re
 import tomllib
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
@@ -22,6 +22,7 @@ __all__ = [
     "InputModel",
     "Number",
     "Source",
+    "atomic_write",
     "instance_of",
     "read_into",
     "read_mapping",
@@ -178,8 +179,33 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     return data
 
 
+@contextlib.contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Write a file that appears whole or not at all, also when interrupted.
+
+    Yields:
+        Where to write. At the end of the block this becomes the file, in place of an older one; after an error nothing
+        is left of it.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}.unfinished")
+    try:
+        yield unfinished
+        with unfinished.open("rb+") as file:
+            os.fsync(file.fileno())
+        unfinished.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        with contextlib.suppress(OSError):
+            unfinished.unlink()
+
+
 def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
-    """Write a model as JSON. The file appears whole or not at all, also when interrupted.
+    """Write a model as JSON, wholly or not at all.
 
     Raises:
         InputError: the name does not end in .json, or the file cannot be written.
@@ -187,18 +213,8 @@ def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
     path = Path(path)
     if path.suffix.lower() != ".json":
         raise InputError(f"{path}: is written as JSON, its name must end in .json")
-    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
-    try:
-        with temporary.open("x", encoding="utf-8") as file:
-            file.write(model.model_dump_json(indent=2) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(model.model_dump_json(indent=2) + "\n", encoding="utf-8")
 
 
 def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

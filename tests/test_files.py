@@ -6,7 +6,7 @@ import pytest
 from pydantic import Field
 
 from jawenv.errors import InputError
-from jawenv.files import InputModel, Number, read_mapping, read_model, validate, write_json
+from jawenv.files import InputModel, Number, atomic_write, read_mapping, read_model, validate, write_json
 
 
 class Part(InputModel):
@@ -149,3 +149,16 @@ def test_yaml_without_pyyaml_names_the_remedy(tmp_path: Path, monkeypatch: pytes
     monkeypatch.delitem(__import__("sys").modules, "jawenv.plain_yaml", raising=False)
     monkeypatch.delattr("jawenv.plain_yaml", raising=False)
     assert line(path) == "YAML files need the package pyyaml; JSON and TOML files do not"
+
+
+def test_an_error_while_writing_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "table.txt"
+    for text in ("old", "new"):
+        with atomic_write(path) as unfinished:
+            unfinished.write_text(text)
+    assert path.read_text() == "new"
+    with pytest.raises(ZeroDivisionError), atomic_write(path) as unfinished:
+        unfinished.write_text("half")
+        _ = 1 / 0
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]

@@ -16,9 +16,9 @@ import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
 from jawenv.errors import InputError
+from jawenv.progress import Progress
 from training.config import CheckpointConfig, EvaluationConfig
 from training.evaluate import evaluate
-from training.progress import TrainingProgress
 from training.run import RunFolder
 from training.vec_env import NativeVecEnv
 
@@ -81,7 +81,7 @@ class StopOnSignal(BaseCallback):
 class EpisodeLog(BaseCallback):
     """Logs the mean figures of the latest training episodes, and shows progress."""
 
-    def __init__(self, progress: TrainingProgress) -> None:
+    def __init__(self, progress: Progress) -> None:
         super().__init__()
         self._progress = progress
 
@@ -96,7 +96,7 @@ class EpisodeLog(BaseCallback):
         for key in episodes[0]:
             if key not in ("r", "l", "t"):  # stable-baselines3 logs these itself
                 self.logger.record(f"rollout/{key}", float(np.mean([episode[key] for episode in episodes])))
-        self._progress.learning_return(float(np.mean([episode["r"] for episode in episodes])))
+        self._progress.note("return", f"return {np.mean([episode['r'] for episode in episodes]):.4g}")
 
 
 class Checkpoints(BaseCallback):
@@ -130,7 +130,7 @@ class Evaluations(BaseCallback):
         config: how often, and on whom.
         worlds: one world per patient, for evaluation only.
         interrupt: an evaluation is given up when the training is to stop.
-        progress: told of every new best.
+        progress: shows the best so far.
 
     Raises:
         InputError: the table of a resumed run is damaged.
@@ -142,7 +142,7 @@ class Evaluations(BaseCallback):
         config: EvaluationConfig,
         worlds: NativeVecEnv,
         interrupt: Interrupt,
-        progress: TrainingProgress,
+        progress: Progress,
     ) -> None:
         super().__init__()
         self._run = run
@@ -156,8 +156,7 @@ class Evaluations(BaseCallback):
             self._last = steps
             if self.best is None or mean_return > self.best[0]:
                 self.best = (mean_return, steps)
-        if self.best is not None:
-            progress.best_evaluation(*self.best)
+        self._show_best()
 
     def _on_rollout_start(self) -> None:
         if self._last is None or self.model.num_timesteps - self._last >= self._config.every_steps:
@@ -171,9 +170,9 @@ class Evaluations(BaseCallback):
             self._evaluate()
 
     def _evaluate(self) -> None:
-        self._progress.doing("evaluating")
+        self._progress.note("activity", "evaluating")
         outcome = evaluate(self._act, self._worlds, self._config.seed, self._interrupt.wanted)
-        self._progress.doing("")
+        self._progress.note("activity", "")
         if outcome is None:
             return
         steps, score = self.model.num_timesteps, outcome.mean_return
@@ -181,12 +180,16 @@ class Evaluations(BaseCallback):
         if self.best is None or score > self.best[0]:
             self.best = (score, steps)
             self._run.save_model(self.model, self._run.best_model)
-            self._progress.best_evaluation(score, steps)
+            self._show_best()
         row = outcome.means() | {"return_sd": float(outcome.figures["return"].std())}
         _append(self._run, steps, row)
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
         self.logger.dump(steps)
+
+    def _show_best(self) -> None:
+        if self.best is not None:
+            self._progress.note("best", f"best evaluation {self.best[0]:.4g} at {self.best[1]:,}")
 
     def _act(self, observation: np.ndarray) -> np.ndarray:
         return self.model.predict(observation, deterministic=True)[0]

@@ -8,11 +8,10 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import Field, JsonValue, model_validator
 
-from jawenv.files import InputModel, Number, read_model, validate
+from jawenv.files import InputModel, Number, atomic_write, read_model, validate
+from jawenv.seeds import VALIDATION
 
 DEFAULT_CONFIG = Path(__file__).parent / "configs" / "ppo.yaml"
-REPORTED_SEEDS = 1000
-"""Seeds below this belong to the cohorts that reports are made of; no validation cohort may touch them."""
 
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 PositiveInt = Annotated[int, Field(gt=0, strict=True)]
@@ -70,11 +69,21 @@ class PPOConfig(InputModel):
 
 
 class EvaluationConfig(InputModel):
-    """The deterministic policy is tried on one fixed cohort: the patients of seed, seed + 1, ..."""
+    """The deterministic policy is tried on one fixed cohort: the patients of seed, seed + 1, ...
+
+    All of them lie in `jawenv.seeds.VALIDATION`, as the best policy is chosen on them.
+    """
 
     every_steps: PositiveInt = 100_000
     patients: PositiveInt = 64
-    seed: Annotated[int, Field(ge=REPORTED_SEEDS, strict=True)] = 20_000
+    seed: Annotated[int, Field(ge=VALIDATION.start, lt=VALIDATION.stop, strict=True)] = VALIDATION.start
+
+    @model_validator(mode="after")
+    def _validation_alone(self) -> Self:
+        last = self.seed + self.patients - 1
+        if last not in VALIDATION:
+            raise ValueError(f"seed {self.seed} and {self.patients} patients end at {last}, allowed: {VALIDATION[-1]}")
+        return self
 
 
 class CheckpointConfig(InputModel):
@@ -123,7 +132,8 @@ class TrainingConfig(InputModel):
 
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""
-        path.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+        with atomic_write(path) as unfinished:
+            unfinished.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
 
     @classmethod
     def load(cls, path: Path) -> TrainingConfig:

@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
 from training.config import TrainingConfig
 
 if TYPE_CHECKING:
@@ -62,9 +63,9 @@ class RunFolder:
         Raises:
             InputError: it has others; the message names them.
         """
-        found = self.open()
+        present = self.open()
         fields = [name for name in TrainingConfig.model_fields if name != "steps"]
-        other = [name for name in fields if getattr(found, name) != getattr(wanted, name)]
+        other = [name for name in fields if getattr(present, name) != getattr(wanted, name)]
         if other:
             raise InputError(
                 f"the run in {self.path} has other settings ({', '.join(other)}); "
@@ -95,13 +96,13 @@ class RunFolder:
             shutil.rmtree(self.path)
         self.checkpoints.mkdir(parents=True)
         config.save(self.config_file)
-        self.env_file.write_text(env_spec + "\n", encoding="utf-8")
+        _write_text(self.env_file, env_spec + "\n")
         repeat = {"sessions": [_session(0, world_seed)], "git": _git_state(), "versions": _versions()}
         repeat["seeds"] = {
             "training": config.seed,
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
         }
-        write_atomically(self.repeat_file, (json.dumps(repeat, indent=2) + "\n").encode())
+        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
     def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:
         """Note that the run was resumed, and with which number of steps as its new end."""
@@ -111,7 +112,7 @@ class RunFolder:
             repeat["sessions"].append(_session(from_step, world_seed))
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
-        write_atomically(self.repeat_file, (json.dumps(repeat, indent=2) + "\n").encode())
+        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
     def open(self) -> TrainingConfig:
         """The configuration of the run that this folder holds.
@@ -126,10 +127,8 @@ class RunFolder:
     def save_model(self, model: BaseAlgorithm, path: Path) -> None:
         """Save the model with its optimiser; a crash while saving leaves the older file whole."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_name(path.name + ".unfinished")
-        with unfinished.open("wb") as file:
+        with atomic_write(path) as unfinished, unfinished.open("wb") as file:
             model.save(file)
-        os.replace(unfinished, path)
 
     def save_checkpoint(self, model: BaseAlgorithm, keep: int) -> Path:
         """Save the model under its number of steps, and drop all but the latest ``keep`` checkpoints."""
@@ -153,11 +152,9 @@ class RunFolder:
         )
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write the file so that it is either the old or the new one, never half of one."""
-    unfinished = path.with_name(path.name + ".unfinished")
-    unfinished.write_bytes(content)
-    os.replace(unfinished, path)
+def _write_text(path: Path, text: str) -> None:
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
 
 
 def _session(from_step: int, world_seed: int) -> dict[str, Any]:

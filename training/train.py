@@ -20,9 +20,10 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.utils import LinearSchedule
 
 from jawenv.errors import InputError
+from jawenv.progress import Progress
+from jawenv.seeds import TRAINING
 from training.callbacks import Checkpoints, EpisodeLog, Evaluations, Interrupt, StopOnSignal
 from training.config import EnvConfig, PPOConfig, TrainingConfig
-from training.progress import TrainingProgress
 from training.run import RunFolder
 from training.vec_env import NativeVecEnv
 
@@ -131,7 +132,7 @@ class _Session:
         begun = time.monotonic()
         interrupt = Interrupt()
         try:
-            with interrupt, TrainingProgress(config.steps, self._from_step, self._console) as progress:
+            with interrupt, Progress(config.steps, "steps", self._console, self._from_step) as progress:
                 evaluations = Evaluations(run, config.evaluation, self._validation, interrupt, progress)
                 callbacks: list[BaseCallback] = [StopOnSignal(interrupt), EpisodeLog(progress)]
                 callbacks += [Checkpoints(run, config.checkpoints), evaluations]
@@ -216,10 +217,8 @@ def make_model(config: TrainingConfig, worlds: NativeVecEnv) -> PPO:
 
 
 def world_seed(seed: int, from_step: int) -> int:
-    """Seed of the first training world: far above the seeds of reported and validation cohorts, so that a run
-    never learns on a patient it is judged by; a resumed run gets another one, and so new patients.
-    """  # noqa: D205
-    return 2**31 + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
+    """Seed of the first training world; a resumed run gets another one, and so new patients."""
+    return TRAINING.start + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
 
 
 def _device(name: str) -> torch.device:

@@ -40,11 +40,11 @@ class NativeVecEnv(VecEnv):
     def __init__(self, env: VectorEnv[Any, Any, Any]) -> None:
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
-            found = mode.name.lower() if isinstance(mode, AutoresetMode) else mode
-            raise InputError(f"autoreset_mode of {_name(env)} is {found!r}, but training needs 'same_step'")
+            actual = mode.name.lower() if isinstance(mode, AutoresetMode) else mode
+            raise InputError(f"autoreset_mode of {_name(env)} is {actual!r}, but training needs 'same_step'")
         if not isinstance(env.single_observation_space, spaces.Box):
-            found = str(env.single_observation_space)
-            raise InputError(f"{_name(env)}'s observation space is {found}, but training needs a Box")
+            space = str(env.single_observation_space)
+            raise InputError(f"{_name(env)}'s observation space is {space}, but training needs a Box")
         self.env = env
         super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
         self._actions: np.ndarray | None = None

@@ -29,10 +29,11 @@ import pandas as pd
 
 import jawenv
 from agents import registry
-from eval import figures
-from eval.compare import Settings, compare
+from eval.comparison.compare import compare
+from eval.comparison.ranking import rank
 from eval.entries import load_entries
-from eval.ranking import rank
+from eval.report import figures
+from eval.settings import Settings
 
 # %matplotlib inline
 

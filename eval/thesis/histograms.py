@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from eval import drawing, words
+from eval.report import drawing, words
 
 FORCE, EXPONENT = "#3b82c4", "#e08a2c"
 _SIDES = {"left": "#3b82c4", "right": "#8b6cc6"}
@@ -25,10 +25,10 @@ def histograms(table: pd.DataFrame, columns: int) -> Figure:
         return figure
 
 
-def _histogram(axes: Axes, one: pd.DataFrame, name: str) -> None:
-    values = one["value"].to_numpy()
+def _histogram(axes: Axes, rows: pd.DataFrame, name: str) -> None:
+    values = rows["value"].to_numpy()
     values = values[np.isfinite(values)]
-    truth = float(one["true_value"].iloc[0])
+    truth = float(rows["true_value"].iloc[0])
     force = name.startswith("log_F_o")
     if len(values):
         low, high = np.quantile(values, [0.02, 0.98])
@@ -64,11 +64,17 @@ def physician_view(table: pd.DataFrame) -> Figure:
         figure = Figure(figsize=(10.2, 3.4), layout="constrained")
         force, exponent, both = figure.subplots(1, 3, width_ratios=(1.1, 0.8, 1.1))
         for axes, symbol, title in ((force, "log_F_o", "F_o, N"), (exponent, "log_b", "b")):
-            found = values[symbol]
+            drawn = values[symbol]
             for i, muscle in enumerate(muscles):
                 colour = _SIDES[muscle.rsplit(" ", 1)[-1]]
                 axes.errorbar(
-                    found[:, i].mean(), i, xerr=found[:, i].std(), fmt="o", color=colour, capsize=3, markersize=5
+                    drawn[:, i].mean(),
+                    i,
+                    xerr=drawn[:, i].std(),
+                    fmt="o",
+                    color=colour,
+                    capsize=3,
+                    markersize=5,
                 )
                 axes.plot(truth[symbol][i], i, marker="|", markersize=14, color="#c25b4e", markeredgewidth=2)
             axes.set(title=title, yticks=range(len(muscles)), ylim=(len(muscles) - 0.5, -0.5), xlim=(0, None))

@@ -11,7 +11,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from agents import load_agent
-from eval import statistics, words
+from eval import statistics
+from eval.report import words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
@@ -90,7 +91,7 @@ def _inside(table: pd.DataFrame, sigmas: float) -> pd.Series:
 
 def judge_sides(table: pd.DataFrame) -> Finding:
     """Converging: sds fall; accurate: errors within 3 sigma at the end of nearly all draws."""
-    told: list[str] = []
+    sentences: list[str] = []
     numbers: dict[str, float] = {}
     verdicts: dict[str, bool] = {}
     for case in ("linear", "log"):
@@ -98,9 +99,9 @@ def judge_sides(table: pd.DataFrame) -> Finding:
         inside = rows.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy())
         error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
         nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
-        told.append(
-            f"{_TOLD[case]}: error {rows.told(error)}, "
-            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {rows.told(inside)} of the draws, "
+        sentences.append(
+            f"{_TOLD[case]}: error {rows.with_interval(error)}, "
+            f"worst sd {words.percent(sd.value)} %, all four within 3σ in {rows.with_interval(inside)} of the draws, "
             f"median NEES {words.number(nees.value)} (honest: 3.4)"
         )
         numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
@@ -110,7 +111,7 @@ def judge_sides(table: pd.DataFrame) -> Finding:
         "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
     )
     return Finding(
-        "Estimated as " + "; as ".join(told) + ".",
+        "Estimated as " + "; as ".join(sentences) + ".",
         verdict,
         f"Converges to within {words.percent(KNOWN, 0)} %"
         + (
@@ -141,8 +142,8 @@ def draw_full(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.D
 
 def time_to_known(table: pd.DataFrame, case: str) -> np.ndarray:
     """Seconds in each draw until the median parameter's sd is 10 %; infinite where it is never."""
-    one = rows.of_case(table, case)
-    median = one.groupby(["draw", "time_s"])["sd"].median().reset_index()
+    rows_of_case = rows.of_case(table, case)
+    median = rows_of_case.groupby(["draw", "time_s"])["sd"].median().reset_index()
     reached = median[median["sd"] <= KNOWN].groupby("draw")["time_s"].min()
     return reached.reindex(sorted(set(table["draw"])), fill_value=np.inf).to_numpy()
 
@@ -157,10 +158,10 @@ def judge_full(table: pd.DataFrame) -> Finding:
     spacing = float(np.diff(np.unique(rows.of_case(table, "log")["time_s"])).max())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
     return Finding(
-        f"Median error of the 12 parameters after the maneuver: {rows.told(error['linear'])} as F_o and b themselves, "
-        f"{rows.told(error['log'])} in logs. Half of the parameters are known to 10 % after "
-        f"{rows.told(slow, 1.0, ' s')}, of the two-sided model's four after "
-        f"{rows.told(fast, 1.0, ' s')} (looked at every {words.number(spacing, 2)} s).",
+        f"Median error of the 12 parameters after the maneuver: {rows.with_interval(error['linear'])} as F_o and b "
+        f"themselves, {rows.with_interval(error['log'])} in logs. Half of the parameters are known to 10 % after "
+        f"{rows.with_interval(slow, 1.0, ' s')}, of the two-sided model's four after "
+        f"{rows.with_interval(fast, 1.0, ' s')} (looked at every {words.number(spacing, 2)} s).",
         "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",
         ("Twelve are tracked" if tracked else "Twelve are not tracked")
         + (", more slowly than four." if slower else ", not more slowly than four."),
@@ -194,7 +195,8 @@ def judge_noise(table: pd.DataFrame) -> Finding:
     fails = without.value > 0.5 * prior
     worse = without.low > with_noise.high
     listed = "; ".join(
-        f"{case}: error {rows.told(error[case])}, median NEES {words.number(nees[case].value)}" for case in NOISES
+        f"{case}: error {rows.with_interval(error[case])}, median NEES {words.number(nees[case].value)}"
+        for case in NOISES
     )
     overconfident = nees["none, F_o and b"].low > nees["constant, F_o and b"].high
     return Finding(

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import drawing, statistics, words
+from eval import statistics
+from eval.report import drawing, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict, one_by_one
 from eval.thesis.prescribed import with_noise
@@ -32,15 +33,15 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     for k in np.linspace(0, len(clean.time) - 1, POINTS).astype(int):
         point = np.full(12, np.nan)
         point[:3], point[6:9] = noisy.measured[k, :3], noisy.measured[k, 6:9]
-        one = {"time_s": clean.time[k], "theta_deg": np.degrees(clean.states[k, 2])}
-        one |= {
+        row = {"time_s": clean.time[k], "theta_deg": np.degrees(clean.states[k, 2])}
+        row |= {
             f"true_{axis}_mm": value for axis, value in zip("xyz", _condyle(clean.jaw, clean.states[k]), strict=True)
         }
         for name, reading in (("pose", noisy.measured[k]), ("point", point)):
-            found = defaults.motion_of_reading(clean.jaw, reading, clean.measurement_sd)
-            one |= {f"{name}_{axis}_mm": v for axis, v in zip("xyz", _condyle(clean.jaw, found), strict=True)}
-        one |= {f"mouth_{axis}_mm": 1e3 * clean.measured[k, i] for i, axis in enumerate("xyz")}
-        rows.append(one)
+            state = defaults.motion_of_reading(clean.jaw, reading, clean.measurement_sd)
+            row |= {f"{name}_{axis}_mm": v for axis, v in zip("xyz", _condyle(clean.jaw, state), strict=True)}
+        row |= {f"mouth_{axis}_mm": 1e3 * clean.measured[k, i] for i, axis in enumerate("xyz")}
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -55,14 +56,14 @@ def _aside_range() -> np.ndarray:
     clean = lowering_then_sideways()
     assert clean.states is not None, "a prescribed motion has its states"
     furthest = clean.states[np.argmax(np.abs(clean.measured[:, 1]))]
-    return 1e3 * compatible_range(clean.jaw, furthest[:5], *BOUNDS)[1]
+    return 1e3 * np.asarray(compatible_range(clean.jaw, furthest[:5], *BOUNDS)[1])
 
 
 def _errors(table: pd.DataFrame, name: str) -> np.ndarray:
     """Root mean square error of the condyle's place in each draw, mm."""
-    found, true = (table[[f"{one}_{axis}_mm" for axis in "xyz"]].to_numpy() for one in (name, "true"))
-    squares = pd.Series(((found - true) ** 2).sum(axis=1)).groupby(table["draw"].to_numpy()).mean()
-    return np.sqrt(squares.to_numpy())
+    estimated, true = (table[[f"{place}_{axis}_mm" for axis in "xyz"]].to_numpy() for place in (name, "true"))
+    squares = pd.Series(((estimated - true) ** 2).sum(axis=1)).groupby(table["draw"].to_numpy()).mean()
+    return np.asarray(np.sqrt(squares.to_numpy()))
 
 
 def judge(table: pd.DataFrame) -> Finding:
@@ -71,16 +72,16 @@ def judge(table: pd.DataFrame) -> Finding:
     first = table[table["draw"] == table["draw"].min()]
     opened = first["theta_deg"].idxmax()
     forward, down = first.loc[opened, "pose_x_mm"], -first.loc[opened, "pose_z_mm"]
-    found = pose.value < CLOSE_MM and forward > 0.0 and down > 0.0
+    path_known = pose.value < CLOSE_MM and forward > 0.0 and down > 0.0
     aside = _aside_range()
     alone = float(np.ptp(aside)) < 2.0 * CLOSE_MM
-    verdict: Verdict = "reproduced" if found and alone else "partly" if found else "not reproduced"
-    said, also = (rows.told(one, 1.0, " mm", 2) for one in (pose, point))
+    verdict: Verdict = "reproduced" if path_known and alone else "partly" if path_known else "not reproduced"
+    by_pose, by_point = (rows.with_interval(error, 1.0, " mm", 2) for error in (pose, point))
     return Finding(
-        f"The condyle is found within {said}, root mean square, from the six numbers of the mouthpiece's pose. Fully "
-        f"open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the "
-        f"mouthpiece's place alone, as the thesis has it, it is found within {also} if of all poses the one with the "
-        "smallest motion is taken; but with the jaw aside the same place is as well that of a condyle anywhere "
+        f"The condyle is found within {by_pose}, root mean square, from the six numbers of the mouthpiece's pose. "
+        f"Fully open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the "
+        f"mouthpiece's place alone, as the thesis has it, it is found within {by_point} if of all poses the one with "
+        "the smallest motion is taken; but with the jaw aside the same place is as well that of a condyle anywhere "
         f"between {words.number(aside[0])} and {words.number(aside[1])} mm to the left.",
         verdict,
         "The path is found where the pose is measured"

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import words
+from eval.report import words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import histograms, physician_view
@@ -42,20 +42,23 @@ def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 def judge_linear(table: pd.DataFrame) -> Finding:
     """A bias of b beyond three of its sds, which are small; none where F_o has either sign, and so b no mean."""
-    exponents = [one for one in spreads(table) if not one.is_force]
-    known = [one for one in exponents if np.isfinite(one.bias_sds) and not _either_sign(table, one.parameter)]
-    worst = max((abs(one.bias_sds) for one in known), default=float("nan"))
+    exponents = [spread for spread in spreads(table) if not spread.is_force]
+    known = [
+        spread for spread in exponents if np.isfinite(spread.bias_sds) and not _either_sign(table, spread.parameter)
+    ]
+    worst = max((abs(spread.bias_sds) for spread in known), default=float("nan"))
     biased = worst > 3.0
     negative = float((rows.kind(table, "log_F_o")["value"] < 0.0).mean())
     return Finding(
-        f"{', '.join(_told_linear(table, one) for one in exponents)} (mean ± sd over {table['draw'].nunique()} draws, "
+        f"{', '.join(_linear_text(table, s) for s in exponents)} (mean ± sd over {table['draw'].nunique()} draws, "
         "where there is a mean). The largest "
         f"bias is {words.number(worst, 0)} sds. {words.percent(negative, 0)} % of the F_o come out negative.",
         "reproduced" if biased else "not reproduced",
         "A bias of more than 3 sds in b, from the expansion about zero stretch."
         if biased
         else "No b is off by more than 3 of its sds.",
-        {f"b_bias_sds/{words.muscle(one.parameter)}": one.bias_sds for one in known} | {"negative_F_o": negative},
+        {f"b_bias_sds/{words.muscle(spread.parameter)}": spread.bias_sds for spread in known}
+        | {"negative_F_o": negative},
     )
 
 
@@ -69,24 +72,24 @@ def _either_sign(table: pd.DataFrame, parameter: str) -> bool:
     return 0.01 < negative < 0.99
 
 
-def _told_linear(table: pd.DataFrame, one: Spread) -> str:
+def _linear_text(table: pd.DataFrame, spread: Spread) -> str:
     """Mean and sd in words, or the middle of the draws where F_o has either sign."""
-    if not _either_sign(table, one.parameter):
-        return one.told()
-    low, high = table.loc[table["parameter"] == one.parameter, "value"].quantile([0.16, 0.84])
+    if not _either_sign(table, spread.parameter):
+        return spread.text()
+    low, high = table.loc[table["parameter"] == spread.parameter, "value"].quantile([0.16, 0.84])
     return (
-        f"b {words.muscle(one.parameter)} without a mean, since F_o has either sign (middle 68 % of the draws: "
-        f"{words.number(low, 0)} to {words.number(high, 0)}) for {words.number(one.truth, 2)}"
+        f"b {words.muscle(spread.parameter)} without a mean, since F_o has either sign (middle 68 % of the draws: "
+        f"{words.number(low, 0)} to {words.number(high, 0)}) for {words.number(spread.truth, 2)}"
     )
 
 
 def _nonlinear(clean: Record, rng: np.random.Generator, starts: int) -> pd.DataFrame:
     """Nonlinear least squares with noise of the sensors, and with forces that no model explains on top."""
-    found = []
+    tables = []
     for case, device in NOISES.items():
         record = with_noise(clean, device, rng)
-        found.append(rows.of_estimate(NonlinearLeastSquares(starts=starts).estimate(record), record, case))
-    return pd.concat(found)
+        tables.append(rows.of_estimate(NonlinearLeastSquares(starts=starts).estimate(record), record, case))
+    return pd.concat(tables)
 
 
 def draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
@@ -98,12 +101,12 @@ def judge_plane(table: pd.DataFrame) -> Finding:
     """Means close to the truth with the noise of the sensors."""
     each = spreads(rows.of_case(table, "sensors"))
     other = spreads(rows.of_case(table, "sensors and forces"))
-    close, inside = sum(abs(one.bias) <= CLOSE for one in each), sum(one.inside for one in each)
+    close, inside = sum(abs(spread.bias) <= CLOSE for spread in each), sum(spread.inside for spread in each)
     return Finding(
-        f"{', '.join(one.told() for one in each)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
+        f"{', '.join(spread.text() for spread in each)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
         "sensors). With forces that no model explains on top, the largest bias is "
-        f"{words.percent(max(abs(one.bias) for one in other), 0)} % and the largest sd "
-        f"{words.percent(max(one.relative_sd for one in other), 0)} %.",
+        f"{words.percent(max(abs(spread.bias) for spread in other), 0)} % and the largest sd "
+        f"{words.percent(max(s.relative_sd for s in other), 0)} %.",
         "reproduced"
         if close == len(each)
         else "partly"
@@ -111,8 +114,8 @@ def judge_plane(table: pd.DataFrame) -> Finding:
         else "not reproduced",
         f"{close} of {len(each)} means lie within {words.percent(CLOSE, 0)} % of the truth, and {inside} truths within "
         "one sd of the mean.",
-        {f"bias/{one.parameter}": one.bias for one in each}
-        | {f"bias_with_forces/{one.parameter}": one.bias for one in other},
+        {f"bias/{spread.parameter}": spread.bias for spread in each}
+        | {f"bias_with_forces/{spread.parameter}": spread.bias for spread in other},
     )
 
 
@@ -125,13 +128,13 @@ def judge_full(table: pd.DataFrame) -> Finding:
     """Mean near, truth within one sd of the mean, and no muscle taken for what it is not."""
     other = spreads(rows.of_case(table, "sensors and forces"))
     each = spreads(rows.of_case(table, "sensors"))
-    inside, close = sum(one.inside for one in each), sum(abs(one.bias) <= CLOSE for one in each)
+    inside, close = sum(spread.inside for spread in each), sum(abs(spread.bias) <= CLOSE for spread in each)
     wrong, singly = wrongly_taken(table)
     return Finding(
         f"{inside} of {len(each)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
         f"{len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
-        f"{words.percent(max(one.relative_sd for one in each), 0)} %; with forces that no model explains on top of the "
-        f"sensors' noise it is {words.percent(max(one.relative_sd for one in other), 0)} %. By the mean, {wrong} of "
+        f"{words.percent(max(s.relative_sd for s in each), 0)} %; with forces that no model explains on top of the "
+        f"sensors' noise it is {words.percent(max(s.relative_sd for s in other), 0)} %. By the mean, {wrong} of "
         f"{len(each) // 2} muscles are taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N).",
         "reproduced" if inside == len(each) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
         ("The sd captures every truth" if inside == len(each) else "Not every truth lies within one sd of the mean")
@@ -139,7 +142,7 @@ def judge_full(table: pd.DataFrame) -> Finding:
         + " is taken for what it is not.",
         {
             "inside_one_sd": inside / len(each),
-            "largest_bias": max(abs(one.bias) for one in each),
+            "largest_bias": max(abs(spread.bias) for spread in each),
             "wrong_by_mean": float(wrong),
             "wrong_by_draw": singly.value,
         },
@@ -148,10 +151,10 @@ def judge_full(table: pd.DataFrame) -> Finding:
 
 def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     """Muscles whose mean F_o lies on the wrong side of the limit, and the share of single estimates that do."""
-    one = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
-    truly = one["true_value"] > FIBROSED_F_O_N
-    singly = rows.share((truly != (one["value"] > FIBROSED_F_O_N)).to_numpy())
-    wrong = sum((s.truth > FIBROSED_F_O_N) != (s.mean > FIBROSED_F_O_N) for s in spreads(one))
+    forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
+    truly = forces["true_value"] > FIBROSED_F_O_N
+    singly = rows.share((truly != (forces["value"] > FIBROSED_F_O_N)).to_numpy())
+    wrong = sum((s.truth > FIBROSED_F_O_N) != (s.mean > FIBROSED_F_O_N) for s in spreads(forces))
     return wrong, singly
 
 

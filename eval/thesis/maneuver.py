@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import drawing, words
+from eval.report import drawing, words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
@@ -38,13 +38,13 @@ def _case(degrees: float, to_the_side: bool, method: str) -> str:
 def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """Each opening with and without swings, by nonlinear least squares with the prior and by the filter in logs."""
     openings = (SMALL, LARGE) if quick else OPENINGS
-    found = []
+    tables = []
     for degrees in openings:
         for to_the_side in (False, True):
             record = with_noise(maneuver_record(degrees, to_the_side), DEVICE, rng)
             for name, method in METHODS.items():
-                found.append(rows.of_estimate(method.estimate(record), record, _case(degrees, to_the_side, name)))
-    return pd.concat(found)
+                tables.append(rows.of_estimate(method.estimate(record), record, _case(degrees, to_the_side, name)))
+    return pd.concat(tables)
 
 
 def errors(
@@ -67,15 +67,15 @@ def judge(table: pd.DataFrame) -> Finding:
     helps = both[True].high < both[False].low
     prior_F = float(np.sqrt(np.mean(maneuver_record(SMALL, False).prior.sd[::2] ** 2)))
 
-    told = rows.told
+    text = rows.with_interval
 
     return Finding(
-        f"Error of b after 5° of opening {told(b[SMALL, False])}, after 20° {told(b[LARGE, False])}; before anything "
-        f"is measured the sd is {words.percent(prior_b, 0)} %. With swings {told(b[SMALL, True])} and "
-        f"{told(b[LARGE, True])}. Error of F_o after 5° straight {told(force)}, of {words.percent(prior_F, 0)} % "
-        f"before. Of all 12 after 20°: straight {told(both[False])}, with swings {told(both[True])}. All this by "
+        f"Error of b after 5° of opening {text(b[SMALL, False])}, after 20° {text(b[LARGE, False])}; before anything "
+        f"is measured the sd is {words.percent(prior_b, 0)} %. With swings {text(b[SMALL, True])} and "
+        f"{text(b[LARGE, True])}. Error of F_o after 5° straight {text(force)}, of {words.percent(prior_F, 0)} % "
+        f"before. Of all 12 after 20°: straight {text(both[False])}, with swings {text(both[True])}. All this by "
         "nonlinear least squares with the prior; by the extended Kalman filter, straight, b is off by "
-        f"{told(filtered[SMALL])} after 5° and {told(filtered[LARGE])} after 20°.",
+        f"{text(filtered[SMALL])} after 5° and {text(filtered[LARGE])} after 20°.",
         "reproduced" if poor and decides and unknown and helps else "partly" if poor or helps else "not reproduced",
         ("Small openings tell less of b" if poor else "Small openings tell b as well as large ones")
         + (
@@ -112,11 +112,11 @@ def figure(table: pd.DataFrame) -> Figure:
             drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
         ):
             for to_the_side, method, colour, line in LINES:
-                found = [errors(table, symbol, degrees, to_the_side, method) for degrees in openings]
-                ends = np.array([[one.value - one.low, one.high - one.value] for one in found]).T
+                intervals = [errors(table, symbol, degrees, to_the_side, method) for degrees in openings]
+                ends = np.array([[i.value - i.low, i.high - i.value] for i in intervals]).T
                 axes.errorbar(
                     openings,
-                    [one.value for one in found],
+                    [i.value for i in intervals],
                     yerr=np.nan_to_num(np.maximum(ends, 0.0)),
                     color=colour,
                     marker="o",

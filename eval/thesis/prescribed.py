@@ -58,8 +58,8 @@ class Motion:
         """(N, 5) coordinates q and speeds u = (x', y', angular velocity in body axes) at N times."""
         q, rate = self.at(time)
         u = rate.copy()
-        for k, (one, turn) in enumerate(zip(q, rate, strict=True)):
-            axes = np.array(turning_axes(tuple(one)))
+        for k, (pose, turn) in enumerate(zip(q, rate, strict=True)):
+            axes = np.array(turning_axes(tuple(pose)))
             u[k, 2:] = turn[2] * axes[0] + turn[3] * axes[1] + turn[4] * axes[2]
         return q, u
 
@@ -147,16 +147,16 @@ def with_noise(record: Record, device: Device, rng: np.random.Generator) -> Reco
     The motion stays as it is: what the unmodelled wrench does not do, the device does, and reads.
     """
     ticks = len(record.samples)
-    one = device.records()[0]
+    arrays = device.records()[0]
     shape = (ticks, 1, 3)
     scale = np.sqrt(defaults.UNMODELLED_TIME / record.dt)
     unmodelled = np.concatenate(
-        [scale * float(one[f"unmodelled_{kind}"]) * rng.normal(size=shape) for kind in ("force", "moment")], axis=-1
+        [scale * float(arrays[f"unmodelled_{kind}"]) * rng.normal(size=shape) for kind in ("force", "moment")], axis=-1
     )
     gain = record.gain_sd * rng.normal()
     assert record.wrenches is not None and record.states is not None, "a prescribed motion has both"
     wrenches = record.wrenches - unmodelled
-    cell = np.repeat([float(one["cell_force"]), float(one["cell_moment"])], 3)
+    cell = np.repeat([float(arrays["cell_force"]), float(arrays["cell_moment"])], 3)
     samples = wrenches / (1.0 + gain) + cell * rng.normal(size=wrenches.shape)
     measured = record.measured + record.measurement_sd * rng.normal(size=record.measured.shape)
     start = record.states[0] + record.start_sd * rng.normal(size=record.start_sd.shape)

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import drawing, statistics, words
+from eval import statistics
+from eval.report import drawing, words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
@@ -34,13 +35,13 @@ def _parts(hz: float) -> int:
 def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """The same motion, sampled at each rate; where ticks are longer than 10 ms, with them divided as well."""
     rates = (100.0, 10.0) if quick else RATES
-    found = []
+    tables = []
     for hz in rates:
         record = with_noise(sampled_record(1.0 / hz), DEVICE, rng)
         for parts in sorted({1, _parts(hz)}):
             estimate = FILTER.estimate(divided(record, parts))
-            found.append(rows.of_estimate(estimate, record, _case(hz, parts)))
-    return pd.concat(found)
+            tables.append(rows.of_estimate(estimate, record, _case(hz, parts)))
+    return pd.concat(tables)
 
 
 def _rates(table: pd.DataFrame) -> list[float]:
@@ -53,17 +54,17 @@ def nees(table: pd.DataFrame, case: str) -> Interval:
     return statistics.quantile(values.fillna(np.inf).to_numpy(), 0.5)
 
 
-def _told(table: pd.DataFrame, hz: float, parts: int = 1) -> str:
+def _figures(table: pd.DataFrame, hz: float, parts: int = 1) -> str:
     case = _case(hz, parts)
     error = _error(table, case)
     if not np.isfinite(error.value):
         return f"{_case(hz)} diverges"
-    return f"{_case(hz)} {rows.told(error)}, NEES {words.number(nees(table, case).value)}"
+    return f"{_case(hz)} {rows.with_interval(error)}, NEES {words.number(nees(table, case).value)}"
 
 
 def _below(rates: list[float], poor: list[bool]) -> list[float]:
     """The lowest rates, as far up as all of them are poor."""
-    good = [hz for hz, one in zip(rates, poor, strict=True) if not one]
+    good = [hz for hz, is_poor in zip(rates, poor, strict=True) if not is_poor]
     return [hz for hz in rates if not good or hz < min(good)]
 
 
@@ -78,8 +79,8 @@ def judge(table: pd.DataFrame) -> Finding:
     short = [hz for hz in rates if _parts(hz) > 1]
     cases = dict.fromkeys(table["case"])
     return Finding(
-        f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(_told(table, hz) for hz in rates)}. "
-        f"With ticks divided into 10 ms: {'; '.join(_told(table, hz, _parts(hz)) for hz in short)}.",
+        f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(_figures(table, hz) for hz in rates)}. "
+        f"With ticks divided into 10 ms: {'; '.join(_figures(table, hz, _parts(hz)) for hz in short)}.",
         "reproduced" if slow else "not reproduced",
         f"At {_case(max(slow))} and below the error is more than {WORSE:g} times that at {_case(rates[0])}"
         + (f", and at {_case(max(sure))} and below the NEES more than {WORSE:g} times an honest one's" if sure else "")
@@ -125,11 +126,14 @@ def _error(table: pd.DataFrame, case: str) -> Interval:
 
 def _dots(axes: Axes, values: dict[float, Interval], colour: str, label: str) -> None:
     """A dot with its interval at each rate; none where the filter diverges."""
-    known = {hz: one for hz, one in values.items() if np.isfinite(one.value)}
-    ends = [[max(one.value - one.low, 0.0), max(one.high - one.value, 0.0)] for one in known.values()]
+    known = {hz: interval for hz, interval in values.items() if np.isfinite(interval.value)}
+    ends = [
+        [max(interval.value - interval.low, 0.0), max(interval.high - interval.value, 0.0)]
+        for interval in known.values()
+    ]
     axes.errorbar(
         list(known),
-        [one.value for one in known.values()],
+        [interval.value for interval in known.values()],
         yerr=np.nan_to_num(np.array(ends).reshape(-1, 2).T, posinf=0.0),
         marker="o",
         markersize=4,

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import svg
-from eval.report import TEMPLATES
+from eval.report import template
+from eval.report.template import picture
 from eval.thesis.item import Finding, Item
 from eval.thesis.run import Settings
 
@@ -59,26 +56,13 @@ def write(
     Returns:
         The path.
     """
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=select_autoescape(("html.j2",), default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    pictures = {
-        item.key: Markup(svg.inline(item.figure(tables[item.key]), item.key, item.title))  # noqa: S704  (our own)
-        for item in items
-    }
-    page = environment.get_template("thesis.html.j2").render(
+    page = template.render(
+        "thesis.html.j2",
         items=items,
         findings=findings,
-        pictures=pictures,
+        pictures={item.key: picture(item.figure(tables[item.key]), item.key, item.title) for item in items},
         settings=asdict(settings),
         about=about,
         counts={verdict: sum(finding.verdict == verdict for finding in findings.values()) for verdict in _COLOUR},
     )
-    unfinished = path.with_name(path.name + ".unfinished")
-    unfinished.write_text(page, encoding="utf-8")
-    os.replace(unfinished, path)
-    return path
+    return template.write(page, path)

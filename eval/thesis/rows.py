@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics, words
+from eval import statistics
+from eval.report import words
 from eval.statistics import Interval
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
@@ -61,9 +62,9 @@ def last(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["time_s"] == table.groupby("case")["time_s"].transform("max")]
 
 
-def told(found: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
+def with_interval(estimate: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
     """A figure with its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
-    scaled = words.scaled(found, factor)
+    scaled = words.scaled(estimate, factor)
     ends = words.interval(scaled, digits)
     return f"{words.number(scaled.value, digits)}{unit}" + (f" ({ends})" if ends else "")
 
@@ -91,6 +92,6 @@ def share(hits: Sequence[bool] | NDArray[np.bool_]) -> Interval:
     from scipy.stats import binomtest
 
     hits = np.asarray(hits)
-    found = binomtest(int(hits.sum()), len(hits))
-    ends = found.proportion_ci(method="wilson")
+    test = binomtest(int(hits.sum()), len(hits))
+    ends = test.proportion_ci(method="wilson")
     return Interval(float(hits.mean()), float(ends.low), float(ends.high))

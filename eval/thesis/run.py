@@ -8,22 +8,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from rich.console import Console
 
 import agents
 import jawenv
-from eval.pool import run_all, stopped
-from eval.thesis.item import Item
+from eval.chunks import Chunk, finish, folder_for
+from eval.tables import read_table, write_table
+from eval.thesis.item import Finding, Item
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
 
 CHUNK = 10
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
@@ -54,26 +55,16 @@ class Settings:
             raise InputError(f"seed: {self.seed} given, allowed is 0 or more")
 
 
-@dataclass(frozen=True)
-class Chunk:
-    """Some draws of an item, and the file that keeps them."""
-
-    key: str
-    first: int
-    number: int
-    path: Path
-
-
 def chunks_of(item: Item, settings: Settings, folder: Path) -> list[Chunk]:
     """The chunks that an item's draws are made in; items with the same draws share them."""
     key = item.drawn_as
-    found = []
+    chunks = []
     for first in range(0, settings.draws, CHUNK):
         number = min(CHUNK, settings.draws - first)
         what = [key, first, number, settings.seed, settings.quick, program_digest()]
         name = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
-        found.append(Chunk(key, first, number, folder / f"{key}-{first:05d}-{name}.parquet"))
-    return found
+        chunks.append(Chunk(key, first, number, ((key, folder / f"{key}-{first:05d}-{name}.parquet"),)))
+    return chunks
 
 
 @cache
@@ -94,7 +85,7 @@ def draw_all(
     *,
     fresh: bool = False,
     workers: int | None = None,
-    progress: Callable[[str, int, bool], None] | None = None,
+    console: Console | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Every draw of every item.
 
@@ -104,7 +95,7 @@ def draw_all(
         output: folder; its ``draws`` holds the chunks.
         fresh: draw again what the folder holds.
         workers: processes; all cores by default. 1 draws in this process.
-        progress: called with (item's key, draws finished, whether they were kept from before).
+        console: where progress is shown; nowhere by default.
 
     Returns:
         Rows of all draws of each item by its key, with a column ``draw``.
@@ -112,51 +103,32 @@ def draw_all(
     Raises:
         InputError: the output folder cannot be used, or a kept file is damaged.
     """
-    folder = output / "draws"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"output {output}: {error.strerror}") from None
+    folder = folder_for(output, "draws")
     plan = {item.key: chunks_of(item, settings, folder) for item in items}
-    wanted = list(dict.fromkeys(chunk for chunks in plan.values() for chunk in chunks))
-    missing = [chunk for chunk in wanted if fresh or not chunk.path.exists()]
-    told = progress or (lambda key, number, known: None)
-    for chunk in wanted:
-        if chunk not in missing:
-            told(chunk.key, chunk.number, True)
-    work = partial(draw_chunk, settings=settings)
-    run_all(work, missing, lambda chunk: told(chunk.key, chunk.number, False), workers)
-    return {key: pd.concat([_read(chunk.path) for chunk in chunks], ignore_index=True) for key, chunks in plan.items()}
+    chunks = list(dict.fromkeys(chunk for of_item in plan.values() for chunk in of_item))
+    finish(chunks, partial(draw_chunk, settings=settings), "draws", fresh=fresh, workers=workers, console=console)
+    return {
+        key: pd.concat([read_table(path)[0] for chunk in of_item for _, path in chunk.files], ignore_index=True)
+        for key, of_item in plan.items()
+    }
 
 
 def draw_chunk(chunk: Chunk, settings: Settings) -> None:
     """Make the draws of a chunk and keep them, all or none."""
     from eval.thesis.catalogue import ITEMS
 
-    numbers, parts = range(chunk.first, chunk.first + chunk.number), []
+    numbers = range(chunk.first, chunk.first + chunk.number)
     rngs = [np.random.default_rng([settings.seed, zlib.crc32(chunk.key.encode()), number]) for number in numbers]
-    drawn = ITEMS[chunk.key].draw(rngs, settings.quick)
-    for number in numbers:
-        if stopped():
-            return
-        parts.append(next(drawn).assign(draw=number))
-    unfinished = chunk.path.with_name(f"{chunk.path.name}.{os.getpid()}.unfinished")
-    pd.concat(parts, ignore_index=True).to_parquet(unfinished, index=False, compression="zstd")
-    os.replace(unfinished, chunk.path)
+    drawn = zip(ITEMS[chunk.key].draw(rngs, settings.quick), numbers, strict=True)
+    rows = pd.concat([table.assign(draw=number) for table, number in drawn], ignore_index=True)
+    for _, path in chunk.files:
+        write_table(rows, path, {})
 
 
-def _read(path: Path) -> pd.DataFrame:
-    try:
-        return pd.read_parquet(path)
-    except (OSError, ValueError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
-
-
-def keep(item: Item, table: pd.DataFrame, finding: Any, settings: Settings, output: Path) -> None:
+def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Settings, output: Path) -> None:
     """Write an item's rows as Parquet and its finding as JSON."""
-    table.to_parquet(output / f"{item.key}.parquet", index=False, compression="zstd")
-    told = {
+    write_table(table, output / f"{item.key}.parquet", {})
+    content = {
         "title": item.title,
         "where": item.where,
         "says": item.says,
@@ -164,4 +136,5 @@ def keep(item: Item, table: pd.DataFrame, finding: Any, settings: Settings, outp
         "settings": asdict(settings),
         **asdict(finding),
     }
-    (output / f"{item.key}.json").write_text(json.dumps(told, indent=2, ensure_ascii=False), encoding="utf-8")
+    with atomic_write(output / f"{item.key}.json") as unfinished:
+        unfinished.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")

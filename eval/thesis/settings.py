@@ -8,6 +8,7 @@ than the thesis counts are left, because the height of the condyle follows from 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -21,6 +22,7 @@ from jawenv.estimation.recordings.record import Record
 from jawenv.mechanics.jaw import ALL_FREE, build_jaw
 
 Array = NDArray[np.float64]
+Keyframes = dict[str, tuple[Sequence[float], Sequence[float]]]
 
 DEVICE = Device()
 SENSORS = Device(unmodelled_force_N=0.0, unmodelled_moment_N_m=0.0)
@@ -39,14 +41,16 @@ def logs(pairs: tuple[tuple[float, float], ...]) -> Array:
     return np.log(np.array(pairs, dtype=np.float64)).ravel()
 
 
-def opening(times: tuple[float, ...], degrees: tuple[float, ...], fore_aft_mm: tuple[float, ...] | None = None) -> dict:
+def opening(
+    times: tuple[float, ...], degrees: tuple[float, ...], fore_aft_mm: tuple[float, ...] | None = None
+) -> Keyframes:
     """Keyframes of an opening on which the condyle slides as in a healthy jaw, and off that by ``fore_aft_mm``."""
     theta = np.radians(degrees)
     off = np.zeros(len(times)) if fore_aft_mm is None else np.array(fore_aft_mm) / 1e3
     return {"theta": (times, tuple(theta)), "x": (times, tuple(SLIDE * theta + off))}
 
 
-def sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...], aside_mm_per_deg: float = 0.4) -> dict:
+def sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...], aside_mm_per_deg: float = 0.4) -> Keyframes:
     """Keyframes of swings to the side: yaw, and the condyles' midpoint aside with it."""
     yaw = np.radians(yaw_deg)
     return {"psi": (times, tuple(yaw)), "y": (times, tuple(aside_mm_per_deg * np.array(yaw_deg) / 1e3))}

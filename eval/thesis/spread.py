@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from eval import words
+from eval.report import words
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Spread:
         """Whether it is F_o."""
         return self.parameter.startswith("log_F_o/")
 
-    def told(self, digits: int = 2) -> str:
+    def text(self, digits: int = 2) -> str:
         """In words: `b masseter 7.95 ± 0.90 for 8.00`."""
         symbol = "F_o" if self.is_force else "b"
         values = [words.number(value, digits) for value in (self.mean, self.sd, self.truth)]
@@ -59,9 +59,9 @@ class Spread:
 
 def spreads(table: pd.DataFrame) -> list[Spread]:
     """Of every parameter, from the values that there are."""
-    found = []
+    each = []
     for name in dict.fromkeys(map(str, table["parameter"])):
-        one = table[table["parameter"] == name]
-        known = one["value"].dropna()
-        found.append(Spread(name, float(one["true_value"].iloc[0]), float(known.mean()), float(known.std(ddof=1))))
-    return found
+        rows = table[table["parameter"] == name]
+        known = rows["value"].dropna()
+        each.append(Spread(name, float(rows["true_value"].iloc[0]), float(known.mean()), float(known.std(ddof=1))))
+    return each

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import drawing, words
+from eval.report import drawing, words
 from eval.thesis import rows
 
 COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d", "#8b6cc6")
@@ -21,14 +21,14 @@ def _name(parameter: str) -> str:
     return f"{'F_o, N' if parameter.startswith('log_F_o') else 'b'}  {words.muscle(parameter)}"
 
 
-def _track(axes: Axes, one: pd.DataFrame, colour: str) -> None:
+def _track(axes: Axes, estimates: pd.DataFrame, colour: str) -> None:
     """Estimate and three sds of one parameter in one draw, in F_o (N) or b."""
-    mean, sd = one["estimate"].to_numpy(), one["sd"].to_numpy()
-    truth = float(np.exp(one["truth"].iloc[0]))
+    mean, sd = estimates["estimate"].to_numpy(), estimates["sd"].to_numpy()
+    truth = float(np.exp(estimates["truth"].iloc[0]))
     with np.errstate(over="ignore"):
         low, high = np.exp(mean - 3.0 * sd), np.exp(mean + 3.0 * sd)
-    axes.fill_between(one["time_s"], low, high, color=colour, alpha=0.22, linewidth=0)
-    axes.plot(one["time_s"], np.exp(mean), color=colour)
+    axes.fill_between(estimates["time_s"], low, high, color=colour, alpha=0.22, linewidth=0)
+    axes.plot(estimates["time_s"], np.exp(mean), color=colour)
     axes.axhline(truth, color=_TRUTH, linestyle=(0, (4, 2)), linewidth=1.2)
     values = np.exp(mean)[np.isfinite(mean)]
     top = max(2.2 * truth, 1.1 * float(values.max(initial=0.0)))
@@ -61,21 +61,21 @@ def errors_with_bounds(table: pd.DataFrame, cases: Mapping[str, str]) -> Figure:
         for axes, name in zip(grid[0], names, strict=True):
             _track(axes, rows.of_case(first, next(iter(cases)), name), COLOURS[0])
             axes.set_title(_name(name), fontsize=8.5)
-        for line, (case, told) in zip(grid[1:], cases.items(), strict=True):
+        for line, (case, label) in zip(grid[1:], cases.items(), strict=True):
             for axes, name in zip(line, names, strict=True):
                 _errors(axes, rows.of_case(table, case, name))
-            line[0].set_ylabel(f"error of the log,\n{told}", fontsize=7.5)
+            line[0].set_ylabel(f"error of the log,\n{label}", fontsize=7.5)
         for axes in grid[-1]:
             axes.set_xlabel("s")
         return figure
 
 
-def _errors(axes: Axes, one: pd.DataFrame) -> None:
-    for _, single in list(one.groupby("draw"))[:DRAWN]:
+def _errors(axes: Axes, estimates: pd.DataFrame) -> None:
+    for _, single in list(estimates.groupby("draw"))[:DRAWN]:
         axes.plot(
             single["time_s"], single["estimate"] - single["truth"], color=drawing.REFERENCE, linewidth=0.6, alpha=0.7
         )
-    bound = 3.0 * one.groupby("time_s")["sd"].median()
+    bound = 3.0 * estimates.groupby("time_s")["sd"].median()
     for sign in (-1.0, 1.0):
         axes.plot(bound.index, sign * bound, color=COLOURS[0], linewidth=1.5)
     later = bound[bound.index >= 0.1 * bound.index.max()]
@@ -88,8 +88,10 @@ def noise_figure(table: pd.DataFrame, cases: Sequence[str]) -> Figure:
     with drawing.style():
         figure = Figure(figsize=(10.2, 2.7), layout="constrained")
         for axes, case in zip(figure.subplots(1, len(cases), sharey=True), cases, strict=True):
-            one = rows.of_case(table, case)
-            squares = one.assign(error=(one["estimate"] - one["truth"]) ** 2, variance=one["sd"] ** 2)
+            estimates = rows.of_case(table, case)
+            squares = estimates.assign(
+                error=(estimates["estimate"] - estimates["truth"]) ** 2, variance=estimates["sd"] ** 2
+            )
             mean = squares.groupby(["draw", "time_s"])[["error", "variance"]].mean().groupby("time_s").median() ** 0.5
             axes.plot(mean.index, mean["error"], color=COLOURS[1], label="error")
             axes.plot(mean.index, mean["variance"], color=COLOURS[0], linestyle=(0, (4, 2)), label="sd claimed")

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import drawing, words
+from eval.report import drawing, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
@@ -26,7 +26,7 @@ NOISY, PURE, SECOND, OTHER = "two stages", "two stages, no noise", "second stage
 def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     """One muscle on a hinge and three in the plane, by the two-stage method, its parts, and nonlinear least squares."""
     del quick
-    found = []
+    tables = []
     for muscles, clean in RECORDS.items():
         record = with_noise(clean(), SENSORS, rng)
         for case, method, data in (
@@ -34,9 +34,9 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
             (PURE, TWO_STAGES, clean()),
             (OTHER, NONLINEAR, record),
         ):
-            found.append(rows.of_estimate(method.estimate(data), data, f"{muscles}: {case}"))
-        found.append(_second_stage(clean(), f"{muscles}: {SECOND}"))
-    return pd.concat(found)
+            tables.append(rows.of_estimate(method.estimate(data), data, f"{muscles}: {case}"))
+        tables.append(_second_stage(clean(), f"{muscles}: {SECOND}"))
+    return pd.concat(tables)
 
 
 def _second_stage(record: Record, case: str) -> pd.DataFrame:
@@ -49,8 +49,8 @@ def _second_stage(record: Record, case: str) -> pd.DataFrame:
 
 def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
     """Median over draws and muscles of |estimate / truth - 1|; infinite where most have no value."""
-    one = rows.kind(rows.of_case(table, case), symbol)
-    error = (one["value"] / one["true_value"] - 1.0).abs().fillna(np.inf)
+    estimates = rows.kind(rows.of_case(table, case), symbol)
+    error = (estimates["value"] / estimates["true_value"] - 1.0).abs().fillna(np.inf)
     return float(np.median(error))
 
 
@@ -66,15 +66,15 @@ def judge(table: pd.DataFrame) -> Finding:
     other, single = numbers[f"b/three muscles: {OTHER}"], numbers[f"b/one muscle: {SECOND}"]
     fails, explained = noisy > CLOSE, second > CLOSE >= single
 
-    def told(value: float) -> str:
+    def text(value: float) -> str:
         return "no value in most draws" if not np.isfinite(value) else f"{words.percent(value)} %"
 
     return Finding(
-        f"Median error of b with three muscles: {told(noisy)}; without any noise {told(pure)} (F_o "
-        f"{told(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
-        f"{told(second)}. Nonlinear least squares on the same noisy data: {told(other)}. With one muscle the second "
-        f"stage alone errs by {told(single)}, both together without noise by {told(numbers[f'b/one muscle: {PURE}'])} "
-        f"(F_o {told(numbers[f'F_o/one muscle: {PURE}'])}).",
+        f"Median error of b with three muscles: {text(noisy)}; without any noise {text(pure)} (F_o "
+        f"{text(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
+        f"{text(second)}. Nonlinear least squares on the same noisy data: {text(other)}. With one muscle the second "
+        f"stage alone errs by {text(single)}, both together without noise by {text(numbers[f'b/one muscle: {PURE}'])} "
+        f"(F_o {text(numbers[f'F_o/one muscle: {PURE}'])}).",
         "reproduced" if fails else "not reproduced",
         ("It fails" if fails else "It does not fail")
         + (
@@ -97,8 +97,8 @@ def figure(table: pd.DataFrame) -> Figure:
             drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
         ):
             for place, case in enumerate(cases):
-                one = rows.kind(rows.of_case(drawn_ones, case), symbol)
-                ratio = (one["value"] / one["true_value"]).to_numpy()
+                estimates = rows.kind(rows.of_case(drawn_ones, case), symbol)
+                ratio = (estimates["value"] / estimates["true_value"]).to_numpy()
                 ratio = ratio[np.isfinite(ratio)]
                 offsets = place + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
                 axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)

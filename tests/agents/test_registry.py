@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import agents
-from agents.baselines import RandomPolicy
+from agents.excitation import Excitation
 from agents.player import Player
 from agents.protocol import Agent
 from jawenv.envs.observation import OBSERVATION_SIZE
@@ -16,7 +16,7 @@ from jawenv.errors import InputError
 def test_every_name_gives_an_agent_of_that_name(name: str) -> None:
     agent = agents.load_agent(name, control="trajectory", control_hz=10.0)
     assert isinstance(agent, Agent) and agent.name == name
-    assert isinstance(agent, RandomPolicy if name == "random" else Player)
+    assert isinstance(agent, Excitation if name == "random" else Player)
 
 
 def test_unknown_name_lists_what_is_allowed() -> None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jawenv.estimation.online import replay
+from jawenv.estimation.online.record_filter import replay
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.references import mixture
 

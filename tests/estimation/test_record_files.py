@@ -221,7 +221,7 @@ def test_files_that_are_no_recordings(tmp_path):
     (tmp_path / "c.csv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="UTF-8"):
         load_record(tmp_path / "c.csv")
-    with pytest.raises(InputError, match="folder"):
+    with pytest.raises(InputError, match="cannot be written: No such file or directory"):
         save_record(random_record("jaw", 1, 0.01, 0), tmp_path / "nowhere" / "one.csv")
 
 

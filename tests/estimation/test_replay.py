@@ -15,8 +15,7 @@ import jawenv
 from agents import load_agent
 from jawenv.envs.configuration import configure
 from jawenv.envs.simulation import Simulation
-from jawenv.estimation.online import replay
-from jawenv.estimation.online.record_filter import FilterRun, TensionFilter, belief_about, filter_record
+from jawenv.estimation.online.record_filter import FilterRun, TensionFilter, belief_about, filter_record, replay
 from jawenv.estimation.online.state import begin_belief
 from jawenv.estimation.online.tick import take_readings
 from jawenv.estimation.recordings.thinning import divided, thinned

@@ -1,7 +1,7 @@
 """Studies of known outcome: linear-Gaussian recordings in place of played episodes."""
 
-from eval import results
-from eval.results import Results
+from eval.comparison import results
+from eval.comparison.results import Results
 from jawenv.ladder import model_of_env
 from jawenv.rollout import DEFAULT_ENV
 from tests.metrics.linear_gaussian import linear_gaussian

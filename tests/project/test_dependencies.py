@@ -69,8 +69,9 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
 @pytest.mark.parametrize(
     ("folder", "own", "extras"),
     [
-        # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing
-        ("jawenv", {"jawenv", "yaml", "pyarrow"}, ["all"]),
+        # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing. rich only in
+        # jawenv.progress, for the commands, which bring it.
+        ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all"]),
         ("agents", {"jawenv", "agents"}, ["train"]),
         ("training", {"jawenv", "agents", "training"}, ["train"]),
         ("eval", {"jawenv", "agents", "training", "eval"}, ["train", "eval"]),

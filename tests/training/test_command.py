@@ -53,7 +53,7 @@ def test_run_folder_holds_what_is_needed_to_repeat_it(finished: Path) -> None:
     assert list((finished / "tensorboard").iterdir())
     repeat = json.loads((finished / "repeat.json").read_text())
     assert repeat["versions"]["gymnasium"]
-    assert repeat["seeds"] == {"training": 3, "validation": [20000, 20003]}
+    assert repeat["seeds"] == {"training": 3, "validation": [30000, 30003]}
     assert repeat["sessions"][0]["world_seed"] == world_seed(3, 0) >= 2**31
     assert json.loads((finished / "env.json").read_text())["id"] == "Point-v0"
     assert not list(finished.rglob("*.unfinished"))

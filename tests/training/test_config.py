@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from jawenv.errors import InputError
+from jawenv.seeds import VALIDATION
 from training.config import DEFAULT_CONFIG, TrainingConfig
 
 
@@ -21,7 +22,7 @@ def test_default_file_spells_out_every_default() -> None:
 @pytest.mark.parametrize("path", sorted(DEFAULT_CONFIG.parent.glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_files_are_valid_and_keep_cohorts_apart(path: Path) -> None:
     config = TrainingConfig.load(path)
-    assert config.evaluation.seed >= 20_000
+    assert config.evaluation.seed in VALIDATION
     assert config.n_envs * config.ppo.n_steps <= config.steps
 
 
@@ -52,7 +53,11 @@ def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
             r"activation = 'sine' must be 'tanh', 'relu' or 'elu'",
         ),
         ("ppo: {batch_size: 1000}", r"steps per update must be a multiple of ppo.batch_size 1000"),
-        ("evaluation: {seed: 12}", r"evaluation.seed = 12 must be greater than or equal to 1000"),
+        ("evaluation: {seed: 12}", r"evaluation.seed = 12 must be greater than or equal to 30000"),
+        (
+            "evaluation: {seed: 39990, patients: 11}",
+            r"evaluation: seed 39990 and 11 patients end at 40000, allowed: 39999",
+        ),
         ("env: {kwargs: {num_envs: 3}}", r"env: 'num_envs' is set by the training itself"),
         ("env: {kwargs: {model: sides}}", r"env: 'model' follows from env.id"),
         ("algorithm: sac", r"algorithm = 'sac' must be 'ppo'"),

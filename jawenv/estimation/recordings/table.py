@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
 
 Array = NDArray[np.float64]
 
@@ -60,15 +61,11 @@ def write_table(path: Path, columns: dict[str, Array], about: dict[str, Any]) ->
     """Write columns of one length, wholly or not at all; NaN becomes an empty cell.
 
     Raises:
-        InputError: Parquet without pyarrow, or a folder that cannot be written to.
+        InputError: Parquet without pyarrow, or a file that cannot be written.
     """
     data = _csv(columns, about) if path.suffix == ".csv" else _parquet(columns, about)
-    unfinished = path.with_name(path.name + ".unfinished")
-    try:
+    with atomic_write(path) as unfinished:
         unfinished.write_bytes(data)
-        os.replace(unfinished, path)
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; allowed: a file in a folder that can be written to") from None
 
 
 def read_table(path: Path, known: Collection[str]) -> Table:

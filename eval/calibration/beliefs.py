@@ -1,0 +1,109 @@
+"""What each filter believes of each patient at the wanted times, as rows: how far off, and how sure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from eval.calibration.filters import OTHERS, TENSION
+from jawenv.errors import InputError
+from jawenv.estimation.recordings.estimate import Estimate
+from jawenv.metrics import claimed_information, covered, nees, true_information
+from jawenv.rollout import Recording
+
+Array = NDArray[np.float64]
+
+JUDGED, ENDED, DIVERGED = "judged", "ended", "diverged"
+SIGMAS = (1, 2, 3)
+LATE = 1e-6  # s; by how much a kept time may miss the wanted one
+
+
+def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) -> pd.DataFrame:
+    """One row per patient and time.
+
+    ``outcome`` is ``judged``; ``ended`` where the episode ended before that time, at a hard limit or because the
+    environment's own filter had diverged; or ``diverged`` where the filter itself has no belief there: its mean is not
+    finite or its covariance not positive definite. All figures but those of ``judged`` rows are NaN.
+
+    Args:
+        recording: of N worlds, with their records unless the filter is the environment's own.
+        name: of the filter, see ``eval.calibration.filters``.
+        times: s, growing, each a time of the recording's control steps.
+        seed: of the first patient.
+
+    Raises:
+        InputError: a time that is not one of the control steps'.
+    """
+    rows = []
+    for world in range(recording.num_worlds):
+        ends = float(recording.time[recording.last[world]])
+        reached = tuple(time for time in times if time <= ends + LATE)
+        estimate = _estimate(recording, world, name, reached)
+        # Its own divergence ends the episode one step after the last belief, without a hard limit crossed.
+        own = name == TENSION and bool(recording.terminated[world])
+        own = own and not recording.violation[world, recording.last[world]]
+        for time in times:
+            row: dict[str, object] = {"filter": name, "time_s": time, "seed": seed + world}
+            if time not in reached:
+                rows.append(row | {"outcome": DIVERGED if own else ENDED})
+                continue
+            assert estimate is not None, "there is an estimate of every world that reached a time"
+            rows.append(row | _judge(recording, world, estimate, time))
+    return pd.DataFrame(rows, columns=columns_of(recording.parameter_names))
+
+
+def columns_of(parameters: Sequence[str]) -> list[str]:
+    """Names of the columns for these parameters."""
+    figures = ["nees", "claimed", "true", *(f"inside_{sigmas}" for sigmas in SIGMAS)]
+    own = [f"{kind}/{name}" for kind in ("error", "sd", "bound_sd") for name in parameters]
+    return ["filter", "time_s", "seed", "outcome", *figures, *own]
+
+
+def _estimate(recording: Recording, world: int, name: str, times: tuple[float, ...]) -> Estimate | None:
+    """A filter's belief of one world at least at these times; None where there are none."""
+    if not times:
+        return None
+    if name == TENSION:
+        return Estimate(name, recording.time, recording.belief_mean[world], recording.belief_cov[world])
+    assert recording.records is not None, "the worlds were played with record=True"
+    record = recording.records[world]
+    every = round(float(recording.time[1]) / record.dt)
+    return OTHERS[name](every, times).estimate(record)
+
+
+def _judge(recording: Recording, world: int, estimate: Estimate, time: float) -> dict[str, object]:
+    """The figures of one belief."""
+    index, step = index_of(estimate.time, time), index_of(recording.time, time)
+    mean, cov, truth = estimate.mean[index], estimate.cov[index], recording.truth[world]
+    if not (np.isfinite(mean).all() and np.isfinite(cov).all()):
+        return {"outcome": DIVERGED}
+    try:
+        claimed = claimed_information(cov, recording.prior_sd)
+    except InputError:
+        return {"outcome": DIVERGED}
+    error, sd = mean - truth, np.sqrt(np.diagonal(cov))
+    figures: dict[str, object] = {
+        "outcome": JUDGED,
+        "nees": float(nees(error, cov)),
+        "claimed": float(claimed),
+        "true": float(true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd)),
+    }
+    figures |= {f"inside_{sigmas}": float(covered(error, sd, sigmas).mean()) for sigmas in SIGMAS}
+    for kind, values in (("error", error), ("sd", sd), ("bound_sd", recording.bound_sd[world, step])):
+        figures |= {f"{kind}/{name}": float(values[i]) for i, name in enumerate(recording.parameter_names)}
+    return figures
+
+
+def index_of(times: Array, time: float) -> int:
+    """Number of the kept time that is meant.
+
+    Raises:
+        InputError: there is none; the message names the spacing.
+    """
+    index = int(np.abs(times - time).argmin())
+    if abs(float(times[index]) - time) > LATE:
+        raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {float(times[1]):g} s")
+    return index

@@ -1,0 +1,46 @@
+"""The filters whose honesty can be judged, by the names that the command line takes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+from jawenv.errors import InputError
+from jawenv.estimation.recordings.estimate import Estimator
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
+from jawenv.estimation.references.mode_search import ModeSearch
+from jawenv.estimation.references.smoother import IteratedSmoother
+
+TENSION = "tension"
+"""The environment's own, whose belief the recording holds: it is not run again."""
+THESIS_RATE = 0.01  # relative, per square root of a second: the constant noise of Young (2016)
+
+Make = Callable[[int, tuple[float, ...]], Estimator]
+OTHERS: Mapping[str, Make] = MappingProxyType(
+    {
+        "ekf-decaying": lambda every, times: ExtendedKalman("log", every=every),
+        "ekf-constant": lambda every, times: ExtendedKalman("log", THESIS_RATE, math.inf, every),
+        "ekf-none": lambda every, times: ExtendedKalman("log", 0.0, every=every),
+        "ekf-linear": lambda every, times: ExtendedKalman("linear", THESIS_RATE, math.inf, every),
+        "ekf-filterpy": lambda every, times: FilterpyExtendedKalman(every=every, compiled_model=True),
+        "ukf": lambda every, times: FilterpyUnscentedKalman(every=every),
+        "mode-search": lambda every, times: ModeSearch(times=times),
+        "smoother": lambda every, times: IteratedSmoother(times=times),
+    }
+)
+"""Each by its name: made from the ticks between the kept beliefs and the times (s) at which one is wanted."""
+
+
+def filters_named(names: Sequence[str]) -> tuple[str, ...]:
+    """The same names, each once.
+
+    Raises:
+        InputError: none, or an unknown one; the message lists the known ones.
+    """
+    known = (TENSION, *OTHERS)
+    for name in names or ("",):
+        if name not in known:
+            raise InputError(f"filters: {name!r} given, allowed are {', '.join(known)}")
+    return tuple(dict.fromkeys(names))

@@ -1,0 +1,168 @@
+"""What the rows of a calibration say of each maneuver, filter and time; as a table of figures, printed and Markdown."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from eval import statistics
+from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval.report import words
+from eval.statistics import Interval
+from jawenv.metrics import nees_band
+
+NOTHING = Interval(float("nan"), float("nan"), float("nan"))
+COLUMNS = (
+    "maneuver",
+    "filter",
+    "time, s",
+    "patients",
+    "NEES / p",
+    "honest NEES / p",
+    "inside 1/2/3 sd, %",
+    "claimed, nats",
+    "true, nats",
+    "claimed − true",
+    "RMSE / bound",
+    "ended early",
+    "diverged",
+)
+NOTE = (
+    "Means over the patients, with 95 % bootstrap intervals, at times that their episodes reached. NEES / p above 1: "
+    "sds too small; below: too large. Claimed minus true information: what the filter says it has learned beyond what "
+    "the log score grants. RMSE / bound: root mean square error over that of the posterior Cramér-Rao bound, mean over "
+    "the p parameters. Ended: the episode was over before that time; diverged: the filter had no belief any more."
+)
+_WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
+
+
+def summarise(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
+
+    Args:
+        rows: of ``eval.calibration.calibrate.calibrate``.
+
+    Returns:
+        ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES
+        per parameter lies in ``honest_low`` to ``honest_high`` with 95 %.
+    """
+    groups = rows.groupby(["entry", "filter", "time_s"], sort=False)
+    return pd.DataFrame([_figures(group) for _, group in groups])
+
+
+def _figures(rows: pd.DataFrame) -> dict[str, object]:
+    """The figures of one maneuver, filter and time, which all ``rows`` have in common."""
+    judged = rows[rows["outcome"] == JUDGED]
+    parameters = [column.removeprefix("sd/") for column in map(str, rows) if column.startswith("sd/")]
+    size, number = len(parameters), len(judged)
+    figures: dict[str, object] = {key: rows[key].iloc[0] for key in ("entry", "filter", "time_s")}
+    figures["patients"] = number
+    values = {
+        "nees_per_parameter": judged["nees"] / size,
+        "claimed": judged["claimed"],
+        "true": judged["true"],
+        "gap": judged["claimed"] - judged["true"],
+    }
+    intervals = {key: statistics.mean(column.to_numpy()) if number else NOTHING for key, column in values.items()}
+    error, bound = (judged[[f"{kind}/{name}" for name in parameters]].to_numpy() for kind in ("error", "bound_sd"))
+    known = number > 0 and np.isfinite(bound).all()
+    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else NOTHING
+    for key, interval in intervals.items():
+        figures |= {key: interval.value, f"{key}_low": interval.low, f"{key}_high": interval.high}
+    low, high = nees_band(number, size) if number else (float("nan"), float("nan"))
+    figures |= {"honest_low": low / size, "honest_high": high / size}
+    figures |= {f"inside_{sigmas}": judged[f"inside_{sigmas}"].mean() if number else float("nan") for sigmas in SIGMAS}
+    figures |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
+    return figures | {"parameters": size}
+
+
+def cells(row: pd.Series) -> list[str]:
+    """A row's figures in the order of ``COLUMNS``, each with its interval."""
+    interval = {key: Interval(row[key], row[f"{key}_low"], row[f"{key}_high"]) for key in _WITH_ENDS}
+    return [
+        words.label(row["entry"]),
+        row["filter"],
+        f"{row['time_s']:g}",
+        str(row["patients"]),
+        _with_interval(interval["nees_per_parameter"], 2),
+        words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING,
+        " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
+        _with_interval(interval["claimed"], 1),
+        _with_interval(interval["true"], 1),
+        _with_interval(interval["gap"], 1),
+        _with_interval(interval["rmse_over_bound"], 2),
+        str(row[ENDED]),
+        str(row[DIVERGED]),
+    ]
+
+
+def _with_interval(interval: Interval, digits: int) -> str:
+    ends = words.interval(interval, digits)
+    return words.number(interval.value, digits) + (f" ({ends})" if ends else "")
+
+
+def show(table: pd.DataFrame, console: Console) -> None:
+    """Print a summary, a table per maneuver; red where the sds are too small, yellow where too large."""
+    heads = (
+        "filter",
+        "time\ns",
+        "n",
+        "NEES / p\nhonest: 1",
+        "inside 1/2/3 sd\n68/95/99.7 %",
+        "claimed\nnats",
+        "true\nnats",
+        "claimed\n− true",
+        "RMSE /\nbound",
+        "ended/\ndiverged",
+    )
+    for entry, rows in table.groupby("entry", sort=False):
+        printed = Table(
+            title=words.label(str(entry)),
+            title_justify="left",
+            title_style="bold",
+            box=box.SIMPLE_HEAD,
+            pad_edge=False,
+        )
+        for head in heads:
+            printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
+        for _, row in rows.iterrows():
+            texts = cells(row)
+            nees, *rest = (_two_lines(texts[i]) for i in (4, 8, 9, 10))
+            nees.stylize(_colour(row))
+            inside = "/".join(words.percent(row[f"inside_{sigmas}"], sigmas // 3) for sigmas in SIGMAS)
+            claimed, ends = words.number(row["claimed"]), f"{texts[11]}/{texts[12]}"
+            printed.add_row(*texts[1:4], nees, inside, claimed, *rest, ends)
+        console.print(printed)
+    console.print(Text(NOTE, style="dim"))
+
+
+def _colour(row: pd.Series) -> str:
+    if row["nees_per_parameter_low"] > 1.0:
+        return "red"
+    return "yellow" if row["nees_per_parameter_high"] < 1.0 else ""
+
+
+def _two_lines(cell: str) -> Text:
+    value, _, ends = cell.partition(" (")
+    text = Text(value)
+    text.append(f"\n{ends.rstrip(')')}", style="dim")
+    return text
+
+
+def markdown(table: pd.DataFrame, lead: str) -> str:
+    """A summary as a Markdown table, below a line that says what it was made with."""
+    left = 2
+    lines = [
+        lead,
+        "",
+        "| " + " | ".join(COLUMNS) + " |",
+        "|" + "|".join("---" if i < left else "--:" for i in range(len(COLUMNS))) + "|",
+        *("| " + " | ".join(cells(row)) + " |" for _, row in table.iterrows()),
+        "",
+        NOTE,
+    ]
+    return "\n".join(lines) + "\n"

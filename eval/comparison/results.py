@@ -1,0 +1,172 @@
+"""The two tables of a study: one row per patient and entry, and one per entry, time and quantity.
+
+`patients`: entry, patient, seed, and every metric of `jawenv.metrics.Score` at the end of the episode, with
+`truth/`, `error/`, `sd/` and `bound_sd/` of every parameter. `curves`: entry, time_s, quantity, and over the
+patients `low` (10 %), `centre` (median) and `high` (90 %); `bound` is the median of the posterior Cramer-Rao
+bound. Quantities are `sd/<parameter>`, `worst_sd`, and as means over the patients (no low or high) `nees`,
+`information_claimed` and `information_true`. All sd are of natural logs: 0.05 is 5 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from eval.tables import read_table, write_table
+from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
+from jawenv.rollout import DEFAULT_ENV, Recording
+
+Array = npt.NDArray[np.float64]
+_CURVE_INTERVAL_S = 0.1
+
+PATIENT_METRICS = (
+    "worst_sd",
+    "worst_bound_sd",
+    "information_claimed",
+    "information_true",
+    "information_bound",
+    "honesty_gap",
+    "nees",
+    "nees_prior",
+    "rmse",
+    "identified",
+    "discomfort_s",
+    "largest_fraction",
+    "violated",
+    "governor",
+    "duration_s",
+)
+
+
+@dataclass(frozen=True)
+class Results:
+    """Tables of one entry, or of a whole study, and what they were made with.
+
+    Attributes:
+        patients: one row per patient and entry.
+        curves: one row per entry, time and quantity.
+        about: command, versions, seed, settings and entries.
+    """
+
+    patients: pd.DataFrame
+    curves: pd.DataFrame
+    about: dict[str, Any]
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters, in their order."""
+        return tuple(name.removeprefix("sd/") for name in map(str, self.patients) if name.startswith("sd/"))
+
+    @property
+    def env(self) -> str:
+        """Id of the environment that the entries were played in; tables of older studies do not say."""
+        env: str = self.about.get("settings", {}).get("env", DEFAULT_ENV)
+        return env
+
+    @property
+    def entries(self) -> tuple[str, ...]:
+        """Labels, in the order in which they were played."""
+        return tuple(dict.fromkeys(self.patients["entry"]))
+
+    def of(self, entry: str) -> pd.DataFrame:
+        """The patients' rows of one entry, in the order of the patients."""
+        return self.patients[self.patients["entry"] == entry].sort_values("patient")
+
+    def array(self, entry: str, prefix: str) -> Array:
+        """(N, P) of one entry: `sd`, `error`, `bound_sd` or `truth` of every parameter."""
+        return self.of(entry)[[f"{prefix}/{name}" for name in self.parameters]].to_numpy(dtype=np.float64)
+
+
+def from_recording(recording: Recording, entry: str, seed: int, about: dict[str, Any]) -> Results:
+    """Reduce a recording to its rows in both tables.
+
+    Args:
+        recording: of all patients of one entry.
+        entry: its label.
+        seed: of the first patient.
+        about: what the results were made with.
+    """
+    judged = score(recording)
+    number = recording.num_worlds
+    columns: dict[str, Any] = {
+        "entry": [entry] * number,
+        "patient": np.arange(number),
+        "seed": seed + np.arange(number),
+    }
+    columns |= {name: getattr(judged, name) for name in PATIENT_METRICS}
+    columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
+    columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
+    for prefix, values in (
+        ("truth", recording.truth),
+        ("error", judged.error),
+        ("sd", judged.sd),
+        ("bound_sd", judged.bound_sd),
+    ):
+        columns |= {f"{prefix}/{name}": values[:, i] for i, name in enumerate(recording.parameter_names)}
+    return Results(pd.DataFrame(columns), _curves(recording, entry), about)
+
+
+def _curves(recording: Recording, entry: str) -> pd.DataFrame:
+    """Quantiles and means over the patients at every tenth of a second."""
+    step = float(recording.time[1] - recording.time[0])
+    picked = np.arange(0, len(recording.time), max(1, round(_CURVE_INTERVAL_S / step)))
+    if picked[-1] != len(recording.time) - 1:
+        picked = np.append(picked, len(recording.time) - 1)
+    time, cov = recording.time[picked], recording.belief_cov[:, picked]
+    mean, truth = recording.belief_mean[:, picked], recording.truth[:, None]
+    sd, bound = recording.belief_sd[:, picked], recording.bound_sd[:, picked]
+    names = recording.parameter_names
+    rows = [_quantiles(f"sd/{name}", sd[..., i], bound[..., i]) for i, name in enumerate(names)]
+    rows.append(_quantiles("worst_sd", worst_sd(sd), worst_sd(bound)))
+    means = {
+        "nees": nees(mean - truth, cov),
+        "information_claimed": claimed_information(cov, recording.prior_sd),
+        "information_true": true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd),
+    }
+    nothing = np.full(len(time), np.nan)
+    for quantity, values in means.items():
+        column = {"low": nothing, "centre": values.mean(axis=0), "high": nothing, "bound": nothing}
+        rows.append(pd.DataFrame({"quantity": quantity, **column}))
+    for frame in rows:
+        frame.insert(0, "time_s", time)
+    table = pd.concat(rows, ignore_index=True)
+    table.insert(0, "entry", entry)
+    return table
+
+
+def _quantiles(quantity: str, values: Array, bound: Array) -> pd.DataFrame:
+    low, centre, high = np.quantile(values, [0.1, 0.5, 0.9], axis=0)
+    return pd.DataFrame(
+        {"quantity": quantity, "low": low, "centre": centre, "high": high, "bound": np.median(bound, axis=0)}
+    )
+
+
+def join(parts: list[Results], about: dict[str, Any]) -> Results:
+    """One study out of the results of its entries."""
+    patients = pd.concat([part.patients for part in parts], ignore_index=True)
+    curves = pd.concat([part.curves for part in parts], ignore_index=True)
+    return Results(patients, curves, about)
+
+
+def save(results: Results, folder: Path, stem: str = "") -> None:
+    """Write `<stem>patients.parquet` and `<stem>curves.parquet`, each either whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    # Curves first: whoever finds the patients' table finds the curves as well.
+    write_table(results.curves, folder / f"{stem}curves.parquet", results.about)
+    write_table(results.patients, folder / f"{stem}patients.parquet", results.about)
+
+
+def load(folder: Path, stem: str = "") -> Results:
+    """Read what `save` has written.
+
+    Raises:
+        InputError: a file is missing, damaged, or not a table of this program.
+    """
+    patients, about = read_table(folder / f"{stem}patients.parquet", ("entry", "patient", *PATIENT_METRICS))
+    curves, _ = read_table(folder / f"{stem}curves.parquet", ("entry", "time_s", "quantity", "centre", "bound"))
+    return Results(patients, curves, about)

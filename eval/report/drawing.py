@@ -1,0 +1,124 @@
+"""How every figure looks: sizes, colours that work on white and on black, and who has which colour."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Literal
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from eval.comparison.ranking import Ranking
+from eval.report import words
+
+INK = "#3b3f46"
+GRID = "#d3d7dd"
+BAND = "#8fbf8f"
+REFERENCE = "#8a9099"
+_TRAINED = ("#d6336c", "#a61e4d", "#f783ac")
+_OTHERS = ("#3b82c4", "#e08a2c", "#3a9d5d", "#8b6cc6", "#a5744b", "#2aa5a0", "#9a9b2f", "#c25b4e", "#7b8794")
+_LEGEND_COLUMNS = 3
+_DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)))
+
+_STYLE: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "axes.edgecolor": REFERENCE,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.facecolor": "none",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.minor.size": 0.0,
+    "ytick.minor.size": 0.0,
+    "legend.frameon": False,
+    "figure.facecolor": "none",
+    "savefig.facecolor": "none",
+    "svg.fonttype": "none",
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the project's style."""
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def colours(ranking: Ranking) -> dict[str, str]:
+    """One colour per entry, the same in every figure; trained agents are pink."""
+    trained, others = iter(_TRAINED * len(ranking.rows)), iter(_OTHERS * len(ranking.rows))
+    return {row.entry: next(trained if row.trained else others) for row in ranking.rows}
+
+
+def dashes(ranking: Ranking) -> dict[str, Any]:
+    """A line style per entry, which tells those apart that share a colour."""
+    seen: dict[str, int] = {}
+    styles: dict[str, Any] = {}
+    for entry, colour in colours(ranking).items():
+        styles[entry] = _DASHES[seen.get(colour, 0) % len(_DASHES)]
+        seen[colour] = seen.get(colour, 0) + 1
+    return styles
+
+
+def names(ranking: Ranking) -> dict[str, str]:
+    """`3  slow opening` for every entry: its place and its name."""
+    return {row.entry: f"{place}  {words.label(row.entry)}" for place, row in enumerate(ranking.rows, 1)}
+
+
+def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 2, 5, 10, 20, 50, 100)) -> None:
+    """Logarithmic axis of a standard deviation, written in percent."""
+    axis = axes.yaxis if which == "y" else axes.xaxis
+    (axes.set_yscale if which == "y" else axes.set_xscale)("log")
+    axis.set_major_locator(FixedLocator([tick / 100.0 for tick in ticks]))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{100.0 * value:g} %"))
+    axis.set_minor_locator(NullLocator())
+
+
+def entries_down(axes: Axes, ranking: Ranking, labelled: bool = True) -> None:
+    """Put the entries on the vertical axis, the best at the top."""
+    axes.set_ylim(len(ranking.rows) - 0.4, -0.6)
+    axes.set_yticks(range(len(ranking.rows)), list(names(ranking).values()) if labelled else [])
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", visible=False)
+    axes.spines["left"].set_visible(False)
+    if labelled:
+        for tick, row in zip(axes.get_yticklabels(), ranking.rows, strict=True):
+            tick.set_color(colours(ranking)[row.entry] if row.trained else INK)
+            tick.set_fontweight("bold" if row.trained else "normal")
+
+
+def legend_height(ranking: Ranking) -> float:
+    """Inches that `legend_above` takes."""
+    return 0.2 + 0.2 * math.ceil(len(ranking.rows) / _LEGEND_COLUMNS)
+
+
+def legend_above(figure: Figure, ranking: Ranking) -> None:
+    """One legend of all entries above the axes."""
+    from matplotlib.lines import Line2D
+
+    colour, dash, name = colours(ranking), dashes(ranking), names(ranking)
+    handles = [Line2D([], [], color=colour[e], linestyle=dash[e], linewidth=2.2, label=name[e]) for e in colour]
+    where: Literal["outside upper left", "upper left"] = (
+        "outside upper left" if figure.get_layout_engine() else "upper left"
+    )
+    figure.legend(handles=handles, loc=where, ncols=_LEGEND_COLUMNS, handlelength=2.4)

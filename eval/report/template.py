@@ -1,0 +1,51 @@
+"""HTML files out of templates; they need no network and no other file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from eval.report import svg, words
+from jawenv.files import atomic_write
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+def render(name: str, **values: Any) -> str:
+    """The page that a template of this folder gives with these values."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(("html.j2",), default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": words.number,
+        "percent": words.percent,
+        "interval": words.interval,
+        "label": words.label,
+        "in_percent": lambda estimate: words.scaled(estimate, 100.0),
+    }
+    return environment.get_template(name).render(**values)
+
+
+def write(page: str, path: Path) -> Path:
+    """Write a page, wholly or not at all.
+
+    Returns:
+        The path.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(page, encoding="utf-8")
+    return path
+
+
+def picture(figure: Figure, name: str, label: str) -> Markup:
+    """A figure as part of a page, see `eval.report.svg.inline`."""
+    return Markup(svg.inline(figure, name, label))  # noqa: S704  (our own figure, ids and label are escaped)

@@ -1,0 +1,48 @@
+"""How figures are written: the same way in the terminal, in the report and in captions."""
+
+from __future__ import annotations
+
+import math
+
+from eval.statistics import Interval
+
+NOTHING = "–"
+
+
+def number(value: float, digits: int = 1) -> str:
+    """A number, `never` if it is infinite, a dash if there is none; no digits behind the point from 1000 on."""
+    if math.isnan(value):
+        return NOTHING
+    if math.isinf(value):
+        return "never"
+    written = f"{value:.{digits if abs(value) < 1000.0 else 0}f}"
+    if float(written) == 0.0:
+        written = written.removeprefix("-")
+    return written.replace("-", "\N{MINUS SIGN}")
+
+
+def percent(value: float, digits: int = 1) -> str:
+    """A share as a percentage, without its sign."""
+    return number(100.0 * value, digits)
+
+
+def interval(estimate: Interval, digits: int = 1) -> str:
+    """The ends of an interval, or nothing where there is none or all patients agree."""
+    if not estimate.known or estimate.low == estimate.high:
+        return ""
+    return f"{number(estimate.low, digits)} … {number(estimate.high, digits)}"
+
+
+def scaled(estimate: Interval, factor: float) -> Interval:
+    """An interval in another unit."""
+    return Interval(factor * estimate.value, factor * estimate.low, factor * estimate.high)
+
+
+def muscle(parameter: str) -> str:
+    """`log_b/medial_pterygoid_left` as `medial pterygoid left`."""
+    return parameter.split("/", 1)[1].replace("_", " ")
+
+
+def label(entry: str) -> str:
+    """An entry's name for people: spaces for underscores."""
+    return entry.replace("_", " ")

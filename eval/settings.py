@@ -1,0 +1,82 @@
+"""On whom and how is played."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from jawenv.anatomy import cohort
+from jawenv.device.device import device_of
+from jawenv.errors import InputError
+from jawenv.ladder import model_of_env
+from jawenv.reality import check_reality
+from jawenv.rollout import DEFAULT_ENV
+from jawenv.seeds import REPORTS
+
+CONTROLS = ("force", "trajectory")
+SENSORS = ("pose", "point")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """On whom and how maneuvers and agents are played.
+
+    Attributes:
+        patients: how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`.
+        cohort: name of the population they are drawn from.
+        seed: of the first patient, >= 0.
+        control: `force` or `trajectory`.
+        sensors: `pose` or `point`.
+        episode_s: length of every episode, > 0.
+        env: id of the environment; as given, also its short name or its model's.
+        device: fields of `jawenv.Device` with other values, which the filter knows; none by default.
+        reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
+        estimator: mechanics that the filter believes in; the environment's own by default.
+
+    Raises:
+        InputError: a value is not allowed.
+    """
+
+    patients: int = 64
+    cohort: str = "trismus"
+    seed: int = REPORTS[0].start
+    control: str = "force"
+    sensors: str = "pose"
+    episode_s: float = 30.0
+    env: str = DEFAULT_ENV
+    reality: dict[str, float] = field(default_factory=dict)
+    device: dict[str, float] = field(default_factory=dict)
+    estimator: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check every value, and spell the environment's id out."""
+        model = model_of_env(self.env)
+        object.__setattr__(self, "env", model.env_id)
+        if self.patients < 1:
+            raise InputError(f"patients: {self.patients} given, allowed is 1 or more")
+        if self.seed < 0:
+            raise InputError(f"seed: {self.seed} given, allowed is 0 or more")
+        if not (math.isfinite(self.episode_s) and self.episode_s > 0.0):
+            raise InputError(f"episode_s: {self.episode_s} given, allowed is a number of seconds above 0")
+        for name, value, allowed in (("control", self.control, CONTROLS), ("sensors", self.sensors, SENSORS)):
+            if value not in allowed:
+                raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
+        if self.estimator not in (None, *model.estimators):
+            known = ", ".join(model.estimators)
+            raise InputError(f"estimator: {self.estimator!r} given, allowed in {self.env} are {known}")
+        cohort(self.cohort)
+        check_reality(self.reality)
+        device_of(self.device)
+
+    @property
+    def env_kwargs(self) -> dict[str, Any]:
+        """Arguments of the environment."""
+        given: dict[str, Any] = {
+            "control": self.control,
+            "sensors": self.sensors,
+            "cohort": self.cohort,
+            "episode_s": self.episode_s,
+        }
+        changed = {"reality": self.reality, "device": self.device, "estimator": self.estimator}
+        return given | {name: value for name, value in changed.items() if value}

@@ -1,0 +1,76 @@
+"""Tables as Parquet files, whole or not at all, and what they were made with."""
+
+from __future__ import annotations
+
+import json
+import platform
+import time
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from jawenv.errors import InputError
+from jawenv.files import atomic_write
+
+_KEY = b"jawenv.eval"
+_PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "torch")
+
+
+def made_with(command: str, **more: Any) -> dict[str, Any]:
+    """What results were made with: the command, versions, the time now, and what else is given."""
+    now = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
+    return {"command": command, **more, "versions": versions(), "finished": now}
+
+
+def versions() -> dict[str, str]:
+    """Python, the machine, and the packages that decide results."""
+    installed = {"python": platform.python_version(), "machine": platform.platform()}
+    for package in _PACKAGES:
+        try:
+            installed[package] = version(package)
+        except PackageNotFoundError:
+            installed[package] = "not installed"
+    return installed
+
+
+def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:
+    """Write a table and what it was made with.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    table = pa.Table.from_pandas(frame, preserve_index=False)
+    metadata = {**(table.schema.metadata or {}), _KEY: json.dumps(about, sort_keys=True).encode()}
+    with atomic_write(path) as unfinished:
+        pq.write_table(table.replace_schema_metadata(metadata), unfinished, compression="zstd")
+
+
+def read_table(path: Path, columns: Sequence[str] = ()) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Read what ``write_table`` has written.
+
+    Args:
+        path: of the file.
+        columns: those that it must have.
+
+    Raises:
+        InputError: the file is missing, damaged, or not a table of this program.
+    """
+    try:
+        table = pq.read_table(path)
+        about = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
+        frame = table.to_pandas()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, pa.ArrowException, ValueError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
+    missing = [column for column in columns if column not in frame]
+    if about is None or missing:
+        lacks = f"column {missing[0]!r}" if missing else "what it was made with"
+        raise InputError(f"{path} is no table of this program, it lacks {lacks}; delete it, or use --fresh")
+    return frame, about

@@ -1,0 +1,15 @@
+"""Which seeds are for what, so that nothing is judged by patients on whom it was chosen.
+
+Patient i of a cohort is drawn, and its noise made, by ``seed + i``.
+"""
+
+from __future__ import annotations
+
+REPORTS = (range(0, 5_000), range(20_000, 30_000))
+"""Results: the defaults of the commands, and all tables of the documentation. Nothing is chosen on these."""
+TUNING = range(5_000, 20_000)
+"""Choices made by hand or by a search: of the filter, of maneuvers, of an agent's settings."""
+VALIDATION = range(30_000, 40_000)
+"""Choices made during a training: which of an agent's policies is the best."""
+TRAINING = range(2**31, 2**32)
+"""Patients that agents learn on."""

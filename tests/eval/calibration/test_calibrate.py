@@ -1,0 +1,205 @@
+"""The command that asks whether filters are honest: its figures against numpy, its resuming, and what it refuses."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+import jawenv
+from agents import load_agent
+from eval.calibration import beliefs, calibrate, summary
+from eval.calibration.filters import OTHERS
+from eval.cli import main
+from jawenv.estimation.recordings.estimate import Estimate
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+
+MANEUVER = "opening_with_swings_and_fore_aft"
+SHORT = ["--patients", "3", "--times", "0.5,1"]
+
+
+@pytest.fixture(autouse=True)
+def one_process(monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+
+
+@pytest.fixture
+def plays(monkeypatch):
+    """The first seed of every chunk that is really played; may be told to be interrupted at one of them."""
+    state = {"seeds": [], "interrupt": None}
+    original = calibrate.play
+
+    def counted(agent, **kwargs):
+        if len(state["seeds"]) == state["interrupt"]:
+            raise KeyboardInterrupt
+        state["seeds"].append(kwargs["seed"])
+        return original(agent, **kwargs)
+
+    monkeypatch.setattr(calibrate, "play", counted)
+    return state
+
+
+def run(output, *arguments):
+    return main(["calibrate", *arguments, "--output", str(output)])
+
+
+@pytest.fixture(scope="module")
+def recording():
+    kwargs = {"episode_s": 1.0, "record": True, "cohort": "trismus"}
+    return jawenv.play(load_agent(MANEUVER), patients=3, seed=4, env_kwargs=kwargs)
+
+
+def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
+    assert run(tmp_path, MANEUVER, *SHORT, "--seed", "4", "--filters", "tension,ekf-none") == 0
+    assert "ekf-none" in capsys.readouterr().out
+    table = pd.read_parquet(tmp_path / "calibration.parquet").set_index(["filter", "time_s"])
+    assert list(table.index) == [("tension", 0.5), ("tension", 1.0), ("ekf-none", 0.5), ("ekf-none", 1.0)]
+    other = [ExtendedKalman("log", 0.0).estimate(record) for record in recording.records]
+    for time, step in ((0.5, 10), (1.0, 20)):
+        believed = {
+            "tension": (recording.belief_mean[:, step], recording.belief_cov[:, step]),
+            "ekf-none": (np.array([one.mean[step] for one in other]), np.array([one.cov[step] for one in other])),
+        }
+        for name, (mean, cov) in believed.items():
+            row, error = table.loc[(name, time)], mean - recording.truth
+            size = error.shape[1]
+            nees = np.einsum("ni,nij,nj->n", error, np.linalg.inv(cov), error)
+            sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
+            claimed = np.log(recording.prior_sd).sum() - 0.5 * np.linalg.slogdet(cov)[1]
+            before = np.sum(((recording.truth - recording.prior_mean) / recording.prior_sd) ** 2, axis=1)
+            expected = {
+                "patients": 3,
+                "nees_per_parameter": nees.mean() / size,
+                "claimed": claimed.mean(),
+                "true": np.mean(claimed - 0.5 * (nees - before)),
+                "gap": np.mean(nees - before) / 2.0,
+                "ended": 0,
+                "diverged": 0,
+                "parameters": size,
+            }
+            expected |= {f"inside_{k}": np.mean(np.abs(error) <= k * sd) for k in (1, 2, 3)}
+            bound = recording.bound_sd[:, step]
+            expected["rmse_over_bound"] = np.sqrt((error**2).mean(axis=0) / (bound**2).mean(axis=0)).mean()
+            for key, value in expected.items():
+                assert row[key] == pytest.approx(value, rel=1e-9), (name, time, key)
+            for key in ("nees_per_parameter", "true", "gap", "rmse_over_bound"):
+                assert row[f"{key}_low"] <= row[key] <= row[f"{key}_high"]
+    page = (tmp_path / "calibration.md").read_text().splitlines()
+    lines = [line for line in page if line.startswith("|")]
+    assert len(lines) == 2 + 4 and len({line.count("|") for line in lines}) == 1
+    made_with = json.loads(pq.read_schema(tmp_path / "calibration.parquet").metadata[b"jawenv.eval"])
+    assert made_with["calibration"]["settings"]["seed"] == 4 and made_with["calibration"]["times"] == [0.5, 1.0]
+
+
+def test_the_environments_own_filter_is_the_same_over_the_record(recording):
+    from jawenv.estimation.online.record_filter import TensionFilter
+
+    for i, record in enumerate(recording.records):
+        np.testing.assert_array_equal(TensionFilter().estimate(record).mean, recording.belief_mean[i])
+
+
+def test_a_run_goes_on_where_it_was_interrupted(tmp_path, plays, monkeypatch, capsys):
+    monkeypatch.setattr(calibrate, "CHUNK", 1)
+    plays["interrupt"] = 2
+    assert run(tmp_path, "hold_still", *SHORT) == 130
+    assert "interrupted" in capsys.readouterr().err and not (tmp_path / "calibration.parquet").exists()
+    plays["interrupt"] = None
+    assert run(tmp_path, "hold_still", *SHORT) == 0
+    assert plays["seeds"] == [0, 1, 2]
+    assert "2 of 3 estimates kept from an earlier run" in capsys.readouterr().out
+    rows = pd.read_parquet(tmp_path / "beliefs.parquet")
+    assert list(rows["seed"]) == [0, 0, 1, 1, 2, 2]
+
+    assert run(tmp_path, "hold_still", *SHORT) == 0
+    assert plays["seeds"] == [0, 1, 2], "nothing is left to play"
+    assert run(tmp_path, "hold_still", *SHORT, "--filters", "tension,ekf-decaying") == 0
+    assert plays["seeds"] == [0, 1, 2] * 2, "another filter needs the episodes again"
+    both = pd.read_parquet(tmp_path / "beliefs.parquet")
+    assert list(both["filter"]) == ["tension"] * 6 + ["ekf-decaying"] * 6
+    pd.testing.assert_frame_equal(both[both["filter"] == "tension"], rows)
+    assert run(tmp_path, "hold_still", *SHORT, "--fresh") == 0
+    assert run(tmp_path, "hold_still", *SHORT, "--reality", "cell_bias_N=0.2") == 0
+    assert plays["seeds"] == [0, 1, 2] * 4
+    biased = pd.read_parquet(tmp_path / "beliefs.parquet")
+    assert not biased["nees"].equals(rows["nees"])
+    assert run(tmp_path, "hold_still", *SHORT, "--device", "cell_force_N=0.2") == 0
+    noisy = pd.read_parquet(tmp_path / "beliefs.parquet")
+    assert noisy["claimed"].mean() < rows["claimed"].mean()
+
+
+def ended(recording, world, step, violation):
+    """The recording with one world over after that step, at a hard limit or because its filter diverged."""
+    valid, terminated, crossed = recording.valid.copy(), recording.terminated.copy(), recording.violation.copy()
+    valid[world, step + 1 :], terminated[world], crossed[world, step] = False, True, violation
+    return replace(recording, valid=valid, terminated=terminated, violation=crossed)
+
+
+def test_a_patient_counts_only_at_times_that_it_reached(recording):
+    over = ended(recording, 1, 10, True)
+    for name in ("tension", "smoother"):
+        rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some")
+        table = summary.summarise(rows).set_index("time_s")
+        assert list(table["patients"]) == [3, 2] and list(table["ended"]) == [0, 1]
+        assert list(table["diverged"]) == [0, 0]
+        others = rows[(rows["seed"] != 5) & (rows["time_s"] == 1.0)]
+        assert table.loc[1.0, "nees_per_parameter"] == pytest.approx(others["nees"].mean() / 12)
+
+
+def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
+    lost = ended(recording, 1, 10, False)
+    rows = beliefs.rows_of(lost, "tension", (0.5, 1.0), 4).set_index(["seed", "time_s"])
+    assert rows.loc[(5, 1.0), "outcome"] == "diverged" and rows.loc[(5, 0.5), "outcome"] == "judged"
+    assert beliefs.rows_of(lost, "ekf-none", (1.0,), 4)["outcome"].tolist() == ["judged", "ended", "judged"]
+
+    class Broken:
+        def estimate(self, record):
+            good = ExtendedKalman().estimate(record)
+            mean, cov = good.mean.copy(), good.cov.copy()
+            mean[10], cov[20] = np.nan, -np.eye(12)
+            return Estimate("broken", good.time, mean, cov)
+
+    monkeypatch.setattr(beliefs, "OTHERS", {**OTHERS, "broken": lambda every, times: Broken()})
+    rows = beliefs.rows_of(recording, "broken", (0.25, 0.5, 1.0), 4).assign(entry="some")
+    table = summary.summarise(rows)
+    assert list(table["diverged"]) == [0, 3, 3] and list(table["patients"]) == [3, 0, 0]
+    assert "–" in summary.markdown(table, "lead"), "nobody left to judge"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ([], "nothing to calibrate on"),
+        (["no_such_maneuver"], "agent 'no_such_maneuver': unknown"),
+        (["hold_still", "--filters", "tension,kalman"], "filters: 'kalman' given, allowed are tension, ekf-decaying"),
+        (["hold_still", "--filters", ""], "filters: '' given"),
+        (["hold_still", "--times", "10,x"], "times: 'x' given, allowed are seconds"),
+        (["hold_still", "--times", "2,1"], "times: 2,1 given, allowed are growing"),
+        (["hold_still", "--times", "0,1"], "times: 0,1 given, allowed are growing"),
+        (["hold_still", "--times", "0.51"], "times: 0.51 given, allowed are multiples of the control step, 0.05 s"),
+        (["hold_still", "--patients", "0"], "patients: 0 given"),
+        (["hold_still", "--reality", "creep=much"], "reality: 'creep=much' given"),
+        (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
+        (["hold_still", "--estimator", "two"], "estimator: 'two' given, allowed in jawenv/Jaw-v0 are midline"),
+        (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
+        (["hold_still", "--env", "Knee"], "env 'Knee': unknown"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):
+    assert run(tmp_path, *arguments) == 2
+    error = capsys.readouterr().err
+    assert told in error and error.count("\n") == 1
+
+
+def test_a_damaged_file_and_an_unusable_folder_say_what_to_do(tmp_path, plays, capsys):
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05") == 0
+    (chunk,) = (tmp_path / "chunks").glob("*.parquet")
+    chunk.write_text("no parquet")
+    capsys.readouterr()
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05") == 2
+    error = capsys.readouterr().err
+    assert "is damaged" in error and "--fresh" in error and error.count("\n") == 1
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05", "--fresh") == 0
+    (tmp_path / "file").write_text("")
+    assert run(tmp_path / "file", "hold_still", *SHORT) == 2

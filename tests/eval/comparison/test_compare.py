@@ -1,0 +1,296 @@
+import json
+import shutil
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from eval.cli import main
+from eval.comparison import compare as comparison
+from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
+from eval.settings import Settings
+from jawenv.errors import InputError
+
+SHORT = ["--patients", "2", "--episode-s", "0.5"]
+
+
+def run(*arguments):
+    return main(["compare", *arguments])
+
+
+@pytest.fixture(autouse=True)
+def undrawn(request, monkeypatch):
+    """Leave out the report, which takes seconds, where a test does not look at it."""
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+
+
+@pytest.fixture
+def drawn():
+    """Asks for the report to be drawn."""
+
+
+@pytest.fixture
+def plays(monkeypatch):
+    """The agents that are really played, in order."""
+    played = []
+    original = comparison.play
+
+    def counted(agent, **kwargs):
+        played.append(agent.name)
+        return original(agent, **kwargs)
+
+    monkeypatch.setattr(comparison, "play", counted)
+    return played
+
+
+def test_a_comparison_writes_tables(tmp_path, capsys):
+    assert run("hold_still", "slow_opening", *SHORT, "--output", str(tmp_path)) == 0
+    assert "slow opening" in capsys.readouterr().out
+    patients = pd.read_parquet(tmp_path / "patients.parquet")
+    assert patients.groupby("entry")["seed"].apply(list).to_dict() == {"hold_still": [0, 1], "slow_opening": [0, 1]}
+    truths = patients[[column for column in patients if column.startswith("truth/")]]
+    assert (truths.iloc[:2].to_numpy() == truths.iloc[2:].to_numpy()).all()
+
+
+def test_a_finished_entry_is_not_played_again(tmp_path, plays, capsys):
+    output = ["--output", str(tmp_path)]
+    assert run("hold_still", *SHORT, *output) == 0
+    first = pd.read_parquet(tmp_path / "patients.parquet")
+    assert run("hold_still", "chirp", *SHORT, *output) == 0
+    assert plays == ["hold_still", "chirp"]
+    assert "hold still: kept from an earlier run" in capsys.readouterr().out
+    second = pd.read_parquet(tmp_path / "patients.parquet")
+    pd.testing.assert_frame_equal(second[second["entry"] == "hold_still"], first)
+    assert run("hold_still", *SHORT, *output, "--fresh") == 0
+    assert plays == ["hold_still", "chirp", "hold_still"]
+
+
+def test_another_seed_is_another_study(tmp_path, plays):
+    assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
+    assert run("hold_still", *SHORT, "--output", str(tmp_path), "--seed", "1") == 0
+    assert plays == ["hold_still", "hold_still"]
+
+
+def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays, drawn):
+    output = ["--output", str(tmp_path)]
+    assert run("slow_opening", *SHORT, *output) == 0
+    plain = pd.read_parquet(tmp_path / "patients.parquet")
+    assert run("slow_opening", *SHORT, *output, "--reality", "creep_share=0.5", "--reality", "cell_bias_N=0.2") == 0
+    assert plays == ["slow_opening", "slow_opening"]
+    misled = pd.read_parquet(tmp_path / "patients.parquet")
+    truths = [column for column in plain if column.startswith("truth/")]
+    pd.testing.assert_frame_equal(plain[truths], misled[truths])
+    assert (misled["nees"] != plain["nees"]).all()
+    assert "creep_share = 0.5, cell_bias_N = 0.2" in (tmp_path / "report.html").read_text()
+
+
+def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
+    original = comparison.play
+
+    def interrupted(agent, **kwargs):
+        if agent.name == "chirp":
+            raise KeyboardInterrupt
+        return original(agent, **kwargs)
+
+    arguments = ["hold_still", "chirp", *SHORT, "--output", str(tmp_path)]
+    monkeypatch.setattr(comparison, "play", interrupted)
+    assert run(*arguments) == 130
+    assert "the same command goes on from there" in capsys.readouterr().err
+    monkeypatch.setattr(comparison, "play", original)
+    assert run(*arguments) == 0
+    told = capsys.readouterr().out
+    assert "hold still: kept from an earlier run" in told
+    assert "chirp: done" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nobody"], "agent 'nobody': unknown"),
+        ([], "nothing to compare"),
+        (["hold_still", "--cohort", "nobody"], "nobody"),
+        (["hold_still", "--patients", "0"], "patients: 0 given"),
+        (["hold_still", "--patients", "some"], "--patients"),
+        (["hold_still", "--seed", "-1"], "seed: -1 given"),
+        (["hold_still", "--control", "thought"], "control: 'thought' given, allowed are force, trajectory"),
+        (["hold_still", "--sensors", "nose"], "sensors: 'nose' given, allowed are pose, point"),
+        (["hold_still", "--episode-s", "0"], "episode_s: 0.0 given"),
+        (["hold_still", "--episode-s", "nan"], "episode_s: nan given"),
+        (["hold_still", "--reference", "chirp"], "reference: 'chirp' given, allowed are hold_still"),
+        (["no_such.yaml"], "no_such.yaml"),
+        (["no_such.zip"], "no_such.zip"),
+        (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
+        (["hold_still", "--reality", "creep_share"], "reality: 'creep_share' given, allowed is FIELD=VALUE"),
+        (["hold_still", "--reality", "creep_share=2"], "reality.creep_share is 2.0; allowed: a finite number"),
+        (["hold_still", "--env", "knee"], "env 'knee': unknown; allowed: jawenv/JawHinge-v0, jawenv/JawSagittal-v0, "),
+    ],
+)
+def test_bad_input_is_one_line(arguments, message, tmp_path, capsys):
+    assert run(*arguments, "--output", str(tmp_path / "new")) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("error: ")
+    assert told.count("\n") == 1
+    assert message in told
+    assert not (tmp_path / "new").exists()
+
+
+def test_an_output_that_is_a_file_is_named(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert run("hold_still", *SHORT, "--output", str(tmp_path / "file")) == 2
+    assert f"error: output {tmp_path / 'file'}" in capsys.readouterr().err
+
+
+def test_a_damaged_kept_entry_is_named(tmp_path, capsys):
+    arguments = ["hold_still", *SHORT, "--output", str(tmp_path)]
+    assert run(*arguments) == 0
+    kept = next((tmp_path / "entries").glob("*.patients.parquet"))
+    kept.write_bytes(b"nonsense")
+    capsys.readouterr()
+    assert run(*arguments) == 2
+    assert f"error: {kept} is damaged" in capsys.readouterr().err
+    assert run(*arguments, "--fresh") == 0
+
+
+def test_a_folder_without_results_is_named(tmp_path, capsys):
+    assert main(["report", str(tmp_path)]) == 2
+    assert "patients.parquet: no such file" in capsys.readouterr().err
+
+
+def test_all_maneuvers_are_the_hand_made_ones_and_chance():
+    assert {"hold_still", "opening_with_swings_and_fore_aft", "random"} <= set(maneuver_names())
+
+
+def test_an_entry_named_twice_counts_once():
+    assert len(load_entries(["hold_still", "hold_still"], Settings().env_kwargs)) == 1
+
+
+def test_the_filters_mechanics_go_to_the_environment():
+    assert "estimator" not in Settings().env_kwargs
+    assert Settings(env="JawBilateral", estimator="midline").env_kwargs["estimator"] == "midline"
+    with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v0 are midline"):
+        Settings(estimator="bilateral")
+
+
+def test_entries_with_the_same_name_are_told_apart(tmp_path):
+    from agents.maneuver import FOLDER
+
+    copy = tmp_path / "other.yaml"
+    copy.write_text((FOLDER / "hold_still.yaml").read_text())
+    labels = [entry.label for entry in load_entries(["hold_still", str(copy)], Settings().env_kwargs)]
+    assert labels == ["hold_still (hold_still)", f"hold_still ({copy})"]
+
+
+def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
+    from agents.maneuver import FOLDER
+
+    text = (FOLDER / "slow_opening.yaml").read_text()
+    copy = tmp_path / "slow_opening.yaml"
+    copy.write_text(text)
+    (entry,) = load_entries([str(copy)], Settings().env_kwargs)
+    before = fingerprint(entry, {"seed": 0})
+    assert before == fingerprint(entry, {"seed": 0})
+    assert before != fingerprint(entry, {"seed": 1})
+    assert before != fingerprint(replace(entry, env_kwargs={"control": "trajectory"}), {"seed": 0})
+    copy.write_text(text + "\n# another line\n")
+    assert before != fingerprint(entry, {"seed": 0})
+
+
+def test_settings_are_kept_with_the_results(tmp_path):
+    from eval.comparison import results
+
+    assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
+    about = results.load(tmp_path).about
+    assert about["settings"]["patients"] == 2
+    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v0"
+    assert about["entries"][0]["label"] == "hold_still"
+    assert "numpy" in about["versions"]
+    json.dumps(about)
+
+
+@pytest.fixture(scope="module")
+def trained_run(tmp_path_factory):
+    """A run folder with an untrained policy, said to have been trained under trajectory control."""
+    import gymnasium as gym
+    from stable_baselines3 import PPO
+
+    import jawenv  # noqa: F401  (registers the environment)
+    from training.config import TrainingConfig
+
+    folder = tmp_path_factory.mktemp("runs") / "ppo-test"
+    (folder / "checkpoints").mkdir(parents=True)
+    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v0"), device="cpu", n_steps=8, batch_size=8)
+    model.save(folder / "best_model.zip")
+    model.save(folder / "checkpoints" / "step_0000000008.zip")
+    settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
+    TrainingConfig.model_validate(settings).save(folder / "config.yaml")
+    return folder
+
+
+def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained_run, tmp_path, capsys):
+    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v0"
+    other = tmp_path / "other"
+    shutil.copytree(trained_run, other)
+    text = (other / "config.yaml").read_text()
+    (other / "config.yaml").write_text(text.replace("jawenv/Jaw-v0", "jawenv/JawBilateral-v0"))
+    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v0"
+    output = tmp_path / "study"
+    for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
+        assert run(*arguments, *SHORT, "--output", str(output)) == 2
+        told = capsys.readouterr().err
+        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v0, but this comparison is in jawenv/J")
+        assert told.count("\n") == 1
+    assert not output.exists()
+
+
+def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, capsys):
+    shutil.copy(trained_run / "best_model.zip", tmp_path / "policy.zip")
+    assert run(str(tmp_path / "policy.zip"), "--env", "sides", *SHORT, "--output", str(tmp_path / "study")) == 2
+    assert "was trained on observations of 63 values, the environment gives 47" in capsys.readouterr().err
+
+
+def test_entries_of_another_environment_than_the_settings_are_refused():
+    entries = load_entries(["hold_still"], Settings().env_kwargs, "jawenv/JawSides-v0")
+    with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v0, but this comparison is in jawenv/Jaw-v"):
+        comparison.compare(entries, Settings())
+
+
+def test_another_environment_is_another_study(tmp_path, plays):
+    assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
+    assert run("hold_still", *SHORT, "--output", str(tmp_path), "--env", "hinge") == 0
+    assert plays == ["hold_still", "hold_still"]
+
+
+@pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
+def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, checkpoint):
+    (entry,) = load_entries([str(trained_run / checkpoint)], Settings().env_kwargs)
+    assert entry.trained
+    assert entry.env_kwargs["control"] == "trajectory"
+    assert entry.env_kwargs["episode_s"] == 30.0
+    assert entry.note == "played with control trajectory, trained with episode_s 20.0"
+
+
+def test_a_trained_run_is_compared_with_a_maneuver(trained_run, tmp_path, drawn):
+    assert run(str(trained_run), "hold_still", *SHORT, "--output", str(tmp_path)) == 0
+    page = (tmp_path / "report.html").read_text()
+    assert "played with control trajectory" in page
+    assert "The trained agent ppo-test is number" in page
+
+
+def test_a_report_can_be_drawn_again_against_another_reference(tmp_path, monkeypatch, capsys):
+    assert run("hold_still", "chirp", *SHORT, "--output", str(tmp_path)) == 0
+    references = []
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: references.append(ranking.reference))
+    for reference in ("chirp", "hold_still"):
+        assert main(["report", str(tmp_path), "--reference", reference]) == 0
+    assert references == ["chirp", "hold_still"]
+    assert main(["report", str(tmp_path), "--reference", "nobody"]) == 2
+    assert "reference: 'nobody' given" in capsys.readouterr().err
+
+
+def test_a_run_with_a_damaged_configuration_is_named(trained_run, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "config.yaml").write_text("env: [")
+    with pytest.raises(InputError, match=r"config\.yaml: damaged YAML"):
+        load_entries([str(folder)], Settings().env_kwargs)

@@ -1,0 +1,54 @@
+import numpy as np
+import pandas as pd
+import pytest
+
+from eval.comparison import results
+from jawenv.errors import InputError
+from tests.eval.studies import BOASTFUL, GOOD, study
+
+
+@pytest.fixture(scope="module")
+def made():
+    return study(patients=6)
+
+
+def test_tables_come_back_as_they_were_saved(made, tmp_path):
+    results.save(made, tmp_path)
+    read = results.load(tmp_path)
+    pd.testing.assert_frame_equal(read.patients, made.patients)
+    pd.testing.assert_frame_equal(read.curves, made.curves)
+    assert read.about == made.about
+
+
+def test_a_row_per_patient_and_entry(made):
+    assert len(made.patients) == 6 * 4
+    assert made.of(GOOD)["seed"].tolist() == [7, 8, 9, 10, 11, 12]
+    assert made.array(GOOD, "truth").shape == (6, 12)
+    np.testing.assert_array_equal(made.array(GOOD, "truth"), made.array(BOASTFUL, "truth"))
+
+
+def test_curves_end_where_the_patients_do(made):
+    curves = made.curves[(made.curves["entry"] == GOOD) & (made.curves["quantity"] == "worst_sd")]
+    assert curves["time_s"].iloc[-1] == 20.0
+    assert curves["centre"].iloc[-1] == pytest.approx(made.of(GOOD)["worst_sd"].median())
+    assert (curves["low"] <= curves["high"]).all()
+
+
+def test_a_damaged_file_is_named(made, tmp_path):
+    results.save(made, tmp_path)
+    path = tmp_path / "patients.parquet"
+    path.write_bytes(path.read_bytes()[:200])
+    with pytest.raises(InputError, match=r"patients\.parquet is damaged .*--fresh"):
+        results.load(tmp_path)
+
+
+def test_a_table_of_something_else_is_named(made, tmp_path):
+    results.save(made, tmp_path)
+    pd.DataFrame({"a": [1]}).to_parquet(tmp_path / "patients.parquet")
+    with pytest.raises(InputError, match="is no table of this program, it lacks column 'entry'"):
+        results.load(tmp_path)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"patients\.parquet: no such file"):
+        results.load(tmp_path)
