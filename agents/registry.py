@@ -30,8 +30,8 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), the name of an excitation (`EXCITATIONS`), a maneuver file, a training run's folder or a
-            stable-baselines3 checkpoint.
+        spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a maneuver file, a training
+            run's folder or a stable-baselines3 checkpoint.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.

@@ -115,16 +115,16 @@ def njit_within(function: Function) -> Function:
     return _compile(function, inline="always")
 
 
-# From this many worlds on, sharing the work gains more than waiting for the slowest thread of a busy machine costs.
-MANY_WORLDS = 16
+WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up
 
 
 class WorldKernel:
     """A kernel that loops over worlds, shared out to threads where there are many of them.
 
-    Few worlds would only wait for threads with little to do. The kernel's last argument, ``part``, says which worlds it
-    is to take, and whose working memory: first, one past the last, number of the thread. ``arguments[place]`` is one
-    that has an entry per world. There are as many threads as ``numba.get_num_threads()`` says.
+    Each thread takes the next few worlds when it is done with the last, so that none waits for one whose core is busy.
+    The kernel's last argument, ``part``, says which worlds it is to take, and whose working memory: first, one past the
+    last, number of the thread. ``arguments[place]`` is one that has an entry per world. There are as many threads as
+    ``numba.get_num_threads()`` says.
     """
 
     def __init__(self, function: Callable[..., None], place: int) -> None:
@@ -139,19 +139,24 @@ class WorldKernel:
         worlds = arguments[self._place]
         if worlds.dtype not in self._begun:
             self._begin(worlds.dtype, arguments)
-        parts = min(numba.get_num_threads(), len(worlds)) if len(worlds) >= MANY_WORLDS else 1
-        bounds = [len(worlds) * part // parts for part in range(parts + 1)]
-        shared = [
-            _threads().submit(self._kernel, *arguments, (bounds[part], bounds[part + 1], part))
-            for part in range(1, parts)
-        ]
+        threads = min(numba.get_num_threads(), len(worlds) // WORLDS_AT_ONCE)
+        if threads < 2:
+            self._kernel(*arguments, (0, len(worlds), 0))
+            return
+        first_worlds = iter(range(0, len(worlds), WORLDS_AT_ONCE))
+
+        def work(thread: int) -> None:
+            for first in first_worlds:
+                self._kernel(*arguments, (first, min(first + WORLDS_AT_ONCE, len(worlds)), thread))
+
+        shared = [_threads().submit(work, thread) for thread in range(1, threads)]
         try:
-            self._kernel(*arguments, (0, bounds[1], 0))
+            work(0)
         finally:
             # An interrupt, too, finds no thread at work on the worlds.
             wait(shared)
-        for one in shared:
-            one.result()
+        for future in shared:
+            future.result()
 
     def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
         """Compile or read the kernel for this model, by a call that takes no worlds."""

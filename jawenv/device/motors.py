@@ -38,7 +38,8 @@ GOVERNOR_ONSET = 0.1
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
 STOP_ONSET_WIDTH = 0.5e-3
 BRAKE_ONSET = SOFT_SPEED * (1.0 + GOVERNOR_ONSET * (HARD[SPEED] - 1.0))  # m/s
-IDLE, CAPPED, BRAKED, STOPPED = 0.0, 1.0, 2.0, 3.0  # what of the governor acts, the stiffest of them
+# What of the governor acts, by growing stiffness.
+IDLE, CAPPED, BRAKED, STOPPED, STOPPED_AND_BRAKED = 0.0, 1.0, 2.0, 3.0, 4.0
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
@@ -103,7 +104,7 @@ def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
 def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
-    The last value says what of the governor acts: ``IDLE``, ``CAPPED``, ``BRAKED`` or ``STOPPED``, which may brake too.
+    The last value says what of the governor acts: ``IDLE``, ``CAPPED``, ``BRAKED`` and so on.
     """
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
@@ -126,7 +127,7 @@ def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     acted = STOPPED if pressed > 0.0 else IDLE
     speed = norm(velocity)
     if speed > BRAKE_ONSET and device.brake > 0.0:
-        acted = max(acted, BRAKED)
+        acted = STOPPED_AND_BRAKED if acted == STOPPED else BRAKED
         braking = scale(-device.brake * (speed - BRAKE_ONSET) / speed, velocity)
         stops = add(stops, braking)
         pressed = norm(stops) + norm(slide)

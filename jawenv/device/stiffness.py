@@ -1,7 +1,8 @@
-"""How fast the device could swing the jaw, and so how short the steps must be while it holds it.
+"""How stiff the device makes the jaw, and so how short the steps must be while it holds it.
 
-As ``mechanics.stiffness``: with stiffness k and damping d at a point whose mobility is w, no mode is faster than
-sqrt(k w) + d w.
+As ``mechanics.stiffness``: stiffness k and damping d at a point of mobility w add k w and d w to bounds K and D of
+the body's. A mode x'' + d_x x' + k_x x = 0 has 0 <= k_x <= K and 0 <= d_x <= D, since both are symmetric and positive:
+it is no faster than sqrt(K) where it swings, and than D where it creeps.
 """
 
 from __future__ import annotations
@@ -10,17 +11,22 @@ from math import sqrt
 
 from jawenv.compiled import njit
 from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import BRAKED, STOPPED
+from jawenv.device.motors import BRAKED, STOPPED, STOPPED_AND_BRAKED
 
 
 @njit
-def device_rate(device, jaw, trajectory, acted):
-    """Bound on the rate (1/s) that what of the governor ``acted`` gives the jaw, and position servos if ``trajectory``.
+def held_rate(device, jaw, trajectory, acted, free_rate):
+    """Bound on the rate (1/s) of a jaw of this ``free_rate``, while the device holds it.
 
-    ``acted`` as ``motors.device_wrench`` returns it.
+    Args:
+        device: Record of dtype ``DEVICE``.
+        jaw: Record of dtype ``jaw_dtype``.
+        trajectory: Whether position servos act.
+        acted: What of the governor acts, as ``motors.device_wrench`` returns it.
+        free_rate: Bound on the rate without the device (1/s).
     """
-    stiffness, damping = 0.0, 0.0
-    if acted >= BRAKED:
+    stiffness, damping = free_rate * free_rate, 0.0
+    if acted == BRAKED or acted == STOPPED_AND_BRAKED:
         damping += jaw.mouthpiece_mobility * device.brake
     if acted >= STOPPED:
         stops = jaw.mouthpiece_mobility + jaw.condyle_mobility
@@ -31,4 +37,4 @@ def device_rate(device, jaw, trajectory, acted):
         motors = 0.5 * N_MOTORS * jaw.mouthpiece_mobility
         stiffness += motors * device.servo_stiffness
         damping += motors * device.servo_damping
-    return sqrt(stiffness) + damping
+    return max(sqrt(stiffness), damping)

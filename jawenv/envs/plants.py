@@ -10,7 +10,7 @@ from __future__ import annotations
 from jawenv.compiled import njit
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
-from jawenv.device.stiffness import device_rate
+from jawenv.device.stiffness import held_rate
 from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
 from jawenv.mechanics.dynamics import plus, state_rate
@@ -81,7 +81,7 @@ def midline_tick(device, world, scratch, settings):
 def parts_of_tick(device, jaw, settings, rate, acted):
     """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
     if acted >= BRAKED:
-        rate += device_rate(device, jaw, settings.trajectory, acted)
+        rate = held_rate(device, jaw, settings.trajectory, acted, rate)
     return parts_needed(rate, TICK, SUBSTEPS)
 
 

@@ -12,7 +12,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jawenv
-from jawenv.compiled import MANY_WORLDS
+from jawenv.compiled import WORLDS_AT_ONCE
 
 ID = "jawenv/Jaw-v0"
 THREADS = sorted({1, min(2, numba.config.NUMBA_NUM_THREADS)})
@@ -31,7 +31,7 @@ def threads():
     numba.set_num_threads(before)
 
 
-@pytest.mark.parametrize("number", [2, MANY_WORLDS + 3])  # by one thread and by all
+@pytest.mark.parametrize("number", [2, 2 * WORLDS_AT_ONCE + 3])  # by one thread and by all
 @pytest.mark.parametrize("count", THREADS)
 def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number, count, threads):
     threads(count)

@@ -6,8 +6,9 @@ way, x' = J x + B w with a wrench w constant over the step:
 
     x(h) = exp(J h) x(0) + (h + J h^2 / 2 + J^2 h^3 / 6 + ...) B w,
 
-both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them). It needs one
-Jacobian where the derivative of the Runge-Kutta step itself (``model.step``) needs four.
+both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them), for a part of
+the step, and composed to the whole. It needs one Jacobian where the derivative of the Runge-Kutta step itself
+(``model.step``) needs four for every part.
 """
 
 from __future__ import annotations
@@ -103,19 +104,25 @@ def set_part(h, scratch):
 
 
 @njit
-def append_part(first, scratch):
-    """``total`` becomes the derivative of all parts so far and this one."""
+def set_total(dt, parts, scratch):
+    """Into ``total`` (n, n + 6) the derivative of the motion after the step by state and wrench at its start."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
-    if first:
-        total[:, :] = part
-        return
-    multiply(part, total, product)
-    for i in range(size):
-        for j in range(size):
-            total[i, j] = product[i, j]
-        for j in range(size, columns):
-            total[i, j] = product[i, j] + part[i, j]
+    set_part(dt / parts, scratch)
+    total[:, :] = part
+    for _ in range(parts - 1):
+        multiply(part, total, product)
+        for i in range(size):
+            for j in range(size):
+                total[i, j] = product[i, j]
+            for j in range(size, columns):
+                total[i, j] = product[i, j] + part[i, j]
+
+
+@njit
+def is_half_way(part, stage, parts):
+    """Whether a stage of Runge and Kutta is the one at the middle of the step: the last where there are two."""
+    return part == parts // 2 and stage == (2 if parts % 2 == 1 else 0)
 
 
 @njit_within
@@ -130,7 +137,7 @@ def midline_step(jaw, motion, samples, dt, scratch):
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             sample = between_samples(samples, stage_share(part, stage, parts))
-            if stage == 2:
+            if is_half_way(part, stage, parts):
                 acceleration = linearise_acceleration(
                     jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
                 )
@@ -147,8 +154,7 @@ def midline_step(jaw, motion, samples, dt, scratch):
         for i in range(5):
             motion[i] = start_q[i] + sum_q[i]
             motion[5 + i] = start_u[i] + sum_u[i]
-        set_part(h, scratch)
-        append_part(part == 0, scratch)
+    set_total(dt, parts, scratch)
 
 
 @njit_within
@@ -163,7 +169,7 @@ def body_step(jaw, motion, samples, dt, scratch):
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             sample = between_samples(samples, stage_share(part, stage, parts))
-            if stage == 2:
+            if is_half_way(part, stage, parts):
                 acceleration = linearise_body(
                     jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
                 )
@@ -180,8 +186,7 @@ def body_step(jaw, motion, samples, dt, scratch):
         for i in range(6):
             motion[i] = start_q[i] + sum_q[i]
             motion[6 + i] = start_u[i] + sum_u[i]
-        set_part(h, scratch)
-        append_part(part == 0, scratch)
+    set_total(dt, parts, scratch)
 
 
 def move(jaw, motion, samples, dt, scratch):
