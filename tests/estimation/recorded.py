@@ -7,6 +7,8 @@ import numpy as np
 import jawenv
 from agents import load_agent
 
+SWINGS = "opening_with_swings_and_fore_aft"
+
 
 class Waves:
     """Each motor pushes in a sine of its own, strongly enough to teach something within seconds."""
@@ -32,5 +34,11 @@ def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
 @cache
 def opening(cohort="trismus"):
     """Eight patients, 30 s of a maneuver that keeps within comfort."""
-    agent = load_agent("opening_with_swings_and_fore_aft")
-    return jawenv.play(agent, patients=8, seed=10_000, env_kwargs={"record": True, "cohort": cohort})
+    agent = load_agent(SWINGS)
+    return jawenv.play(agent, patients=8, seed=6000, env_kwargs={"record": True, "cohort": cohort})
+
+
+def share(record, mean, cov):
+    """NEES / 12 of a belief about a record's patient."""
+    error = mean - record.truth
+    return error @ np.linalg.solve(cov, error) / len(error)

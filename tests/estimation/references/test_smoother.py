@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from recorded import opening, recording
 from running import Running
-from test_filter_step import model_step
+from joint_belief import model_step
 
 import jawenv
 from agents import load_agent
