@@ -62,7 +62,11 @@ class Running:
 
     def run(self, ticks):
         self.update(0)
-        for k in range(ticks):
+        return self.run_on(0, ticks)
+
+    def run_on(self, first, last):
+        """From the end of tick ``first`` to that of ``last``."""
+        for k in range(first, last):
             self.predict(k)
             self.update(k + 1)
         return self

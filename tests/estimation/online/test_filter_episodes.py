@@ -6,11 +6,13 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from jawenv.metrics.calibration import covered, nees
+from agents.excitation import EXCITATIONS
+from jawenv.metrics.calibration import covered, nees, nees_band
 from jawenv.rollout import play
 
 ID = "jawenv/Jaw-v0"
 GAIN = 22  # index of the load cell's gain error, the last state of the bound's recursion
+PATIENTS = 48
 
 
 def still(k):
@@ -31,52 +33,79 @@ def far_off():
 
 
 def assert_covariance(P):
-    """Symmetric to the bit, and the correlation matrix has a Cholesky factor."""
-    np.testing.assert_array_equal(P, P.T)
+    """Symmetric to rounding, and the correlation matrix has a Cholesky factor."""
     sd = np.sqrt(np.diag(P))
-    np.linalg.cholesky(P / np.outer(sd, sd))
+    correlation = P / np.outer(sd, sd)
+    np.testing.assert_allclose(correlation, correlation.T, rtol=0, atol=1e-9)
+    np.linalg.cholesky(correlation)
 
 
-@pytest.mark.parametrize("motion", [still, swinging])
 @pytest.mark.parametrize(
-    ("options", "reality"),
-    [(None, None), (far_off(), None), (None, {"lost_share": 0.2, "frozen_share": 0.2})],
-    ids=["drawn", "five_sds_off", "faulty"],
+    ("motion", "options", "reality", "seconds"),
+    [
+        (still, None, None, 300.0),
+        (swinging, None, None, 300.0),
+        (swinging, far_off(), None, 100.0),
+        (swinging, None, {"lost_share": 0.2, "frozen_share": 0.2}, 100.0),
+    ],
+    ids=["still", "swinging", "five_sds_off", "faulty"],
 )
-def test_ten_minutes_leave_the_covariances_symmetric_and_positive_definite(motion, options, reality):
-    env = gym.make(ID, control="trajectory", episode_s=600.0, track_bound=True, reality=reality)
-    env.reset(seed=1, options=options)
-    world, left_out = env.unwrapped.simulation.worlds[0], 0.0
+def test_minutes_leave_the_covariances_symmetric_and_positive_definite(motion, options, reality, seconds):
+    env = gym.make(ID, control="trajectory", episode_s=seconds, track_bound=True, reality=reality)
+    env.reset(seed=5001, options=options)
+    world, left_out, steps = env.unwrapped.simulation.worlds[0], 0.0, round(20 * seconds)
     belief = world["belief"]
-    for k in range(12_000):
+    for k in range(steps):
         _, _, terminated, truncated, info = env.step(motion(k))
         assert not terminated
-        left_out += info["left_out"] / 12_000
-        if k % 1200 == 1199:
+        left_out += info["left_out"] / steps
+        if k % 400 == 399:
             for P in (belief["cov"], belief["motion_cov"], world["bound"][:GAIN, :GAIN]):
                 assert_covariance(P)
             assert np.isfinite(belief["motion"]).all()
             assert (info["belief_sd"] < 1.05 * env.unwrapped.prior.sd).all()
     assert truncated
+    assert belief["gated"] == 0
     # Of an encoder 0.4 less the repetitions of what was lost, 0.04; of a component of the load cell 0.4.
-    assert left_out == pytest.approx(0.0 if reality is None else (12 * 0.36 + 6 * 0.4) / 18, abs=0.005)
+    assert left_out == pytest.approx(0.0 if reality is None else (12 * 0.36 + 6 * 0.4) / 18, abs=0.01)
 
 
-# Measured with 48 patients: NEES 12.6 (force, 15 s) and 13.5 (trajectory, 8 s), 2-sigma coverage 0.95 and 0.94. An
-# honest filter's mean NEES would be 12 with a standard error of 0.7; patients are truncated at 2 sd, which lowers it.
-@pytest.mark.parametrize(("control", "episode_s"), [("force", 15.0), ("trajectory", 8.0)])
-def test_what_the_filter_claims_is_so(control, episode_s):
-    agent = load_agent("opening_with_swings_and_fore_aft", control=control)
-    recording = play(agent, patients=48, seed=40_000, env_kwargs={"control": control, "episode_s": episode_s})
+# The filter linearises, and so is a little too sure: on seeds that no test uses the mean NEES/12 was 1.0 to 1.2. The
+# band of an honest filter, 0.82 to 1.2 for 48 patients, is widened by this factor at its upper end.
+SLIGHTLY_SURE = 1.15
+MOVING = ("opening_with_swings_and_fore_aft", "opening_with_swings", "multisine", "slow_opening")
+
+
+def agent_named(name, control):
+    return EXCITATIONS[name](20.0) if name in EXCITATIONS else load_agent(name, control=control)
+
+
+@pytest.mark.parametrize(
+    ("name", "control"),
+    [
+        *((name, "force") for name in (*MOVING, "random", "ou_quick")),
+        *((name, "trajectory") for name in MOVING),
+    ],
+)
+def test_what_the_filter_claims_is_so(name, control):
+    """NEES within what chance alone does in all but a thousandth of such tests; coverage of one and two sds."""
+    kwargs = {"control": control, "episode_s": 10.0, "track_bound": False}
+    recording = play(agent_named(name, control), patients=PATIENTS, seed=6400, env_kwargs=kwargs)
     error = recording.at_end(recording.belief_mean) - recording.truth
-    covariance = recording.at_end(recording.belief_cov)
-    sd = recording.at_end(recording.belief_sd)
-    assert not recording.terminated.any()
-    assert 7.5 < nees(error, covariance).mean() < 16.0
-    assert 0.88 < covered(error, sd, 2.0).mean() < 0.995
-    assert 0.55 < covered(error, sd, 1.0).mean() < 0.84
+    covariance, sd = recording.at_end(recording.belief_cov), recording.at_end(recording.belief_sd)
+    low, high = nees_band(PATIENTS, 12, 0.999)
+    mean = nees(error, covariance).mean()
+    print(name, control, mean / 12, nees(error, covariance).max() / 12, recording.terminated.sum())
+    assert low < mean < SLIGHTLY_SURE * high
+    # Twelve errors of one patient are correlated; as if there were four of them, three sds of a share of 192.
+    assert covered(error, sd, 1.0).mean() == pytest.approx(0.683, abs=0.1)
+    assert covered(error, sd, 2.0).mean() == pytest.approx(0.954, abs=0.045)
+
+
+def test_nobody_knows_more_than_the_bound_allows():
+    agent = load_agent(MOVING[0])
+    recording = play(agent, patients=16, seed=6400, env_kwargs={"episode_s": 10.0})
     bound, claimed = recording.information_bound[:, -1], recording.information_claimed[:, -1]
-    assert bound.mean() > claimed.mean() - 1.0, "nobody knows more than the bound allows"
+    assert bound.mean() > claimed.mean() - 1.0
     assert claimed.mean() > 20.0, "and it does learn"
-    gap = claimed.mean() - recording.information_true[:, -1].mean()
-    assert abs(gap) < 3.0
+    assert claimed.mean() - recording.information_true[:, -1].mean() < 3.0

@@ -368,7 +368,7 @@ def test_without_an_answer_the_last_belief_stays(rng, bad):
     scale = 6.0 / np.abs(J).max(axis=1)
     problem.information[:-1, :-1] = definite(rng, problem.size) * np.outer(scale, scale) / problem.size
     mean, covariance, _ = problem.believe(calls=3)
-    problem.belief["information"][: problem.size, : problem.size] = bad * np.eye(problem.size)
+    problem.belief["information"][: problem.size, : problem.size] = np.diag(np.full(problem.size, bad))
     assert not update_belief(problem.belief, problem.settings, problem.scratch)
     np.testing.assert_array_equal(problem.belief["mean"], mean)
     np.testing.assert_array_equal(problem.belief["cov"], covariance)

