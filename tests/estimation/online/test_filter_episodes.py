@@ -65,14 +65,11 @@ def test_minutes_leave_the_covariances_symmetric_and_positive_definite(motion, o
             assert np.isfinite(belief["motion"]).all()
             assert (info["belief_sd"] < 1.05 * env.unwrapped.prior.sd).all()
     assert truncated
-    assert belief["gated"] == 0
+    assert belief["gated"] == 0 if reality is None else belief["gated"] <= 5
     # Of an encoder 0.4 less the repetitions of what was lost, 0.04; of a component of the load cell 0.4.
     assert left_out == pytest.approx(0.0 if reality is None else (12 * 0.36 + 6 * 0.4) / 18, abs=0.01)
 
 
-# The filter linearises, and so is a little too sure: on seeds that no test uses the mean NEES/12 was 1.0 to 1.2. The
-# band of an honest filter, 0.82 to 1.2 for 48 patients, is widened by this factor at its upper end.
-SLIGHTLY_SURE = 1.15
 MOVING = ("opening_with_swings_and_fore_aft", "opening_with_swings", "multisine", "slow_opening")
 
 
@@ -88,15 +85,14 @@ def agent_named(name, control):
     ],
 )
 def test_what_the_filter_claims_is_so(name, control):
-    """NEES within what chance alone does in all but a thousandth of such tests; coverage of one and two sds."""
+    """NEES/12 of 0.82 to 1.2, an honest filter's in all but a thousandth of such tests; coverage of one and two sds."""
     kwargs = {"control": control, "episode_s": 10.0, "track_bound": False}
     recording = play(agent_named(name, control), patients=PATIENTS, seed=6400, env_kwargs=kwargs)
     error = recording.at_end(recording.belief_mean) - recording.truth
     covariance, sd = recording.at_end(recording.belief_cov), recording.at_end(recording.belief_sd)
     low, high = nees_band(PATIENTS, 12, 0.999)
     mean = nees(error, covariance).mean()
-    print(name, control, mean / 12, nees(error, covariance).max() / 12, recording.terminated.sum())
-    assert low < mean < SLIGHTLY_SURE * high
+    assert low < mean < high, mean / 12
     # Twelve errors of one patient are correlated; as if there were four of them, three sds of a share of 192.
     assert covered(error, sd, 1.0).mean() == pytest.approx(0.683, abs=0.1)
     assert covered(error, sd, 2.0).mean() == pytest.approx(0.954, abs=0.045)

@@ -13,7 +13,6 @@ from jawenv.estimation.online.record_filter import TensionFilter
 from jawenv.metrics.calibration import nees_band
 
 FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
-SLIGHTLY_SURE = 1.15  # factor of the mean NEES that the filter, which linearises, has been measured to have at most
 
 
 @cache
@@ -71,7 +70,7 @@ def test_what_failed_is_left_out_and_must_be():
     run = jawenv.play(load_agent(SWINGS), patients=8, seed=6100, env_kwargs=kwargs)
     assert not run.terminated.any()
     honest, naive = ([at_end(make(record)) for record in run.records] for make in (lambda record: record, believing))
-    assert np.mean(honest) < SLIGHTLY_SURE * nees_band(8, 12, 0.999)[1] / 12.0
+    assert np.mean(honest) < nees_band(8, 12, 0.999)[1] / 12.0
     assert np.mean(naive) > 2.0 * np.mean(honest)
 
 
@@ -85,7 +84,7 @@ def test_a_sensor_that_dies_costs_information_alone():
         dead = replace(record, measured=measured)
         honest.append(at_end(dead))
         naive.append(at_end(believing(dead)))
-    assert np.mean(honest) < SLIGHTLY_SURE * nees_band(4, 12, 0.999)[1] / 12.0
+    assert np.mean(honest) < nees_band(4, 12, 0.999)[1] / 12.0
     assert np.nan_to_num(naive, nan=np.inf).min() > 3.0 * max(honest)
 
 
@@ -100,4 +99,4 @@ def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
     assert (run.information_claimed[:, 3] > 1.0).all()
     error = run.belief_mean[:, -1] - run.truth
     nees = np.einsum("ni,nij,nj->n", error, np.linalg.inv(run.belief_cov[:, -1]), error)
-    assert nees.mean() < SLIGHTLY_SURE * nees_band(16, 12, 0.999)[1]
+    assert nees.mean() < nees_band(16, 12, 0.999)[1]

@@ -53,6 +53,7 @@ def test_nobody_is_lost(cohort, control):
     lost = info["nees"] / 12.0 > 10.0
     assert not lost.any(), dict(zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True))
     np.testing.assert_allclose(refused, worlds["belief"]["gated"], atol=1e-9)
+    assert (terminated == info["violation"]).all()
     assert moved > 0.1
     assert (info["information_claimed"] > 1.0).all(), "and everybody teaches it something"
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
