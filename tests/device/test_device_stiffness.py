@@ -72,17 +72,21 @@ class Tick:
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])
 def test_no_mode_is_faster_than_the_bound(control, rng):
-    """Past the stops of opening and slide, fast, or neither: given what of the governor acts there."""
-    tick, shares = Tick(control), {IDLE: [], BRAKED: [], STOPPED: []}
+    """Past the stops of opening and slide, or fast, or held by the servos alone: what of the governor acts there counts.
+
+    Of a jaw that nothing holds the bound is the mechanics' own, which knows no damping.
+    """
+    tick, shares = Tick(control), {}
     for _ in range(90):
         state = tick.world["state"].copy()
         state[:5] += rng.uniform(0.0, 1.0, 5) * [3e-3, 5e-3, 0.3, 0.05, 0.05] * rng.choice([0.1, 1.0])
         state[5:] += rng.normal(size=5) * [0.05, 0.05, 1.0, 1.0, 1.0] * rng.choice([0.05, 1.0])
         acted = tick.governed(state)[1]
-        if acted != CAPPED:
-            shares[acted].append(tick.fastest(state) / tick.bound(state))
-    assert min(len(found) for found in shares.values()) > 5
-    assert all(max(found) < 1.0 for found in shares.values()), shares
+        if acted >= BRAKED or control == "trajectory":
+            shares.setdefault(acted, []).append(tick.fastest(state) / tick.bound(state))
+    assert {BRAKED, STOPPED} <= shares.keys()
+    assert (IDLE in shares) == (control == "trajectory")
+    assert max(max(found) for found in shares.values()) < 1.0, {acted: max(found) for acted, found in shares.items()}
     assert max(shares[STOPPED]) > 0.2, "a bound, and not a useless one"
 
 
