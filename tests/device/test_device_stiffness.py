@@ -72,7 +72,7 @@ class Tick:
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])
 def test_no_mode_is_faster_than_the_bound(control, rng):
-    """Past the stops of opening and slide, or fast, or held by the servos alone: what of the governor acts there counts.
+    """Past the stops of opening and slide, or fast, or held by the servos alone, for what acts there.
 
     Of a jaw that nothing holds the bound is the mechanics' own, which knows no damping.
     """
@@ -86,7 +86,9 @@ def test_no_mode_is_faster_than_the_bound(control, rng):
             shares.setdefault(acted, []).append(tick.fastest(state) / tick.bound(state))
     assert {BRAKED, STOPPED} <= shares.keys()
     assert (IDLE in shares) == (control == "trajectory")
-    assert max(max(found) for found in shares.values()) < 1.0, {acted: max(found) for acted, found in shares.items()}
+    assert max(max(values) for values in shares.values()) < 1.0, {
+        acted: max(values) for acted, values in shares.items()
+    }
     assert max(shares[STOPPED]) > 0.2, "a bound, and not a useless one"
 
 

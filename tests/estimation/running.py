@@ -46,7 +46,9 @@ class Running:
 
     def expected(self):
         """(12,) readings to expect."""
-        expect(self.record.jaw, self.belief["motion"], self.scratch["update"]["rows"], self.scratch["update"]["expected"])
+        expect(
+            self.record.jaw, self.belief["motion"], self.scratch["update"]["rows"], self.scratch["update"]["expected"]
+        )
         return self.scratch["update"]["expected"].copy()
 
     def foresee(self, ticks):

@@ -1,4 +1,4 @@
-"""The gate along records: honest ticks pass, a sensor's glitch does not stay, and a wrong belief is no wrong reading."""
+"""The gate along records: honest ticks pass, a glitch does not stay, and a wrong belief is no wrong reading."""
 
 from dataclasses import replace
 from functools import cache

@@ -135,11 +135,13 @@ def test_the_derivative_is_the_exponential_of_one_jacobian(model, rng):
     wrong = {model.short: [], 0.5 * model.short: []}
     for _ in range(8):
         theta, state, samples = drawn(model, rng)
-        for dt, found in wrong.items():
+        for dt, errors in wrong.items():
             parts = model.parts(theta, state, dt)
             _, middles = model.path(theta, state, samples, dt, parts)
-            found.append(off(model, model.by_kernel(theta, state, samples, dt)[1], model.frozen(theta, middles, dt), dt))
-    first, second = (np.array(found) for found in wrong.values())
+            errors.append(
+                off(model, model.by_kernel(theta, state, samples, dt)[1], model.frozen(theta, middles, dt), dt)
+            )
+    first, second = (np.array(errors) for errors in wrong.values())
     assert first.max() < 1e-2
     assert np.median(second) < np.median(first) / 7.0
 
@@ -160,14 +162,16 @@ def test_the_derivative_is_that_of_the_motion_but_for_the_frozen_jacobian(model,
     wrong = {model.short: [], 0.5 * model.short: []}
     for _ in range(8):
         theta, state, samples = drawn(model, rng)
-        for dt, found in wrong.items():
+        for dt, errors in wrong.items():
             parts = model.parts(theta, state, dt)
             exact = twin.derivative(
-                lambda v, dt=dt, parts=parts: model.path(theta, v[: model.n], samples, dt, parts, v[model.n :])[0],
+                lambda v, given=(samples, dt, parts), theta=theta: model.path(
+                    theta, v[: model.n], *given, v[model.n :]
+                )[0],
                 np.concatenate([state, np.zeros(6)]),
             )
-            found.append(off(model, model.by_kernel(theta, state, samples, dt)[1], exact, dt))
-    first, second = (np.array(found) for found in wrong.values())
+            errors.append(off(model, model.by_kernel(theta, state, samples, dt)[1], exact, dt))
+    first, second = (np.array(errors) for errors in wrong.values())
     assert first.max() < 0.1
     assert np.median(second) < 0.5 * np.median(first)
 

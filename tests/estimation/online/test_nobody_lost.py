@@ -10,7 +10,9 @@ from jawenv.estimation.online.measurement_update import GATE
 
 EACH = 4  # patients for each way to act
 SECONDS = 10.0
-CORNERS = np.array([[1, 1, 1, 1], [-1, -1, -1, -1], [1, -1, -1, 1], [-1, 1, 1, -1]], dtype=np.float32)  # motors at full thrust
+CORNERS = np.array(
+    [[1, 1, 1, 1], [-1, -1, -1, -1], [1, -1, -1, 1], [-1, 1, 1, -1]], dtype=np.float32
+)  # motors at full thrust
 
 
 class Everybody:

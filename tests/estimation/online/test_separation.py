@@ -74,7 +74,9 @@ def test_the_separated_filter_is_the_joint_one(model, rng):
     np.testing.assert_array_equal(information[running.columns :], 0.0)
     np.testing.assert_array_equal(running.belief["score"][running.columns :], 0.0)
     scale = np.sqrt(np.diag(running.information))
-    np.testing.assert_allclose(running.information / scale, running.information.T / scale, rtol=0, atol=1e-9 * scale.max())
+    np.testing.assert_allclose(
+        running.information / scale, running.information.T / scale, rtol=0, atol=1e-9 * scale.max()
+    )
 
 
 @pytest.mark.parametrize("model", ["jaw", "bilateral"])

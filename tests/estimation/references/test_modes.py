@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.references import mode_search
-from jawenv.estimation.references.modes import MOST_MODES, SAME, TRUST, keep_mode, modes_dtype, nearest_mode, sum_of_modes
+from jawenv.estimation.references.modes import (
+    MOST_MODES,
+    SAME,
+    TRUST,
+    keep_mode,
+    modes_dtype,
+    nearest_mode,
+    sum_of_modes,
+)
 
 P = 4
 
