@@ -46,19 +46,21 @@ def test_the_governor_leaves_small_motion_alone():
 
 
 def test_the_servo_takes_the_jaw_where_the_target_goes():
-    """A quarter of the largest rate for a second opens by 10 mm, less what the servo gives way."""
+    """A quarter of the largest rate for a second opens by 10 mm, less what the servos' springs give way."""
     env = gym.make_vec(ID, num_envs=PATIENTS, control="trajectory", episode_s=3.0)
     env.reset(seed=100)
-    jaw = env.simulation.worlds["jaw"][0]
+    worlds, jaw = env.simulation.worlds, env.simulation.worlds["jaw"][0]
 
     def opening():
-        return [jaw["mouthpiece"][2] - twin.measurement(jaw, state)[2] for state in env.simulation.worlds["state"]]
+        return np.array([jaw["mouthpiece"][2] - twin.measurement(jaw, state)[2] for state in worlds["state"]])
 
-    start = np.array(opening())
-    for k in range(40):
+    start, thrust = opening(), worlds["motors"]["thrust"][:, :2].mean(axis=1)
+    for k in range(60):
         env.step(np.tile(np.array([0.25, 0.25, 0, 0], dtype=np.float32) * (k < 20), (PATIENTS, 1)))
-    moved = np.array(opening()) - start
-    assert (np.abs(moved - 0.010) < 0.0015).all(), moved
+    moved = opening() - start
+    given_way = (worlds["motors"]["thrust"][:, :2].mean(axis=1) - thrust) / env.simulation.device["servo_stiffness"][0]
+    assert (np.abs(moved + given_way - 0.010) < 2e-4).all(), moved + given_way
+    assert (moved > 0.007).all() and given_way.max() > 1e-3
 
 
 def opening_and_turning(t):
@@ -106,7 +108,7 @@ def test_half_the_integration_step_changes_nothing_that_matters(control, motion,
     env.reset(seed=2)
     coarse, fine = (simulate(env, motion, control == "trajectory", n) for n in (SUBSTEPS, 2 * SUBSTEPS))
     assert np.ptp(coarse[:, 2]) > 0.02, "it does open"
-    assert np.ptp(coarse[:, 3]) > 0.05, "and turn"
+    assert np.ptp(coarse[:, 3]) > 0.04, "and turn"
     apart = np.abs(coarse - fine).max(axis=0)
     assert (apart[:2] < place_m).all(), apart
     assert (apart[2:5] < angle).all(), apart

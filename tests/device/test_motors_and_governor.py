@@ -8,7 +8,16 @@ from far_limits import far_limits
 import jawenv
 from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED
 from jawenv.device.device import DEVICE
-from jawenv.device.motors import GOVERNOR_ONSET, ON_PATH, command_motors, device_wrench
+from jawenv.device.motors import (
+    BRAKED,
+    CAPPED,
+    GOVERNOR_ONSET,
+    IDLE,
+    ON_PATH,
+    STOPPED,
+    command_motors,
+    device_wrench,
+)
 from jawenv.envs.world import MOTORS
 
 TICK = 0.01
@@ -133,7 +142,7 @@ def test_the_wrench_is_the_sum_of_the_motors_pushes(jaw, motors, limits, rng):
     expected = np.concatenate([R.T @ pushes.sum(axis=0), np.cross(points, pushes @ R).sum(axis=0)])
     found, acted = wrench(device, jaw, limits, motors, q)
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
-    assert acted == 0.0
+    assert acted == IDLE
 
 
 def test_left_yaw_is_right_motor_forward(jaw, motors, limits):
@@ -149,7 +158,7 @@ def test_the_motors_together_push_no_more_than_the_cap(jaw, motors, limits, cap_
     motors["thrust"] = [30.0, 10.0, 20.0, 20.0]
     found, acted = wrench(device_record(force_cap_N=cap_N), jaw, limits, motors)
     uncapped = np.sqrt(40.0**2 + 40.0**2)
-    assert acted == 1.0
+    assert acted == CAPPED
     assert np.linalg.norm(found[:3]) == pytest.approx(expected)
     moment = -20.0 * 0.025 * twin.rotation(Q)[0, 0]  # 20 N more down on the left, 25 mm out
     assert found[3] == pytest.approx(moment * expected / uncapped)
@@ -198,16 +207,16 @@ def test_each_end_stop_pushes_back(jaw, motors, limits):
     place = twin.measurement(jaw, np.concatenate([Q, STILL]))[:3]
     opening = jaw["mouthpiece"][2] - place[2]
     force, acted = excursion_force(jaw, motors, limits.copy(), opening=0.8 * opening)
-    assert acted == 1.0
+    assert acted == STOPPED
     assert force[2] > 0.0 and np.abs(force[:2]).max() < 1e-12
     force, acted = excursion_force(jaw, motors, limits.copy(), path=[place[0] - 1.0, 0.0, 0.0], fore_aft=0.8)
-    assert acted == 1.0
+    assert acted == STOPPED
     assert force[0] < 0.0 and np.abs(force[1:]).max() < 1e-9 * abs(force[0])
     force, acted = excursion_force(jaw, motors, limits.copy(), rest_side=1.0, side=0.8)
-    assert acted == 1.0
+    assert acted == STOPPED
     assert force[1] > 0.0 and np.abs(force[[0, 2]]).max() < 1e-9 * force[1]
     force, acted = excursion_force(jaw, motors, limits.copy(), condyle_half=2e-3)
-    assert acted == 1.0
+    assert acted == STOPPED
     assert force[0] < 0.0
 
 
@@ -222,11 +231,21 @@ def test_the_condyles_stop_pushes_at_the_condyles_not_at_the_mouthpiece(jaw, mot
 
 def test_the_brake_works_against_the_motion_only_above_the_soft_speed(jaw, motors, limits):
     slow, fast = np.array([0.0, 0.03, 0, 0, 0]), np.array([0.0, 0.30, 0, 0, 0])
-    assert wrench(device_record(), jaw, limits, motors, u=slow)[1] == 0.0
+    assert wrench(device_record(), jaw, limits, motors, u=slow)[1] == IDLE
     found, acted = wrench(device_record(brake_N_s_m=60.0), jaw, limits, motors, u=fast)
     onset = SOFT_SPEED * (1 + GOVERNOR_ONSET * (HARD[6] - 1))
-    assert acted == 1.0
+    assert acted == BRAKED
     np.testing.assert_allclose(twin.rotation(Q) @ found[:3], [0, -60.0 * (0.30 - onset), 0], atol=1e-12)
+
+
+def test_the_stiffest_part_that_acts_is_named(jaw, motors, limits):
+    """A jaw past a stop that is too fast as well, with motors beyond the cap."""
+    motors["thrust"] = [30.0, 10.0, 20.0, 20.0]
+    fast = np.array([0.0, 0.30, 0, 0, 0])
+    assert wrench(device_record(), jaw, limits, motors, u=fast)[1] == BRAKED
+    limits["condyle_half"] = 2e-3
+    assert wrench(device_record(), jaw, limits, motors, u=fast)[1] == STOPPED
+    assert IDLE < CAPPED < BRAKED < STOPPED
 
 
 def test_motors_yield_while_a_stop_is_pressed(jaw, motors, limits):

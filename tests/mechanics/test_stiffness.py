@@ -73,9 +73,11 @@ def test_the_mouthpiece_gives_way_most_in_one_direction(jaw, rng):
     assert 0.999 * jaw["mouthpiece_mobility"] < found.max() <= jaw["mouthpiece_mobility"] * (1 + 1e-12)
 
 
-def test_steps_are_halved_until_they_are_short_enough():
-    assert parts_needed(LARGEST_PHASE / 0.01, 0.01, 1) == 1
+def test_steps_are_divided_into_as_few_parts_as_are_short_enough():
+    for parts in range(1, MOST_PARTS + 1):
+        assert parts_needed(0.999 * parts * LARGEST_PHASE / 0.01, 0.01, 1) == parts
     assert parts_needed(1.01 * LARGEST_PHASE / 0.01, 0.01, 1) == 2
-    assert parts_needed(5.0 * LARGEST_PHASE / 0.01, 0.01, 2) == 8
+    assert parts_needed(4.9 * LARGEST_PHASE / 0.01, 0.01, 2) == 5
+    assert parts_needed(float("nan"), 0.01, 1) == MOST_PARTS
     assert parts_needed(1e9, 0.01, 1) == MOST_PARTS
     assert parts_needed(0.0, 0.01, 5) == 5

@@ -94,9 +94,11 @@ def test_a_world_that_ended_early_keeps_its_last_values():
     played = play(Push(1, 1, 1, 1), patients=4, seed=0, env_kwargs={"episode_s": 4.0, "device": ungoverned})
     ended = np.flatnonzero(played.terminated)
     assert len(ended), "full thrust without end stops is expected to cross a hard limit"
-    world, last = ended[0], played.last[ended[0]]
-    assert played.violation[world, last]
-    np.testing.assert_array_equal(played.belief_cov[world, last:], played.belief_cov[world, last : last + 1])
+    world = ended[np.argmin(played.last[ended])]
+    last = played.last[world]
+    assert played.violation[world, last] and last < played.belief_cov.shape[1] - 1
+    after = played.belief_cov[world, last + 1 :]
+    np.testing.assert_array_equal(after, np.broadcast_to(played.belief_cov[world, last], after.shape))
     assert not played.cost[world, last + 1 :].any()
 
 

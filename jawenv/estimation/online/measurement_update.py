@@ -158,6 +158,7 @@ def passes_gate(belief, start_sd, scratch):
             belief.motion_cov *= nis / N_MEASUREMENTS
     if not normalised_innovation(belief, scratch) < inf:
         lose_motion(belief, start_sd)
+        scratch.by_tension_rows[:, :] = 0.0
         normalised_innovation(belief, scratch)
         return False
     return explained

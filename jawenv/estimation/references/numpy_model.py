@@ -57,7 +57,7 @@ def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
 
 
 def parts_needed(rate: float, dt: float) -> int:
-    """Least power of two into which ``dt`` (s) is divided so that the phase of ``rate`` (rad/s) in a part is short."""
+    """Least number of parts of ``dt`` (s) in each of which the phase of ``rate`` (rad/s) is short."""
     shares = max(rate * dt / LARGEST_PHASE, 1.0)
     return int(min(np.ceil(shares), MOST_PARTS))
 

@@ -23,7 +23,7 @@ def played(env_id, maneuver=SWINGS, episode_s=2.0):
     """Two patients of a rung, with the bound that the environment tracked."""
     agent = load_agent(maneuver, env_id=env_id)
     settings = {"record": True, "track_bound": True, "episode_s": episode_s}
-    return jawenv.play(agent, patients=2, seed=10_022, env_kwargs=settings, env_id=env_id)
+    return jawenv.play(agent, patients=2, seed=6022, env_kwargs=settings, env_id=env_id)
 
 
 def a_record():

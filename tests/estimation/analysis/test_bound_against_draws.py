@@ -25,7 +25,7 @@ from jawenv.estimation.references import smoother
 from jawenv.estimation.references.smoother import IteratedSmoother
 from jawenv.ladder import model_named
 
-DRAWS = 500
+DRAWS = 250
 SURE = [0.0005, 0.9995]  # quantiles of what chance alone does
 
 

@@ -8,17 +8,19 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.estimation.online.basis import build_basis, expand_coefficients
+from jawenv.estimation.online.basis import N_NODES, build_basis, expand_coefficients
 from jawenv.estimation.online.posterior import (
     NEGLIGIBLE,
-    believe,
     invert_positive,
-    posterior_fields,
+    posterior_dtype,
     set_bent,
     set_omega,
     set_precision,
     set_root,
+    update_belief,
 )
+from jawenv.estimation.online.state import begin_belief, belief_dtype
+from jawenv.estimation.online.tick import filter_settings_dtype
 from jawenv.mechanics import build_jaw
 
 
@@ -30,10 +32,14 @@ class Problem:
         self.prior = jawenv.cohort("trismus", muscles).prior
         self.mean = self.prior.mean.copy()
         self.sd = self.prior.sd.copy() if prior_sd is None else np.full(len(self.mean), prior_sd)
-        self.basis = build_basis(build_jaw(muscles), self.prior, 4)[0]
+        self.basis = build_basis(build_jaw(muscles), self.prior)[0]
         self.muscles, self.nodes = self.basis["nodes"].shape
         self.size = self.muscles * self.nodes
-        self.scratch = np.zeros(1, dtype=np.dtype(posterior_fields(self.muscles, self.nodes), align=True))[0]
+        self.scratch = np.zeros(1, dtype=posterior_dtype(self.muscles))[0]
+        self.belief = np.zeros(1, dtype=belief_dtype(self.muscles, 10))[0]
+        self.settings = np.zeros(1, dtype=filter_settings_dtype(self.muscles, 10))[0]
+        self.settings["prior_mean"], self.settings["prior_sd"] = self.mean, self.sd
+        begin_belief(self.basis, self.belief, self.mean, self.sd)
         self.nominal = self.coefficients(self.mean).real.copy()
         self.information, self.score = np.zeros((self.size + 1, self.size + 1)), np.zeros(self.size + 1)
 
@@ -52,15 +58,16 @@ class Problem:
         return twin.derivative(lambda v: self.coefficients(v).ravel(), theta)
 
     def believe(self, gain_variance=0.0, calls=60):
-        """Mean, covariance and whether it has converged after ``calls`` single rounds from the prior."""
-        mean, covariance, converged = self.mean.copy(), np.diag(self.sd**2), False
-        lower = np.tril(self.information) + np.triu(np.full_like(self.information, np.nan), 1)
+        """Mean, covariance and whether it has converged after so many calls that begin with the prior."""
+        belief, known = self.belief, self.size + 1
+        self.settings["gain_variance"] = gain_variance
+        begin_belief(self.basis, belief, self.mean, self.sd)
+        belief["nominal"] = self.nominal
+        belief["information"][:known, :known], belief["score"][:known] = self.information, self.score
+        converged = False
         for _ in range(calls):
-            converged = believe(
-                self.basis, lower, self.score, self.nominal, gain_variance, self.mean, self.sd, mean, covariance,
-                self.scratch, 1,
-            )  # fmt: skip
-        return mean, covariance, converged
+            converged = update_belief(belief, self.settings, self.scratch)
+        return belief["mean"].copy(), belief["cov"].copy(), converged
 
 
 def definite(rng, size):
@@ -127,7 +134,7 @@ def spread_out(twice):
 
 def test_omega_is_half_the_trace(rng):
     problem = Problem("whole")
-    twice, P, G = rng.normal(size=(6, 4, 3)), definite(rng, 12), np.empty((18, 18))
+    twice, P, G = rng.normal(size=(6, N_NODES, 3)), definite(rng, 12), np.empty((18, 18))
     set_omega(P, G)
     T, expected = spread_out(twice), half_trace(twice, P)
     np.testing.assert_allclose(T @ G @ T.T, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
@@ -185,33 +192,33 @@ def agree(actual, expected, tolerance):
 def test_the_precision_is_that_of_the_direct_formula(rng):
     """(Lambda^-1 + Omega)^-1 with Lambda definite, by dense inverses of its own size."""
     for bend in (0.1, 1.0, 10.0):
-        one = Linearised(rng, 40, size_of_information=24.0, size_of_bend=bend)
-        Lambda, J = one.root @ one.root.T, first_derivatives(one.twice)
-        less = np.linalg.inv(np.linalg.inv(Lambda) + half_trace(one.twice, one.covariance))
-        gradient = J.T @ less @ np.linalg.solve(Lambda, one.score[:-1]) + (one.mean - one.at) / one.sd**2
-        expected = J.T @ less @ J + np.diag(one.sd**-2.0), gradient
-        assert one.lost > NEGLIGIBLE
-        agree(one.directly(), expected, 1e-8)
-        agree(one.by_kernels(), expected, 1e-8)
+        drawn = Linearised(rng, 50, size_of_information=24.0, size_of_bend=bend)
+        Lambda, J = drawn.root @ drawn.root.T, first_derivatives(drawn.twice)
+        less = np.linalg.inv(np.linalg.inv(Lambda) + half_trace(drawn.twice, drawn.covariance))
+        gradient = J.T @ less @ np.linalg.solve(Lambda, drawn.score[:-1]) + (drawn.mean - drawn.at) / drawn.sd**2
+        expected = J.T @ less @ J + np.diag(drawn.sd**-2.0), gradient
+        assert drawn.lost > NEGLIGIBLE
+        agree(drawn.directly(), expected, 1e-8)
+        agree(drawn.by_kernels(), expected, 1e-8)
 
 
 @pytest.mark.parametrize("rank", [1, 2, 5, 11, 17, 23])
 def test_information_about_a_few_sums_has_no_inverse_and_needs_none(rng, rank):
     for information in (1.0, 1e3):
-        one = Linearised(rng, rank, size_of_information=information)
-        assert one.lost > NEGLIGIBLE
-        agree(one.by_kernels(), one.directly(), 1e-6)
+        drawn = Linearised(rng, rank, size_of_information=information)
+        assert drawn.lost > NEGLIGIBLE
+        agree(drawn.by_kernels(), drawn.directly(), 1e-6)
 
 
 def test_a_negligible_omega_is_left_out(rng):
-    one = Linearised(rng, 30, size_of_information=24.0, size_of_bend=1.0)
-    one.covariance *= np.sqrt(0.5 * NEGLIGIBLE / one.lost)
-    assert one.lost < NEGLIGIBLE
-    J = first_derivatives(one.twice)
-    expected = J.T @ one.root @ one.root.T @ J + np.diag(one.sd**-2.0)
-    precision, _ = one.by_kernels()
+    drawn = Linearised(rng, 30, size_of_information=24.0, size_of_bend=1.0)
+    drawn.covariance *= np.sqrt(0.5 * NEGLIGIBLE / drawn.lost)
+    assert drawn.lost < NEGLIGIBLE
+    J = first_derivatives(drawn.twice)
+    expected = J.T @ drawn.root @ drawn.root.T @ J + np.diag(drawn.sd**-2.0)
+    precision, _ = drawn.by_kernels()
     np.testing.assert_allclose(precision, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
-    agree((precision, one.directly()[1]), one.directly(), NEGLIGIBLE)
+    agree((precision, drawn.directly()[1]), drawn.directly(), NEGLIGIBLE)
 
 
 @settings(max_examples=150, deadline=None, derandomize=True, database=None)
@@ -225,19 +232,19 @@ def test_a_negligible_omega_is_left_out(rng):
 def test_the_precision_stays_positive_definite(seed, rank, information, bend, narrow):
     """Whatever the sizes of Lambda and Omega: what the data add to the prior is never negative."""
     rng = np.random.default_rng(seed)
-    one = Linearised(rng, rank, 10.0**information, 10.0**bend)
-    squeeze = np.sqrt(10.0 ** (narrow * rng.random(len(one.mean))))
-    one.covariance *= np.outer(squeeze, squeeze)
-    found = one.by_kernels()
-    assert found is not None
-    precision, right = found
+    drawn = Linearised(rng, rank, 10.0**information, 10.0**bend)
+    squeeze = np.sqrt(10.0 ** (narrow * rng.random(len(drawn.mean))))
+    drawn.covariance *= np.outer(squeeze, squeeze)
+    precise = drawn.by_kernels()
+    assert precise is not None
+    precision, right = precise
     assert np.isfinite(precision).all() and np.isfinite(right).all()
-    data = precision * np.outer(one.sd, one.sd) - np.eye(len(one.sd))
+    data = precision * np.outer(drawn.sd, drawn.sd) - np.eye(len(drawn.sd))
     sizes = np.sqrt(1.0 + np.diag(data))
     assert np.linalg.eigvalsh(data / np.outer(sizes, sizes))[0] > -1e-12
     covariance = np.empty_like(precision)
     assert invert_positive(precision, covariance)
-    believed = np.linalg.eigvalsh(covariance / np.outer(one.sd, one.sd))
+    believed = np.linalg.eigvalsh(covariance / np.outer(drawn.sd, drawn.sd))
     assert believed[0] > 0.0 and believed[-1] < 1.0 + 1e-6
 
 
@@ -259,7 +266,7 @@ def test_what_it_converges_to_is_its_own_linearisation(rng):
     problem.score[:-1] = np.linalg.cholesky(problem.information[:-1, :-1]) @ rng.normal(size=problem.size)
     mean, covariance, converged = problem.believe()
     assert converged
-    c, twice = np.empty((6, 4)), np.empty((6, 4, 3))
+    c, twice = np.empty((6, N_NODES)), np.empty((6, N_NODES, 3))
     expand_coefficients(problem.basis, mean, covariance, c, twice)
     J, Omega, Lambda = first_derivatives(twice), half_trace(twice, covariance), problem.information[:-1, :-1]
     assert np.trace(Lambda @ Omega) > 0.1, "the error of the linearisation counts here"
@@ -353,11 +360,30 @@ def test_other_matrices_have_none(rng, bad):
     assert not invert_positive(work, np.empty((6, 6)))
 
 
-def test_information_that_is_none_leaves_no_belief():
-    """A negative information makes no covariance: NaN on its diagonal, which ends the episode."""
+@pytest.mark.parametrize("bad", [-1e6, np.nan, np.inf])
+def test_without_an_answer_the_last_belief_stays(rng, bad):
+    """Information that is negative or no number: to the bit what was believed before, the score's effect included."""
     problem = Problem("whole")
-    problem.information[:-1, :-1] = -1e6 * np.eye(problem.size)
-    mean, covariance, converged = problem.believe(calls=1)
-    assert not converged
-    assert np.isnan(np.diag(covariance)).all()
-    np.testing.assert_array_equal(mean, problem.mean)
+    J = problem.slope(problem.mean)
+    scale = 6.0 / np.abs(J).max(axis=1)
+    problem.information[:-1, :-1] = definite(rng, problem.size) * np.outer(scale, scale) / problem.size
+    mean, covariance, _ = problem.believe(calls=3)
+    problem.belief["information"][: problem.size, : problem.size] = np.diag(np.full(problem.size, bad))
+    assert not update_belief(problem.belief, problem.settings, problem.scratch)
+    np.testing.assert_array_equal(problem.belief["mean"], mean)
+    np.testing.assert_array_equal(problem.belief["cov"], covariance)
+    assert (np.diag(covariance) < 0.99 * problem.sd**2).any(), "and that was not the prior"
+
+
+def test_a_search_ends_when_what_is_left_is_small(rng):
+    """A second call then moves the mean by a hundredth of an sd at most; from far off one call is not enough."""
+    problem = Problem("whole")
+    J = problem.slope(problem.mean)
+    scale = 6.0 / np.abs(J).max(axis=1)
+    problem.information[:-1, :-1] = definite(rng, problem.size) * np.outer(scale, scale) / problem.size
+    calls = 1
+    while not problem.believe(calls=calls)[2]:
+        calls += 1
+    mean, covariance, _ = problem.believe(calls=calls)
+    again, _, _ = problem.believe(calls=calls + 1)
+    assert (np.abs(again - mean) < 0.1 * np.sqrt(np.diag(covariance))).all()

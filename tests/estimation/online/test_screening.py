@@ -11,6 +11,7 @@ from jawenv.estimation.online.screening import (
     mark_usable,
     repair_samples,
 )
+from jawenv.estimation.online.state import belief_dtype
 
 EVERY = np.ones(12, dtype=np.uint8)
 
@@ -65,16 +66,18 @@ def test_what_is_not_allowed_is_neither_used_nor_missed(rng):
 
 
 class Cell:
-    """A load cell's samples, the last ones, those believed last, and the variance of the wrench not known."""
+    """A load cell's samples, what the filter carries of the last ones, and the variance of the wrench not known."""
 
     def __init__(self, rng):
-        self.samples, self.last, self.held = rng.normal(size=(3, 6)), rng.normal(size=6), rng.normal(size=6)
-        self.lost_for, self.before = np.zeros(6), rng.uniform(0.01, 0.02, 6)
+        self.samples, self.before = rng.normal(size=(3, 6)), rng.uniform(0.01, 0.02, 6)
+        self.belief = np.zeros(1, dtype=belief_dtype(6, 10))[0]
+        self.last, self.held, self.lost_for = (self.belief[name] for name in ("last_sample", "held_sample", "lost_for"))
+        self.last[:], self.held[:] = rng.normal(size=6), rng.normal(size=6)
         self.usable = np.full((3, 6), np.nan)
 
     def repair(self, dt=0.01):
         given, self.variance = self.samples.copy(), self.before.copy()
-        number = repair_samples(self.samples, self.last, self.held, self.lost_for, dt, self.variance, self.usable)
+        number = repair_samples(self.belief, self.samples, dt, self.variance, self.usable)
         np.testing.assert_array_equal(self.samples, given)
         np.testing.assert_array_equal(self.last, given[2])
         return number

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from recorded import recording
+from recorded import held, recording
 
 from jawenv.errors import InputError
 from jawenv.estimation.references.extended_kalman import ExtendedKalman
@@ -41,11 +41,11 @@ def test_the_compiled_filter_is_filterpys(record, gain_sd, noise):
     assert np.log(ours.sd[0] / ours.sd[-1]).mean() > 0.5, "the record teaches something"
 
 
-@pytest.mark.parametrize("model", ["hinge", "bilateral"])
-def test_so_it_is_on_other_models_of_the_ladder(model):
-    """Held coordinates and two lines to a muscle; two condyles, whose model is compiled in both."""
-    record = replace(recording(model, patients=1, seconds=0.5).records[0], gain_sd=0.05)
-    assert_same(ExtendedKalman().estimate(record), FilterpyExtendedKalman().estimate(record), 1e-9)
+def test_so_it_is_on_two_condyles_and_where_coordinates_are_held(record):
+    """Twelve states, whose model is compiled in both; and a jaw that cannot leave its plane."""
+    body = replace(recording("bilateral", patients=1, seconds=0.5).records[0], gain_sd=0.05)
+    for short in (body, held(replace(record.until(0.5), gain_sd=0.05))):
+        assert_same(ExtendedKalman().estimate(short), FilterpyExtendedKalman().estimate(short), 1e-9)
 
 
 def test_the_model_inside_filterpys_makes_no_difference(record):
@@ -77,7 +77,7 @@ def test_the_scales_agree_where_the_parameters_are_known_well(record):
     assert_same(ExtendedKalman("linear", parameter_rate=1e-5).estimate(certain), logs, 2e-3)
     other = ExtendedKalman("linear").estimate(record).mean[-1]
     apart = np.abs(other - ExtendedKalman().estimate(record).mean[-1])
-    assert apart.max() > 1e-2, "they differ where they may"
+    assert apart.max() > 3e-3, "they differ where they may"
 
 
 def test_a_linear_estimate_below_zero_becomes_a_small_positive_one(record):

@@ -1,0 +1,155 @@
+"""Readings filtered again: when, from where, what it is good for, and that slow or few ones are judged right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recorded import SWINGS, recording, share
+
+import jawenv
+from agents import load_agent
+from jawenv.envs.simulation import Simulation, configure
+from jawenv.estimation.online.belief import learn
+from jawenv.estimation.online.record_filter import FilterRun, TensionFilter
+from jawenv.estimation.online.state import begin_belief, begin_motion
+from jawenv.estimation.online.tick import (
+    EAGER_TICKS,
+    LAST_WINDOW,
+    LAST_WINDOW_OF_OPEN_POSE,
+    ends_window,
+    filter_tick,
+    replay,
+    take_readings,
+)
+from jawenv.estimation.recordings.thinning import divided, thinned
+from jawenv.metrics.calibration import nees, nees_band
+
+
+@pytest.fixture(scope="module")
+def record():
+    return recording().records[0]
+
+
+@pytest.mark.parametrize(
+    ("last", "expected"), [(LAST_WINDOW, [20, 40, 80]), (LAST_WINDOW_OF_OPEN_POSE, [20, 40, 80, 160, 320, 640])]
+)
+def test_windows_end_after_so_many_readings(record, last, expected):
+    """Every other tick's encoders are lost: ticks do not count, readings do."""
+    _, belief, _, settings, scratch = FilterRun(record).arguments
+    settings["last_window"], ends = last, []
+    for tick in range(1500):
+        scratch["used"] = tick % 2 == 0
+        belief["readings"] += tick % 2 == 0
+        if ends_window(belief, settings, scratch):
+            ends.append(int(belief["readings"]))
+    assert ends == expected
+
+
+def test_readings_are_counted_where_an_encoder_is_used(record):
+    measured = record.measured.copy()
+    measured[1::2] = np.nan
+    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    for tick in range(11):
+        take_readings(jaw, belief, rows[tick]["measured"], rows[tick]["samples"], tick, settings, scratch)
+    assert belief["readings"] == 6
+
+
+@pytest.mark.parametrize(
+    ("model", "sensors", "expected"),
+    [("jaw", "pose", False), ("jaw", "point", True), ("hinge", "point", False), ("bilateral", "point", True)],
+)
+def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(model, sensors, expected):
+    """And as many ticks are kept as encoders that lose three quarters need."""
+    simulation = Simulation(1, configure({"model": model, "sensors": sensors}))
+    last = LAST_WINDOW_OF_OPEN_POSE if expected else LAST_WINDOW
+    assert simulation.settings["filter"]["last_window"][0] == last
+    assert len(simulation.ticks[0]) == 1 + 4 * last
+
+
+@pytest.mark.parametrize(("every", "expected"), [(1, False), (2, True), (5, True)])
+def test_slow_encoders_leave_the_pose_open(record, every, expected):
+    assert FilterRun(divided(thinned(record, every), every)).leaves_pose_open is expected
+
+
+def filtered_until(record, guess, ticks):
+    """A run whose readings were filtered as if the muscles were a ``guess`` of so many prior sds."""
+    run = FilterRun(record)
+    jaw, belief, rows, settings, scratch = run.arguments
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    begin_belief(settings["basis"], belief, record.prior.mean + guess * record.prior.sd, settings["prior_sd"])
+    for tick in range(ticks):
+        take_readings(jaw, belief, rows[tick]["measured"], rows[tick]["samples"], tick, settings, scratch)
+    learn(belief, settings, scratch["belief"])
+    return run
+
+
+def test_the_belief_hangs_less_on_the_guess_that_readings_were_filtered_at(record):
+    """Twenty readings filtered at two guesses, a sd apart, then learned from; then filtered again."""
+    before, after = [], []
+    for guess in (-0.5, 0.5):
+        jaw, belief, rows, settings, scratch = filtered_until(record, guess, 20).arguments
+        before.append(belief["mean"] / np.sqrt(np.diag(belief["cov"])))
+        replay(jaw, belief, rows, 19, settings, scratch)
+        learn(belief, settings, scratch["belief"])
+        after.append(belief["mean"] / np.sqrt(np.diag(belief["cov"])))
+    before, after = np.abs(before[1] - before[0]).max(), np.abs(after[1] - after[0]).max()
+    assert before > 0.02
+    assert after < 0.3 * before
+
+
+def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
+    """As filtering from the first reading at that belief does, to the bit; gated ticks are counted in all passes."""
+    run = filtered_until(record, 0.0, 40)
+    jaw, belief, rows, settings, scratch = run.arguments
+    mean, cov = belief["mean"].copy(), belief["cov"].copy()
+    replay(jaw, belief, rows, 39, settings, scratch)
+    np.testing.assert_array_equal(belief["mean"], mean)
+    np.testing.assert_array_equal(belief["cov"], cov)
+    again = belief.copy()
+    replay(jaw, belief, rows, 39, settings, scratch)
+    for name in ("motion", "motion_cov", "by_tension", "information", "score", "trend", "readings"):
+        np.testing.assert_array_equal(belief[name], again[name])
+    assert belief["readings"] == 40
+
+
+def test_only_early_ticks_and_ends_of_windows_renew_the_belief(record):
+    """The others leave it to the end of the control period."""
+    jaw, belief, rows, settings, scratch = FilterRun(record).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    renewed = []
+    for tick in range(100):
+        before = belief["mean"].copy()
+        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        if (belief["mean"] != before).any():
+            renewed.append(tick)
+    assert renewed == [*range(1, EAGER_TICKS), 39, 79] or renewed == [*range(EAGER_TICKS), 39, 79]
+
+
+def test_slow_recordings_are_judged_right():
+    """Encoders read at 20 Hz; without replays mean NEES/12 was 8."""
+    kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
+    played = jawenv.play(load_agent(SWINGS), patients=16, seed=5000, env_kwargs=kwargs)
+    shares = []
+    for record in played.records:
+        estimate = TensionFilter().estimate(divided(thinned(record, 5), 5))
+        shares.append(share(record, estimate.mean[-1], estimate.cov[-1]))
+    low, high = np.array(nees_band(16, 12, 0.999)) / 12.0
+    assert low < np.mean(shares) < high
+
+
+def test_one_point_is_judged_right_in_most():
+    """Of twelve patients eight at least; where more than one motion fits, only ``ModeSearch`` knows."""
+    kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
+    played = jawenv.play(load_agent(SWINGS), patients=12, seed=5000, env_kwargs=kwargs)
+    assert not played.terminated.any()
+    shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
+    assert np.sum(shares < 2.5) >= 8, shares
+
+
+def test_a_record_that_says_nothing_leaves_the_prior(record):
+    blind = replace(record, measured=np.full_like(record.measured, np.nan))
+    estimate = TensionFilter().estimate(blind)
+    np.testing.assert_allclose(estimate.mean[-1], record.prior.mean)
+    np.testing.assert_allclose(estimate.sd[-1], record.prior.sd)
