@@ -5,8 +5,8 @@ import newton_euler as twin
 import numpy as np
 import pytest
 
-from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, device_wrench
-from jawenv.device.stiffness import device_rate
+from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, STOPPED_AND_BRAKED, device_wrench
+from jawenv.device.stiffness import held_rate
 from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick, true_motion
 from jawenv.estimation.model.load_cell import mean_reading
 from jawenv.mechanics.dynamics import state_rate
@@ -67,7 +67,7 @@ class Tick:
     def bound(self, state):
         jaw = self.world["jaw"]
         own = fastest_rate(jaw, self.world["muscles"], tuple(float(v) for v in state[:5]))
-        return own + device_rate(self.device, jaw, self.trajectory, self.governed(state)[1])
+        return held_rate(self.device, jaw, self.trajectory, self.governed(state)[1], own)
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])
@@ -84,7 +84,7 @@ def test_no_mode_is_faster_than_the_bound(control, rng):
         acted = tick.governed(state)[1]
         if acted >= BRAKED or control == "trajectory":
             shares.setdefault(acted, []).append(tick.fastest(state) / tick.bound(state))
-    assert {BRAKED, STOPPED} <= shares.keys()
+    assert {BRAKED, STOPPED, STOPPED_AND_BRAKED} <= shares.keys()
     assert (IDLE in shares) == (control == "trajectory")
     assert max(max(values) for values in shares.values()) < 1.0, {
         acted: max(values) for acted, values in shares.items()
@@ -93,19 +93,23 @@ def test_no_mode_is_faster_than_the_bound(control, rng):
 
 
 def test_each_part_of_the_governor_adds_to_the_rate():
-    """The cap adds nothing; servos do where there are any."""
+    """The cap adds nothing; servos do where there are any; of springs and dampers the faster counts."""
     tick = Tick("force")
     jaw, device = tick.world["jaw"], tick.device
-    free = [device_rate(device, jaw, np.uint8(0), acted) for acted in (IDLE, CAPPED, BRAKED, STOPPED)]
-    assert free[0] == free[1] == 0.0
+
+    def rate(acted, trajectory=0, free_rate=0.0):
+        return held_rate(device, jaw, np.uint8(trajectory), acted, free_rate)
+
+    assert rate(IDLE) == rate(CAPPED) == 0.0 and rate(IDLE, free_rate=120.0) == 120.0
     brake = float(jaw["mouthpiece_mobility"] * device["brake"])
-    assert free[2] == pytest.approx(brake)
+    assert rate(BRAKED) == pytest.approx(brake)
     stops = float(jaw["mouthpiece_mobility"] + jaw["condyle_mobility"])
-    expected = brake + stops * float(device["stop_damping"]) + np.sqrt(stops * float(device["stop_stiffness"]))
-    assert free[3] == pytest.approx(expected)
+    spring, damper = stops * float(device["stop_stiffness"]), stops * float(device["stop_damping"])
+    assert rate(STOPPED, free_rate=200.0) == pytest.approx(max(np.sqrt(200.0**2 + spring), damper))
+    assert rate(STOPPED_AND_BRAKED) == pytest.approx(max(np.sqrt(spring), damper + brake))
     servos = 2.0 * float(jaw["mouthpiece_mobility"])
-    held = np.sqrt(servos * float(device["servo_stiffness"])) + servos * float(device["servo_damping"])
-    assert device_rate(device, jaw, np.uint8(1), IDLE) == pytest.approx(held)
+    spring, damper = servos * float(device["servo_stiffness"]), servos * float(device["servo_damping"])
+    assert rate(IDLE, trajectory=1) == pytest.approx(max(np.sqrt(spring), damper))
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

@@ -1,12 +1,10 @@
-"""Which readings a filter may believe: one that is missing, or repeats the last to the bit, is left out.
+"""Which readings the filter uses: one that is missing, out of range, or repeats the last to the bit, is left out.
 
 Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
-frozen. What is left out costs information and no more.
+frozen. No jaw leaves the range. What is left out costs information and no more.
 """
 
 from __future__ import annotations
-
-from math import isfinite
 
 from jawenv.compiled import njit
 
@@ -15,16 +13,27 @@ from jawenv.compiled import njit
 FORCE_RATE, LOST_FORCE = 50.0, 3.0
 MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
 
+# Ranges: mouthpiece position (m), angles (rad), velocity (m/s), angular velocity (rad/s), force (N), moment (N m).
+PLACE, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
+FORCE, MOMENT = 200.0, 20.0
+
+
+@njit
+def in_range(value, largest):
+    """Whether ``value`` is a number of at most this magnitude."""
+    return abs(value) <= largest
+
 
 @njit
 def mark_usable(measured, last, allowed, used):
-    """Set ``used`` (12) where ``allowed`` readings are numbers and have changed; ``last`` becomes ``measured``.
+    """Set ``used`` (12) where ``allowed`` readings are in range and have changed; ``last`` becomes ``measured``.
 
     Returns how many allowed readings are left out.
     """
     left_out = 0
+    ranges = (PLACE, ANGLE, VELOCITY, RATE)
     for i in range(measured.shape[0]):
-        good = isfinite(measured[i]) and measured[i] != last[i]
+        good = in_range(measured[i], ranges[i // 3]) and measured[i] != last[i]
         used[i] = 1 if allowed[i] and good else 0
         if allowed[i] and not good:
             left_out += 1
@@ -51,7 +60,7 @@ def repair_samples(belief, samples, dt, variance, usable):
     for k in range(samples.shape[1]):
         good, previous = True, last[k]
         for i in range(samples.shape[0]):
-            good = good and isfinite(samples[i, k]) and samples[i, k] != previous
+            good = good and in_range(samples[i, k], FORCE if k < 3 else MOMENT) and samples[i, k] != previous
             previous = samples[i, k]
         last[k] = previous
         if good:

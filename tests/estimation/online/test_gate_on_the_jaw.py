@@ -31,7 +31,7 @@ def filtered(record):
     """What the filter carries at the end, and mean and covariance of the parameters there."""
     run = FilterRun(record)
     means, covs = np.empty((1 + run.last // 5, 12)), np.empty((1 + run.last // 5, 12, 12))
-    filter_record(*run.arguments, 5, means, covs)
+    filter_record(run.arguments, 5, means, covs)
     return run.belief, means[-1], covs[-1]
 
 

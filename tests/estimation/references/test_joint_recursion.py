@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from joint_belief import DT, GAIN, STATE, Belief, jacobians, model_step
 
-from jawenv.estimation.references.extended_kalman_kernel import predict_plain, update_plain
+from jawenv.estimation.references.extended_kalman_kernel import Problem, predict_plain, update_plain
 from jawenv.estimation.references.joint_recursion import innovation_variance, joint_scratch_dtype, parameter_variance
 
 NOISE_VARIANCE = np.repeat([0.012, 1e-5, 2.4e-3, 1e-6], 3)
@@ -21,10 +21,18 @@ def scratch():
 
 def run_predict(jaw, belief, scratch, noise=0.0):
     mean, covariance = belief.mean.copy(), belief.covariance.copy()
-    predict_plain(
-        jaw, mean, covariance, belief.samples, belief.trend, DT, NOISE_VARIANCE, np.full(12, noise),
-        False, np.zeros(12), np.empty(12), scratch,
-    )  # fmt: skip
+    problem = Problem(
+        jaw=jaw,
+        measured=np.empty((2, 12)),
+        samples=belief.samples[None],
+        dt=DT,
+        variances=np.ones(12),
+        noise_variance=NOISE_VARIANCE,
+        parameter_noise=np.full((1, 12), noise),
+        linear=False,
+        floor=np.zeros(12),
+    )
+    predict_plain(problem, 0, mean, covariance, belief.trend, scratch)
     return mean, covariance
 
 

@@ -37,19 +37,16 @@ class Search:
 
     def at(self, parameters):
         """The density of ``parameters``; the belief becomes what the record says about them."""
-        return mode_search.filter_at(*self.run.arguments[:3], self.run.last, *self.run.arguments[3:], parameters)
+        return mode_search.filter_at(self.run.arguments, self.run.last, parameters)
 
     def from_starts(self, starts, small_step=0.01):
-        jaw, belief, rows, settings, scratch = self.run.arguments
-        last, passes = self.run.last, mode_search.PASSES
-        mode_search.search(jaw, belief, rows, settings, scratch, last, starts, passes, small_step, self.modes)
+        mode_search.search(self.run.arguments, self.run.last, starts, mode_search.PASSES, small_step, self.modes)
         return sum_of_modes(self.modes)
 
     def settle(self, start, small_step=0.01):
-        jaw, belief, rows, settings, scratch = self.run.arguments
-        about, last = start.copy(), self.run.last
+        about = start.copy()
         density, new = mode_search.settle(
-            jaw, belief, rows, last, settings, scratch, about, mode_search.PASSES, small_step, self.modes
+            self.run.arguments, self.run.last, about, mode_search.PASSES, small_step, self.modes
         )
         return density, new, about
 
