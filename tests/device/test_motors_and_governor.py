@@ -15,6 +15,7 @@ from jawenv.device.motors import (
     IDLE,
     ON_PATH,
     STOPPED,
+    STOPPED_AND_BRAKED,
     command_motors,
     device_wrench,
 )
@@ -244,8 +245,9 @@ def test_the_stiffest_part_that_acts_is_named(jaw, motors, limits):
     fast = np.array([0.0, 0.30, 0, 0, 0])
     assert wrench(device_record(), jaw, limits, motors, u=fast)[1] == BRAKED
     limits["condyle_half"] = 2e-3
-    assert wrench(device_record(), jaw, limits, motors, u=fast)[1] == STOPPED
-    assert IDLE < CAPPED < BRAKED < STOPPED
+    assert wrench(device_record(), jaw, limits, motors, u=fast)[1] == STOPPED_AND_BRAKED
+    assert wrench(device_record(), jaw, limits, motors, u=0.0 * fast)[1] == STOPPED
+    assert IDLE < CAPPED < BRAKED < STOPPED < STOPPED_AND_BRAKED
 
 
 def test_motors_yield_while_a_stop_is_pressed(jaw, motors, limits):

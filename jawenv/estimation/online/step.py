@@ -8,7 +8,7 @@ way, x' = J x + B w with a wrench w constant over the step:
 
 both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them), for a part of
 the step, and composed to the whole. It needs one Jacobian where the derivative of the Runge-Kutta step itself
-(``model.step``) needs four for every part.
+(``model.step``) needs four for every part; on the discs of two condyles, one for every part.
 """
 
 from __future__ import annotations
@@ -104,19 +104,19 @@ def set_part(h, scratch):
 
 
 @njit
-def set_total(dt, parts, scratch):
-    """Into ``total`` (n, n + 6) the derivative of the motion after the step by state and wrench at its start."""
+def append_part(first, scratch):
+    """``total`` (n, n + 6) becomes the derivative of all parts so far and of this one; of this one if it is the first."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
-    set_part(dt / parts, scratch)
-    total[:, :] = part
-    for _ in range(parts - 1):
-        multiply(part, total, product)
-        for i in range(size):
-            for j in range(size):
-                total[i, j] = product[i, j]
-            for j in range(size, columns):
-                total[i, j] = product[i, j] + part[i, j]
+    if first:
+        total[:, :] = part
+        return
+    multiply(part, total, product)
+    for i in range(size):
+        for j in range(size):
+            total[i, j] = product[i, j]
+        for j in range(size, columns):
+            total[i, j] = product[i, j] + part[i, j]
 
 
 @njit
@@ -154,12 +154,17 @@ def midline_step(jaw, motion, samples, dt, scratch):
         for i in range(5):
             motion[i] = start_q[i] + sum_q[i]
             motion[5 + i] = start_u[i] + sum_u[i]
-    set_total(dt, parts, scratch)
+    set_part(h, scratch)
+    for part in range(parts):
+        append_part(part == 0, scratch)
 
 
 @njit_within
 def body_step(jaw, motion, samples, dt, scratch):
-    """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``."""
+    """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``.
+
+    On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
+    """
     muscles = scratch.muscles
     parts = body_step_parts(jaw, muscles, motion, dt)
     h = dt / parts
@@ -169,7 +174,7 @@ def body_step(jaw, motion, samples, dt, scratch):
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             sample = between_samples(samples, stage_share(part, stage, parts))
-            if is_half_way(part, stage, parts):
+            if stage == 2:
                 acceleration = linearise_body(
                     jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
                 )
@@ -186,7 +191,8 @@ def body_step(jaw, motion, samples, dt, scratch):
         for i in range(6):
             motion[i] = start_q[i] + sum_q[i]
             motion[6 + i] = start_u[i] + sum_u[i]
-    set_total(dt, parts, scratch)
+        set_part(h, scratch)
+        append_part(part == 0, scratch)
 
 
 def move(jaw, motion, samples, dt, scratch):

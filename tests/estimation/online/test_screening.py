@@ -1,4 +1,4 @@
-"""Which readings are believed: numbers that have changed."""
+"""Which readings are used: numbers in range that have changed."""
 
 import numpy as np
 import pytest
@@ -21,8 +21,13 @@ def mark(measured, last, allowed=EVERY):
     return mark_usable(measured, last, allowed, used), used
 
 
+def readings(rng):
+    """Of a jaw: places (m), angles, velocities (m/s), rates."""
+    return rng.normal(size=12) * np.repeat([0.05, 0.2, 0.05, 1.0], 3)
+
+
 def test_numbers_that_have_changed_are_used(rng):
-    measured, last = rng.normal(size=12), rng.normal(size=12)
+    measured, last = readings(rng), readings(rng)
     left_out, used = mark(measured, last)
     assert left_out == 0
     np.testing.assert_array_equal(used, EVERY)
@@ -30,24 +35,24 @@ def test_numbers_that_have_changed_are_used(rng):
 
 
 def test_the_first_reading_repeats_nothing(rng):
-    left_out, used = mark(rng.normal(size=12), np.full(12, np.nan))
+    left_out, used = mark(readings(rng), np.full(12, np.nan))
     assert left_out == 0 and used.all()
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_what_is_no_number_is_left_out(rng, bad):
-    measured, last = rng.normal(size=12), rng.normal(size=12)
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e150, -101.0])
+def test_what_is_no_number_or_out_of_range_is_left_out(rng, bad):
+    measured, last = readings(rng), readings(rng)
     measured[[2, 9]] = bad
     left_out, used = mark(measured, last)
     assert left_out == 2
     np.testing.assert_array_equal(np.flatnonzero(used == 0), [2, 9])
-    left_out, used = mark(rng.normal(size=12), last)
+    left_out, used = mark(readings(rng), last)
     assert left_out == 0 and used.all(), "and the next is believed"
 
 
 def test_a_repetition_is_left_out_and_a_last_bit_is_a_change(rng):
-    last = rng.normal(size=12)
-    measured = rng.normal(size=12)
+    last = readings(rng)
+    measured = readings(rng)
     measured[4], measured[5] = last[4], np.nextafter(last[5], 1.0)
     left_out, used = mark(measured, last)
     assert left_out == 1
@@ -58,7 +63,7 @@ def test_a_repetition_is_left_out_and_a_last_bit_is_a_change(rng):
 
 def test_what_is_not_allowed_is_neither_used_nor_missed(rng):
     allowed = np.tile(np.repeat([1, 0], 3), 2).astype(np.uint8)
-    measured, last = rng.normal(size=12), rng.normal(size=12)
+    measured, last = readings(rng), readings(rng)
     measured[[0, 3]] = np.nan
     left_out, used = mark(measured, last, allowed)
     assert left_out == 1
@@ -104,6 +109,14 @@ def test_a_component_that_fails_is_held_and_doubted(rng):
     np.testing.assert_array_equal(cell.usable[:, good], cell.samples[:, good])
     force, moment = 0.01 * FORCE_RATE, 0.01 * MOMENT_RATE
     np.testing.assert_allclose(cell.variance - cell.before, np.array([force, 0, force, 0, 0, moment]) ** 2, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("component", "bad"), [(0, 201.0), (2, -1e5), (3, 20.1), (5, 1e300)])
+def test_a_sample_beyond_the_cells_range_is_none(rng, component, bad):
+    cell = Cell(rng)
+    cell.samples[1, component] = bad
+    assert cell.repair() == 1
+    assert np.abs(cell.usable).max() < 10.0
 
 
 def test_the_longer_it_is_held_the_more_it_is_doubted(rng):

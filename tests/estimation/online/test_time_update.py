@@ -6,9 +6,16 @@ from hypothesis import strategies as st
 from recorded import recording
 from running import Running, half_way, line_wrenches
 
-from jawenv.estimation.online.time_update import all_finite, predict_by_tension, predict_cov
+from jawenv.estimation.online.time_update import all_finite, predict_by_tension, predict_cov, time_update_fields
 
 N, COLUMNS = 10, 32
+
+
+def memory(total):
+    """The time update's, with [A, G] in it."""
+    scratch = np.zeros(1, dtype=np.dtype(time_update_fields(6, 6, N), align=True))[0]
+    scratch["total"] = total
+    return scratch
 
 
 @settings(max_examples=30, deadline=None, derandomize=True, database=None)
@@ -22,7 +29,7 @@ def test_the_covariance_is_that_of_the_linear_system(seed, spread):
     P, W = root @ root.T, rng.uniform(0.0, 1.0, 6)
     expected = total[:, :N] @ P @ total[:, :N].T + total[:, N:] @ np.diag(W) @ total[:, N:].T
     covariance = P.copy()
-    predict_cov(covariance, W, total, np.full((N, N + 6), np.nan), np.full((N + 6, N), np.nan))
+    predict_cov(covariance, W, memory(total))
     sd = np.sqrt(np.diag(expected))
     np.testing.assert_allclose(covariance / np.outer(sd, sd), expected / np.outer(sd, sd), rtol=0, atol=1e-12)
     np.testing.assert_array_equal(covariance, covariance.T)
@@ -32,7 +39,9 @@ def test_the_derivative_by_the_tensions_goes_through_motion_and_wrench(rng):
     total, wrench = rng.normal(size=(N, N + 6)), rng.normal(size=(6, COLUMNS))
     by_tension = rng.normal(size=(N, COLUMNS))
     expected = total[:, :N] @ by_tension + total[:, N:] @ wrench
-    predict_by_tension(by_tension, total, wrench, np.full((N + 6, COLUMNS), np.nan))
+    scratch = memory(total)
+    scratch["line_wrench"] = wrench
+    predict_by_tension(by_tension, scratch)
     np.testing.assert_allclose(by_tension, expected, rtol=1e-12, atol=1e-12)
 
 
