@@ -21,16 +21,16 @@ from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
 from jawenv.estimation.online.basis import set_derivatives
 from jawenv.estimation.online.state import lose_motion, tension_columns
-from jawenv.estimation.online.step import multiply
+from jawenv.estimation.online.step import multiply, padded
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 
 
 def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
     """Working memory of this file as fields of a dtype."""
-    columns, parameters = tension_columns(n_muscles), 2 * n_muscles
+    columns, wide, parameters = tension_columns(n_muscles), padded(n_states), 2 * n_muscles
     return [
-        ("motion_cov", "f8", (n_states, n_states)),
+        ("motion_cov", "f8", (n_states, wide)),
         ("by_tension", "f8", (n_states, columns)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
         ("expected", "f8", (N_MEASUREMENTS,)),
@@ -38,10 +38,10 @@ def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
         ("variance", "f8", (N_MEASUREMENTS,)),  # R
         ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
         ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
-        ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
+        ("whitened_motion", "f8", (N_MEASUREMENTS, wide)),  # L^-1 H P
         ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
         ("gain", "f8", (n_states, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
-        ("motion_cov_change", "f8", (n_states, n_states)),
+        ("motion_cov_change", "f8", (n_states, wide)),
         ("by_tension_change", "f8", (n_states, columns)),
         ("turned_rows", "f8", (columns, N_MEASUREMENTS)),
         ("information", "f8", (columns, columns)),
@@ -68,7 +68,9 @@ def set_innovation(jaw, motion, measured, variances, used, scratch):
 def set_factor(covariance, scratch):
     """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
     rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
-    scratch.motion_cov[:, :] = covariance
+    for i in range(covariance.shape[0]):
+        for j in range(covariance.shape[0]):
+            scratch.motion_cov[i, j] = covariance[i, j]
     multiply(rows, scratch.motion_cov, moved)
     for i in range(N_MEASUREMENTS):
         for j in range(i + 1):
@@ -210,10 +212,12 @@ def correct_motion(belief, scratch):
 def add_information(belief, scratch):
     """What the innovations say of the tensions."""
     rows, turned = scratch.by_tension_rows, scratch.turned_rows
-    for j in range(rows.shape[1]):
-        for i in range(N_MEASUREMENTS):
+    for i in range(N_MEASUREMENTS):
+        innovation = scratch.whitened_innovation[i]
+        for j in range(rows.shape[1]):
+            belief.score[j] += rows[i, j] * innovation
+        for j in range(rows.shape[1]):
             turned[j, i] = rows[i, j]
-            belief.score[j] += rows[i, j] * scratch.whitened_innovation[i]
     multiply(turned, rows, scratch.information)
     for k in range(turned.shape[0]):
         for j in range(turned.shape[0]):

@@ -21,14 +21,13 @@ import numpy as np
 from jawenv.compiled import njit
 from jawenv.estimation.model.encoders import N_MEASUREMENTS
 from jawenv.estimation.online.basis import N_NODES, basis_dtype, set_coefficients
+from jawenv.estimation.online.step import padded
 from jawenv.mechanics.dynamics import N_WRENCH
-
-VECTOR = 8  # columns of ``by_tension`` are a multiple of it, which makes vectors of the compiler's loops
 
 
 def tension_columns(n_muscles: int) -> int:
-    """Columns of ``by_tension``: the coefficients, the gain error, and zeros up to a multiple of ``VECTOR``."""
-    return -(-(n_muscles * N_NODES + 1) // VECTOR) * VECTOR
+    """Columns of ``by_tension``: the coefficients, the gain error, and zeros at the end."""
+    return padded(n_muscles * N_NODES + 1)
 
 
 @cache

@@ -27,6 +27,12 @@ from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, plus, st
 from jawenv.mechanics.kinematics import angle_rates, split
 
 ORDER = 4  # of the series
+VECTOR = 8  # numbers that the compiler's loops take at once
+
+
+def padded(size: int) -> int:
+    """The next multiple of ``VECTOR``: rows of products are as long, with zeros at their end."""
+    return -(-size // VECTOR) * VECTOR
 
 
 def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
@@ -105,7 +111,7 @@ def set_part(h, scratch):
 
 @njit
 def append_part(first, scratch):
-    """``total`` (n, n + 6) becomes the derivative of all parts so far and of this one; of this one if it is the first."""
+    """``total`` (n, n + 6) becomes the derivative of all parts up to this one, which may be the first."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
     if first:
