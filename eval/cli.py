@@ -61,7 +61,7 @@ def compare_command(
     env: Annotated[
         str | None,
         typer.Option(
-            help="Environment: jawenv/JawSides-v0, or JawSides, or sides; that of the trained runs by default.",
+            help="Environment: jawenv/JawSides-v1, or JawSides, or sides; that of the trained runs by default.",
             metavar="NAME",
         ),
     ] = None,
@@ -133,7 +133,7 @@ def calibrate_command(
     control: Control = "force",
     sensors: Sensors = "pose",
     env: Annotated[
-        str, typer.Option(help="Environment: jawenv/JawSides-v0, or JawSides, or sides.", metavar="NAME")
+        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")

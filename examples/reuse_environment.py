@@ -26,7 +26,7 @@ class Sway:
 
 def one_episode(patient: jawenv.Patient, episode_s: float) -> None:
     """The usual loop, with one patient of our own."""
-    env = gym.make("jawenv/Jaw-v0", episode_s=episode_s)
+    env = gym.make("jawenv/Jaw-v1", episode_s=episode_s)
     policy = Sway()
     observation, info = env.reset(seed=0, options={"patient": patient})
     total, done = 0.0, False

@@ -46,7 +46,7 @@ class Model:
     @property
     def env_id(self) -> str:
         """Gymnasium's id."""
-        return f"jawenv/{self.title}-v0"
+        return f"jawenv/{self.title}-v1"
 
     @property
     def estimator(self) -> Estimator:

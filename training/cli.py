@@ -26,7 +26,7 @@ ConfigFile = Annotated[
 ]
 Environment = Annotated[
     str | None,
-    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v0, or JawSides, or sides."),
+    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v1, or JawSides, or sides."),
 ]
 Output = Annotated[
     Path | None,

@@ -22,7 +22,7 @@ NotNegative = Annotated[Number, Field(ge=0.0)]
 class EnvConfig(InputModel):
     """Which environment is trained on; ``kwargs`` go to `gymnasium.make_vec` as they are."""
 
-    id: str = "jawenv/Jaw-v0"
+    id: str = "jawenv/Jaw-v1"
     kwargs: dict[str, JsonValue] = {}
 
     @model_validator(mode="after")

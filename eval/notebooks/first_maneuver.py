@@ -49,7 +49,7 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 # simulation, the truth.
 
 # %%
-env = gym.make("jawenv/Jaw-v0", episode_s=EPISODE_S)
+env = gym.make("jawenv/Jaw-v1", episode_s=EPISODE_S)
 observation, info = env.reset(seed=0)
 pd.DataFrame(
     {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},

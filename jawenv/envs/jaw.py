@@ -1,4 +1,4 @@
-"""The single environment ``jawenv/Jaw-v0``."""
+"""The single environment ``jawenv/Jaw-v1``."""
 
 from __future__ import annotations
 
@@ -88,6 +88,7 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
+    * v1: a gentler device (12 N/s, softer servos), a filter without corrections and with a gate; ``info["gated"]``.
     * v0: first version.
     """
 

@@ -65,7 +65,7 @@ def parameters_of(size: int) -> int:
 
 
 OBSERVATION_LAYOUT = observation_layout()
-"""The layout of ``jawenv/Jaw-v0``, with its 12 parameters."""
+"""The layout of ``jawenv/Jaw-v1``, with its 12 parameters."""
 OBSERVATION_SIZE = observation_size()
 
 # What follows the belief, counted from where the belief ends.

@@ -6,12 +6,12 @@ import gymnasium as gym
 
 # Environment -> the model of ``jawenv.ladder`` that it runs; written out, because that module is heavier than this.
 ENVIRONMENTS = {
-    "jawenv/JawHinge-v0": "hinge",
-    "jawenv/JawSagittal-v0": "sagittal",
-    "jawenv/JawSides-v0": "sides",
-    "jawenv/Jaw-v0": "jaw",
-    "jawenv/JawPortions-v0": "portions",
-    "jawenv/JawBilateral-v0": "bilateral",
+    "jawenv/JawHinge-v1": "hinge",
+    "jawenv/JawSagittal-v1": "sagittal",
+    "jawenv/JawSides-v1": "sides",
+    "jawenv/Jaw-v1": "jaw",
+    "jawenv/JawPortions-v1": "portions",
+    "jawenv/JawBilateral-v1": "bilateral",
 }
 
 

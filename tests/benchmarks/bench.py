@@ -32,8 +32,8 @@ from jawenv.rollout import DEFAULT_ENV
 
 WORLDS = 256
 CONTROL_HZ = 20.0
-OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != "jawenv/Jaw-v0"]
-PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v0",)
+OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != "jawenv/Jaw-v1"]
+PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v1",)
 HEAVY = ("torch", "matplotlib", "pymunk")
 IMPORT = f"""
 import sys, time
@@ -44,7 +44,7 @@ print(time.perf_counter() - start, *[name for name in {HEAVY} if name in sys.mod
 FIRST_STEP = """
 import time
 import gymnasium as gym, jawenv
-env = gym.make("jawenv/Jaw-v0")
+env = gym.make("jawenv/Jaw-v1")
 env.reset(seed=0)
 env.step(env.action_space.sample())
 print(time.time(), time.process_time())
@@ -97,8 +97,8 @@ def run_vector(vec: gym.vector.VectorEnv, action: Callable[[int], np.ndarray], s
 
 
 def speeds(size: Size) -> list[Row]:
-    jaw, humanoid = gym.make("jawenv/Jaw-v0"), gym.make("Humanoid-v5")
-    vec = gym.make_vec("jawenv/Jaw-v0", num_envs=WORLDS)
+    jaw, humanoid = gym.make("jawenv/Jaw-v1"), gym.make("Humanoid-v5")
+    vec = gym.make_vec("jawenv/Jaw-v1", num_envs=WORLDS)
     for env in (jaw, humanoid, vec):
         env.reset(seed=0)
     humanoid.action_space.seed(0)
@@ -114,9 +114,9 @@ def speeds(size: Size) -> list[Row]:
     ratio, batch = float(np.median(jaws / humanoids)), float(np.median(batches))
     return [
         Row("Humanoid-v5, one environment, random actions", f"{np.median(humanoids):,.0f} steps/s"),
-        Row("Jaw-v0, one environment, filter included", f"{np.median(jaws):,.0f} steps/s"),
+        Row("Jaw-v1, one environment, filter included", f"{np.median(jaws):,.0f} steps/s"),
         Row("  over Humanoid-v5, median of paired ratios", f"{ratio:.2f} x", ">= 2 x", ratio >= 2.0),
-        Row(f"Jaw-v0, {WORLDS} worlds", f"{batch:,.0f} env-steps/s", ">= 20,000", batch >= 20_000),
+        Row(f"Jaw-v1, {WORLDS} worlds", f"{batch:,.0f} env-steps/s", ">= 20,000", batch >= 20_000),
         Row("  per second of processor time", f"{len(rates) * size.vector_steps * WORLDS / cpu:,.0f} env-steps/s"),
     ]
 
@@ -185,7 +185,7 @@ def filter_speeds(size: Size) -> list[Row]:
 def bound_speed(size: Size) -> list[Row]:
     """The bound along a record of 30 s, 3000 ticks; the first call compiles."""
     rows = []
-    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v0"):
+    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v1"):
         say(f"bound: {env_id}")
         record = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
         jawenv.bound_along(record, every=5)
@@ -226,7 +226,7 @@ def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
 
 
 def memory(size: Size) -> list[Row]:
-    vec, jaw = gym.make_vec("jawenv/Jaw-v0", num_envs=WORLDS), gym.make("jawenv/Jaw-v0")
+    vec, jaw = gym.make_vec("jawenv/Jaw-v1", num_envs=WORLDS), gym.make("jawenv/Jaw-v1")
     vec.reset(seed=0)
     jaw.reset(seed=0)
     calls, alone = size.memory_env_steps // WORLDS // 10 * 10, size.memory_single_steps

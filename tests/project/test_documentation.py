@@ -53,7 +53,7 @@ def test_observation() -> None:
 
 
 def test_info() -> None:
-    env = gym.make("jawenv/Jaw-v0", track_bound=True, episode_s=1.0)
+    env = gym.make("jawenv/Jaw-v1", track_bound=True, episode_s=1.0)
     _, info = env.reset(seed=0)
     stated = {name for row in table("Info") for name in named(row[0])}
     costs = {f"cost_{limit}" for limit in COMFORT_LIMITS}

@@ -13,7 +13,7 @@ class Still:
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         return np.zeros((len(observation), 4), dtype=np.float32), state
 
-env = gym.make("jawenv/Jaw-v0", episode_s=0.2)
+env = gym.make("jawenv/Jaw-v1", episode_s=0.2)
 env.reset(seed=0)
 ended = False
 while not ended:
@@ -49,13 +49,13 @@ def test_the_default_environment_is_played_and_judged() -> None:
 
 def test_the_jaw_in_contact_names_its_extra_when_it_is_made() -> None:
     message = 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'
-    assert refusal('gym.make("jawenv/JawSagittal-v0")') == message
-    assert refusal('gym.make_vec("jawenv/JawSagittal-v0", num_envs=2)') == message
+    assert refusal('gym.make("jawenv/JawSagittal-v1")') == message
+    assert refusal('gym.make_vec("jawenv/JawSagittal-v1", num_envs=2)') == message
     assert refusal("import jawenv.mechanics.sagittal") == message
 
 
 def test_pictures_name_their_extra() -> None:
-    code = 'env = gym.make("jawenv/Jaw-v0", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()'
+    code = 'env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()'
     assert refusal(code) == 'render_mode needs pygame: pip install "jawenv[render]"'
 
 

@@ -39,7 +39,7 @@ def test_nobody_is_lost(cohort, control):
     """Every number is one all the way, NEES/12 ends at 10 at most, and what the gate refuses is counted."""
     everybody = Everybody(seed=6000)
     env = gym.make_vec(
-        "jawenv/Jaw-v0", everybody.worlds, cohort=cohort, control=control, episode_s=SECONDS, autoreset_mode="disabled"
+        "jawenv/Jaw-v1", everybody.worlds, cohort=cohort, control=control, episode_s=SECONDS, autoreset_mode="disabled"
     )
     observation, info = env.reset(seed=6000)
     worlds = env.unwrapped.simulation.worlds

@@ -54,7 +54,7 @@ def test_calibration_is_judged_by_the_band(ranking):
 
 
 def test_the_verdict_says_who_wins_who_lies_and_who_hurts(ranking):
-    assert verdict.headline(ranking).startswith("The 12 parameters of jawenv/Jaw-v0 are identified best by good one.")
+    assert verdict.headline(ranking).startswith("The 12 parameters of jawenv/Jaw-v1 are identified best by good one.")
     told = " ".join(verdict.remarks(ranking))
     assert "The trained agent ppo-seed0 is number 2 of 4" in told
     assert "less than good one" in told

@@ -95,10 +95,10 @@ def test_every_figure_is_valid_svg_in_the_colours_of_the_page(made, name):
 @pytest.mark.parametrize(
     ("env", "number", "first"),
     [
-        ("jawenv/JawHinge-v0", 2, "closers"),
-        ("jawenv/JawSagittal-v0", 6, "masseter"),
-        ("jawenv/JawSides-v0", 4, "$F_o$ left"),
-        ("jawenv/JawPortions-v0", 24, "superficial masseter"),
+        ("jawenv/JawHinge-v1", 2, "closers"),
+        ("jawenv/JawSagittal-v1", 6, "masseter"),
+        ("jawenv/JawSides-v1", 4, "$F_o$ left"),
+        ("jawenv/JawPortions-v1", 24, "superficial masseter"),
     ],
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, first):
