@@ -71,7 +71,7 @@ class Device:
         slew_N_s: Largest rate of change of one motor's commanded force at the mouthpiece (G).
         lag_s: Time constant with which thrust, or rate in trajectory control, follows its command (G).
         max_rate_mm_s: Target rate that the action 1 commands of one motor in trajectory control (G).
-        servo_stiffness_N_m: Stiffness of one motor's position servo at the mouthpiece (A: screw and frame).
+        servo_stiffness_N_m: Stiffness of one motor's position servo at the mouthpiece (G).
         servo_damping_N_s_m: Its damping (G).
         stop_stiffness_N_m: Stiffness of the governor's end stops in the linkage (G).
         stop_damping_N_s_m: Their damping while pressed (G).

@@ -50,7 +50,7 @@ class JawEnv(gym.Env[Observation, Action]):
     ``Box(-1, 1, (4,), float32)``: motors vertical left, vertical right (positive opens), horizontal left, horizontal
     right (positive pushes forward). With ``control="force"`` the action times ``full_scale_N`` of the device is the
     force that the motor is to exert on the mouthpiece; with ``control="trajectory"`` the action times ``max_rate_mm_s``
-    is the rate of its target position, which a stiff servo follows.
+    is the rate of its target position, which a servo follows.
 
     ## Observation Space
     ``Box(-10, 10, (63,), float32)``: belief (mean, sd), filtered motion, excursions, load cell, motors, comfort

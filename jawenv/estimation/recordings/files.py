@@ -93,8 +93,7 @@ def load_record(
         jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
         cohort: population whose prior is the belief before the record; ``"trismus"``.
         prior: a belief of one's own, in natural logs.
-        device: noise of encoders and load cell, and how the force answers to the jaw's motion; the noise of
-            ``jawenv.Device()``, and a force that does not answer.
+        device: that measured, with its noise of encoders and load cell; the noise of ``jawenv.Device()``.
         start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
         start_sd: (n,) its sd; so wide that the first reading decides.
         control: what the motors were commanded; ``"force"``.
@@ -137,7 +136,7 @@ def load_record(
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
-        device=_device(device, about.get("device"), commanded, table.path),
+        device=_device(device, about.get("device"), table.path),
         control=commanded,
         truth=None if known is None else np.array(known, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
@@ -222,10 +221,10 @@ def _geometry(jaw: Any | None, chosen: Any, tilt: float, about: dict[str, Any], 
     return jaw
 
 
-def _device(given: Device | None, told: Any, control: str, path: str) -> Device | None:
-    """The device given, or the file's own; that a servo moved a jaw says that it has one."""
+def _device(given: Device | None, told: Any, path: str) -> Device | None:
+    """The device given, or the file's own."""
     if given is not None or told is None:
-        return Device() if given is None and control == "trajectory" else given
+        return given
     try:
         return Device(**told)
     except TypeError:

@@ -40,9 +40,8 @@ class Record:
         jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
         prior: belief about the parameters before the record.
         parameter_names: p names.
-        device: whose force answers to the jaw's motion: its brake when the jaw is fast, its position servos under
-            trajectory control. None where the force does not.
-        control: what the motors were commanded: "force", or "trajectory".
+        device: that measured it, None where nobody knows; and
+        control: what its motors were commanded, "force" or "trajectory". No estimator reads either.
         truth: (p,) the patient's natural-log parameters; None where nobody knows. For evaluation only.
         states: (T + 1, n) true motion; None where nobody knows. For evaluation only.
         wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
@@ -89,8 +88,6 @@ class Record:
                 raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
         if self.control not in ("force", "trajectory"):
             raise InputError(f"record: control is {self.control!r}, allowed are 'force' and 'trajectory'")
-        if self.control == "trajectory" and self.device is None:
-            raise InputError("record: device is None, under trajectory control allowed is a jawenv.Device")
         steps = np.diff(self.time)
         if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")
@@ -107,12 +104,8 @@ class Record:
 
     @property
     def noise_variance(self) -> Array:
-        """(12,) variance of the wrench not known, as ``sensitivity`` has it: constant over a tick, and tilting."""
+        """(12,) variance of the wrench not known, as ``model.step`` has it: constant over a tick, and tilting."""
         return np.concatenate([self.wrench_sd**2, self.cell_sd**2])
-
-    def answering(self) -> tuple[Any, bool]:
-        """The device as a record of dtype ``DEVICE``, and whether its position servos act, as the kernels take them."""
-        return (self.device or Device(brake_N_s_m=0.0)).records()[0], self.control == "trajectory"
 
     def until(self, seconds: float) -> Record:
         """The record of its first ``seconds``.

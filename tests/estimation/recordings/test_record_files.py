@@ -111,7 +111,7 @@ def test_a_file_of_ones_own_gets_the_defaults(tmp_path):
     assert record.wrench_sd[0] == pytest.approx(np.hypot(device.unmodelled_force_N, device.cell_force_N / 2**0.5))
     np.testing.assert_allclose(record.cell_sd, np.repeat([device.cell_force_N, device.cell_moment_N_m], 3) / 2**0.5)
     assert record.gain_sd == device.cell_gain
-    assert record.device is None and record.control == "force", "a force that does not answer"
+    assert record.device is None and record.control == "force"
     assert record.truth is None and record.states is None
 
 
@@ -135,13 +135,10 @@ def test_what_moved_the_jaw_is_the_files_or_the_callers(tmp_path):
     assert (of_file.device, of_file.control) == (own, "trajectory")
     of_caller = load_record(tmp_path / "one.csv", device=given, control="force")
     assert (of_caller.device, of_caller.control) == (given, "force")
-    assert load_record(written(tmp_path, *ROWS), control="trajectory").device == jawenv.Device()
 
 
 def test_a_servo_needs_a_device():
     record = random_record("jaw", 2, 0.01, 0)
-    with pytest.raises(jawenv.InputError, match="device is None, under trajectory control"):
-        replace(record, device=None, control="trajectory")
     with pytest.raises(jawenv.InputError, match="control is 'torque', allowed are 'force' and 'trajectory'"):
         replace(record, control="torque")
 

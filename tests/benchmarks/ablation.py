@@ -1,0 +1,115 @@
+"""What each mechanism of the online filter, and each gentle number of the device, is worth.
+
+Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
+NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
+in Markdown; takes about a minute for each row:
+
+    python tests/benchmarks/ablation.py --patients 64 --seed 6000
+"""
+
+import argparse
+import importlib
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from typing import Any, NamedTuple
+
+import numpy as np
+
+ONLINE = "jawenv.estimation.online."
+STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
+
+
+class Row(NamedTuple):
+    """What is left out: constants of modules that are set otherwise, and fields of the device."""
+
+    what: str
+    constants: dict[str, float] = {}
+    device: dict[str, float] = {}
+
+
+class Cell(NamedTuple):
+    """What is played."""
+
+    agent: str
+    control: str
+    cohort: str = "trismus"
+
+
+ROWS = (
+    Row("the filter as it is"),
+    Row("no gate", {"measurement_update.GATE": math.inf}),
+    Row("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
+    Row("belief renewed at the end of a step alone", {"tick.EAGER_TICKS": 0}),
+    Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
+    Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
+    Row("one round of linearisation", {"posterior.ROUNDS": 1}),
+    Row("series of the second order", {"step.ORDER": 2}),
+    Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
+    Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
+)
+CELLS = (
+    Cell("hold_still", "force"),
+    Cell("opening_with_swings_and_fore_aft", "force"),
+    Cell("random", "force"),
+    Cell("hold_still", "trajectory"),
+    Cell("opening_with_swings_and_fore_aft", "trajectory"),
+    Cell("ou_slow", "trajectory"),
+    Cell("ou_strong", "force", "wide"),
+)
+
+
+def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
+    """NEES over the number of parameters of every patient after 30 s, for each cell."""
+    for place, value in row.constants.items():
+        module, _, name = place.partition(".")
+        target = importlib.import_module(ONLINE + module)
+        if not hasattr(target, name):
+            raise SystemExit(f"error: {place} is no constant of the filter")
+        setattr(target, name, value)
+    import jawenv
+    from agents import load_agent
+
+    found = []
+    for cell in CELLS:
+        kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device}
+        agent = load_agent(cell.agent, control=cell.control)
+        played = jawenv.play(agent, patients=patients, seed=seed, env_kwargs=kwargs)
+        error = played.belief_mean[:, -1] - played.truth
+        nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.belief_cov[:, -1]), error)
+        found.append((nees / error.shape[1]).tolist())
+        print(f"  {cell.agent}, {cell.control}, {cell.cohort}: done", file=sys.stderr, flush=True)
+    return found
+
+
+def shown(values: list[float]) -> str:
+    mean, half = np.mean(values), 1.96 * np.std(values) / np.sqrt(len(values))
+    return f"{mean:.2f} ± {half:.2f} ({np.max(values):.2g})" if np.isfinite(mean) else "lost"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure what each mechanism of the online filter is worth.")
+    parser.add_argument("--patients", type=int, default=64)
+    parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
+    parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.row is not None:
+        print(json.dumps(measure(ROWS[given.row], given.patients, given.seed)))
+        return
+    print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in CELLS))
+    print("|---|" + len(CELLS) * "--:|", flush=True)
+    for number, row in enumerate(ROWS):
+        print(f"{row.what} ({number + 1} of {len(ROWS)})", file=sys.stderr, flush=True)
+        command = [sys.executable, *sys.argv, "--row", str(number)]
+        with tempfile.TemporaryDirectory() as cache:
+            # The kernels of a filter that lacks something must not be taken for those of the whole one.
+            places = {"JAWENV_CACHE_DIR": cache} if row.constants else {}
+            ran = subprocess.run(command, env=os.environ | places, stdout=subprocess.PIPE, text=True, check=True)
+        print(f"| {row.what} |" + "".join(f" {shown(cell)} |" for cell in json.loads(ran.stdout)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
