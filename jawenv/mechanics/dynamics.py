@@ -102,12 +102,12 @@ def acceleration_kernel(jaw, muscles, q, u, wrench):
     omega = (u[2], u[3], u[4])
     rho = vector3(jaw.centre_of_mass)
     bias = add((0.0, 0.0, curvature * u[0] * u[0]), apply(body_to_head, cross(omega, cross(omega, rho))))
-    missing = subtract(force, scale(jaw.mass, bias))
+    effective_force = subtract(force, scale(jaw.mass, bias))
     turn = body_moment(jaw, body_to_head, moment, omega, wrench)
     turn = subtract(turn, cross(omega, inertia_times(jaw, omega)))
     turn = subtract(turn, scale(jaw.mass, cross(rho, apply_transposed(body_to_head, bias))))
     coupling = inertial_coupling(jaw, slope, body_to_head)
-    return solve_mass(coupling, missing[0] + slope * missing[2], missing[1], turn)
+    return solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
 
 
 @njit
@@ -142,11 +142,11 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
     spin = cross(omega, rho)
     bias = add((0.0, 0.0, curvature * u[0] * u[0]), apply(body_to_head, cross(omega, spin)))
     gyro = cross(omega, inertia_times(jaw, omega))
-    missing = subtract(force, scale(m, bias))
+    effective_force = subtract(force, scale(m, bias))
     turn = subtract(body_moment(jaw, body_to_head, moment, omega, wrench), gyro)
     turn = subtract(turn, scale(m, cross(rho, apply_transposed(body_to_head, bias))))
     coupling = inertial_coupling(jaw, slope, body_to_head)
-    rate = solve_mass(coupling, missing[0] + slope * missing[2], missing[1], turn)
+    rate = solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
 
     # Everything below is at fixed u'.
     contact_acceleration = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
@@ -159,56 +159,66 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
     n = (row3(stiffness[2], 0), row3(stiffness[2], 1), row3(stiffness[2], 2))
 
     # x
-    lift = curvature * rate[0] + third * u[0] * u[0]
+    vertical = curvature * rate[0] + third * u[0] * u[0]
     shift = (1.0, 0.0, slope)
     change = add(apply(k, shift), (0.0, 0.0, -c * curvature * u[0]))
-    gap = subtract((0.0, 0.0, m * lift), change)
-    twist = scale(m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, lift))))
-    twist = subtract(twist, apply_transposed(body_to_head, apply(ell, shift)))
-    column = solve_mass(coupling, -(gap[0] + slope * gap[2] + curvature * net[2]), -gap[1], scale(-1.0, twist))
-    for i in range(5):
-        by_state[i, 0] = column[i]
+    residual = subtract((0.0, 0.0, m * vertical), change)
+    torque = scale(m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, vertical))))
+    torque = subtract(torque, apply_transposed(body_to_head, apply(ell, shift)))
+    along = residual[0] + slope * residual[2] + curvature * net[2]
+    set_column(by_state, 0, solve_mass(coupling, -along, -residual[1], scale(-1.0, torque)))
     # y
     change = (k[0][1], k[1][1], k[2][1])
-    twist = apply_transposed(body_to_head, (ell[0][1], ell[1][1], ell[2][1]))
-    column = solve_mass(coupling, change[0] + slope * change[2], change[1], twist)
-    for i in range(5):
-        by_state[i, 1] = column[i]
+    torque = apply_transposed(body_to_head, (ell[0][1], ell[1][1], ell[2][1]))
+    set_column(by_state, 1, solve_mass(coupling, change[0] + slope * change[2], change[1], torque))
     # theta, psi, alpha
     axes = turning_axes(q)
     for j in range(3):
         axis = axes[j]
         axis_head = apply(body_to_head, axis)
         change = add(apply_transposed(ell, axis_head), apply(body_to_head, cross(axis, pull)))
-        gap = subtract(scale(m, apply(body_to_head, cross(axis, swing))), change)
-        twist = add(scale(-m, cross(rho, cross(axis, contact_body))), cross(axis, moment_body))
-        twist = subtract(twist, apply_transposed(body_to_head, apply(n, axis_head)))
-        column = solve_mass(coupling, -(gap[0] + slope * gap[2]), -gap[1], scale(-1.0, twist))
-        for i in range(5):
-            by_state[i, 2 + j] = column[i]
-    # x', y'
-    lift = 2.0 * curvature * u[0]
-    twist = scale(-m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, lift))))
-    column = solve_mass(coupling, -(c + slope * (m * lift + c * slope)), 0.0, twist)
+        residual = subtract(scale(m, apply(body_to_head, cross(axis, swing))), change)
+        torque = add(scale(-m, cross(rho, cross(axis, contact_body))), cross(axis, moment_body))
+        torque = subtract(torque, apply_transposed(body_to_head, apply(n, axis_head)))
+        set_column(by_state, 2 + j, solve_residual(coupling, slope, residual, torque))
+    fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state)
+    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input)
+    return rate
+
+
+@njit
+def set_column(matrix, j, column):
+    """Column j of ``matrix`` (5, n)."""
     for i in range(5):
-        by_state[i, 5] = column[i]
-    column = solve_mass(coupling, 0.0, -c, (0.0, 0.0, 0.0))
-    for i in range(5):
-        by_state[i, 6] = column[i]
-    # omega
+        matrix[i, j] = column[i]
+
+
+@njit
+def solve_residual(coupling, slope, residual, torque):
+    """U' that cancels a residual of the equations: a force (head axes) and a moment (body axes)."""
+    return solve_mass(coupling, -(residual[0] + slope * residual[2]), -residual[1], scale(-1.0, torque))
+
+
+@njit_within
+def fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state):
+    """Derivatives of u' by x', y' and omega, into columns 5 to 9 of ``by_state``."""
+    m, c = jaw.mass, jaw.damping_sliding
+    omega = (u[2], u[3], u[4])
+    rho = vector3(jaw.centre_of_mass)
+    spin = cross(omega, rho)
+    vertical = 2.0 * curvature * u[0]
+    torque = scale(-m, cross(rho, apply_transposed(body_to_head, (0.0, 0.0, vertical))))
+    set_column(by_state, 5, solve_mass(coupling, -(c + slope * (m * vertical + c * slope)), 0.0, torque))
+    set_column(by_state, 6, solve_mass(coupling, 0.0, -c, (0.0, 0.0, 0.0)))
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     angular_momentum = inertia_times(jaw, omega)
     for j in range(3):
         unit = units[j]
         swing_change = add(cross(unit, spin), cross(omega, cross(unit, rho)))
-        gap = scale(m, apply(body_to_head, swing_change))
-        twist = add(cross(unit, angular_momentum), cross(omega, inertia_times(jaw, unit)))
-        twist = add(add(twist, scale(m, cross(rho, swing_change))), scale(jaw.damping_rotation, unit))
-        column = solve_mass(coupling, -(gap[0] + slope * gap[2]), -gap[1], scale(-1.0, twist))
-        for i in range(5):
-            by_state[i, 7 + j] = column[i]
-    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input)
-    return rate
+        residual = scale(m, apply(body_to_head, swing_change))
+        torque = add(cross(unit, angular_momentum), cross(omega, inertia_times(jaw, unit)))
+        torque = add(add(torque, scale(m, cross(rho, swing_change))), scale(jaw.damping_rotation, unit))
+        set_column(by_state, 7 + j, solve_residual(coupling, slope, residual, torque))
 
 
 @njit_within
@@ -217,11 +227,11 @@ def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_in
 
     Those of the wrench alone where ``by_input`` has six columns.
     """
-    of_wrench = by_input.shape[1] - N_WRENCH
+    wrench_column = by_input.shape[1] - N_WRENCH
     for i in range(5):
-        for j in range(of_wrench):
+        for j in range(wrench_column):
             by_input[i, j] = 0.0
-    for line in range(muscles.shape[0] if of_wrench > 0 else 0):
+    for line in range(muscles.shape[0] if wrench_column > 0 else 0):
         pull = (pulls[line, 0], pulls[line, 1], pulls[line, 2])
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
         column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn)
@@ -234,9 +244,6 @@ def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_in
     mouthpiece = vector3(jaw.mouthpiece)
     for j in range(3):
         pull = apply(body_to_head, units[j])
-        column = solve_mass(coupling, pull[0] + slope * pull[2], pull[1], cross(mouthpiece, units[j]))
-        for i in range(5):
-            by_input[i, of_wrench + j] = column[i]
-        column = solve_mass(coupling, 0.0, 0.0, units[j])
-        for i in range(5):
-            by_input[i, of_wrench + 3 + j] = column[i]
+        turn = cross(mouthpiece, units[j])
+        set_column(by_input, wrench_column + j, solve_mass(coupling, pull[0] + slope * pull[2], pull[1], turn))
+        set_column(by_input, wrench_column + 3 + j, solve_mass(coupling, 0.0, 0.0, units[j]))
