@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import cos, pi, radians, sin
+from math import cos, radians, sin
 from typing import Any, Literal
 
 import numpy as np
@@ -29,8 +29,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("centre_of_mass", "f8", 3),
         ("inertia", "f8", (3, 3)),  # about the centre of mass
         ("inertia_inverse", "f8", (3, 3)),
-        ("inertia_contact", "f8", (3, 3)),  # about the contact point: I - m [rho_c]x [rho_c]x
-        # Inverse of the block of the rotations that are free; zeros for the others.
+        # About the contact point, I - m [rho_c]x [rho_c]x: inverse of the block of the free rotations, zeros elsewhere.
         ("inertia_contact_inverse", "f8", (3, 3)),
         ("condyles", "u1"),  # 1: their midpoint slides on the path; 2: each presses on its own disc
         ("free_x", "u1"),
@@ -107,7 +106,6 @@ def build_jaw(
     jaw["centre_of_mass"] = rho
     jaw["inertia"] = inertia
     jaw["inertia_inverse"] = np.linalg.inv(inertia)
-    jaw["inertia_contact"] = about_contact
     # Body axes 1, 2, 3 turn roll, pitch and yaw.
     turns = np.flatnonzero([free[4], free[2], free[3]])
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
@@ -125,14 +123,14 @@ def build_jaw(
     jaw["disc_damping"] = mandible.disc_damping
     jaw["disc_onset"] = mandible.disc_onset
     jaw["stop_width"] = STOP_WIDTH
-    jaw["crest"] = pi / fossa.spatial_frequency
+    jaw["crest"] = fossa.crest_m
     jaw["teeth"] = mandible.teeth_m
     jaw["mouthpiece"] = mandible.mouthpiece_m
     jaw["origin"] = muscles.origin_m
     jaw["insertion"] = muscles.insertion_m
     jaw["l_o"] = muscles.l_o_m
-    along = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
-    jaw["mobility"] = mobility(mandible, muscles.insertion_m, along)
+    directions = (muscles.origin_m - muscles.insertion_m) / muscles.l_o_m[:, None]
+    jaw["mobility"] = mobility(mandible, muscles.insertion_m, directions)
     jaw["tooth_mobility"] = mobility(mandible, mandible.teeth_m, np.array([0.0, 0.0, 1.0]))
     jaw["condyle_mobility"] = mobility(mandible, np.zeros(3), np.array([1.0, 0.0, 0.0]))
     jaw["mouthpiece_mobility"] = largest_mobility(mandible, np.asarray(mandible.mouthpiece_m))
@@ -140,9 +138,9 @@ def build_jaw(
     return jaw
 
 
-def mobility(mandible: Mandible, points: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Acceleration (m/s2) of points (..., 3) along unit vectors for 1 N along them, were the closed mandible free."""
-    turn = np.cross(points - mandible.centre_of_mass_m, along)
+def mobility(mandible: Mandible, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Acceleration (m/s2) of points (..., 3) of a free mandible along unit vectors, for 1 N along them, jaw closed."""
+    turn = np.cross(points - mandible.centre_of_mass_m, directions)
     solved = turn @ np.linalg.inv(mandible.inertia_kg_m2).T
     result: NDArray[np.float64] = 1.0 / mandible.mass_kg + np.sum(turn * solved, axis=-1)
     return result
@@ -151,8 +149,8 @@ def mobility(mandible: Mandible, points: NDArray[np.float64], along: NDArray[np.
 def largest_mobility(mandible: Mandible, point: NDArray[np.float64]) -> float:
     """``mobility`` of a point (3,) in the direction that has the largest."""
     turns = np.cross(point - mandible.centre_of_mass_m, np.eye(3))
-    every = np.eye(3) / mandible.mass_kg + turns @ np.linalg.solve(mandible.inertia_kg_m2, turns.T)
-    return float(np.linalg.eigvalsh(every)[-1])
+    mobilities = np.eye(3) / mandible.mass_kg + turns @ np.linalg.solve(mandible.inertia_kg_m2, turns.T)
+    return float(np.linalg.eigvalsh(mobilities)[-1])
 
 
 def gravity_in_head(gravity: float, head_tilt_deg: float) -> NDArray[np.float64]:

@@ -4,6 +4,7 @@ import newton_euler as twin
 import numpy as np
 import pytest
 import two_condyles
+from bilateral_step import bilateral_step
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,7 +13,6 @@ from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     bilateral_rate,
-    bilateral_step,
     body_acceleration,
     condyle_pressures,
     midline_motion,

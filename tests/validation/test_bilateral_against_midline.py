@@ -6,12 +6,12 @@ import newton_euler as twin
 import numpy as np
 import pytest
 import two_condyles
+from bilateral_step import bilateral_step
 
 from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     BODY_STEP,
-    bilateral_step,
     condyle_pressures,
     put_on_fossa,
     settle_bilateral,

@@ -58,12 +58,7 @@ class Observability:
     @property
     def rank(self) -> NDArray[np.intp]:
         """(W,) numerical rank of each window: singular values that rounding does not explain."""
-        return np.array([rank_of(values) for values in self.singular_values])
-
-    @property
-    def well_known(self) -> NDArray[np.intp]:
-        """(W,) number of directions of which a window says more than the prior: singular values above 1."""
-        return np.asarray((self.singular_values > 1.0).sum(axis=1), dtype=np.intp)
+        return np.array([numerical_rank(values) for values in self.singular_values])
 
 
 @njit
@@ -101,7 +96,7 @@ def derivatives(path: Path) -> tuple[Array, Array, Array]:
     return by_state, by_parameter, rows
 
 
-def rank_of(singular_values: Array) -> int:
+def numerical_rank(singular_values: Array) -> int:
     """Values above rounding: the number of columns times the machine's epsilon times the largest, as is usual."""
     return int((singular_values > singular_values.max() * len(singular_values) * np.finfo(float).eps).sum())
 
@@ -144,7 +139,7 @@ def frozen_rank(path: Path, rows: Array, tick: int, scale: Array) -> int:
         block = block / np.where(length > 0.0, length, 1.0)
         blocks.append(block)
         block = block @ joint
-    return rank_of(singular_values(np.vstack(blocks)[:, scale > 0.0], int((scale > 0.0).sum())))
+    return numerical_rank(singular_values(np.vstack(blocks)[:, scale > 0.0], int((scale > 0.0).sum())))
 
 
 def step_back(carried: Array, by_state: Array, by_parameter: Array) -> Array:
@@ -174,8 +169,8 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
     scale = np.asarray(np.sqrt(np.diag(path.covariance))[:-1], dtype=np.float64)
     free, n_states = scale > 0.0, path.states.shape[1]
     starts = np.arange(0, ticks - ticks_each + 1, ticks_each)
-    values, growing, at_once = [], [], []
-    from_start, so_far = np.eye(n_states, len(scale)), np.zeros((0, int(free.sum())))
+    values, growing, frozen_ranks = [], [], []
+    from_start, triangle_from_start = np.eye(n_states, len(scale)), np.zeros((0, int(free.sum())))
     for start in starts:
         carried, blocks, blocks_from_start = np.eye(n_states, len(scale)), [], []
         for tick in range(start, start + ticks_each):
@@ -186,20 +181,22 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
         last = rows[start + ticks_each]
         triangle = reduced((np.vstack([*blocks, last @ carried]) * scale)[:, free])
         values.append(singular_values(triangle, int(free.sum())))
-        so_far = reduced(np.vstack([so_far, (np.vstack([*blocks_from_start, last @ from_start]) * scale)[:, free]]))
-        growing.append(rank_of(singular_values(so_far, int(free.sum()))))
-        at_once.append(frozen_rank(path, rows[start], int(start), scale))
+        triangle_from_start = reduced(
+            np.vstack([triangle_from_start, (np.vstack([*blocks_from_start, last @ from_start]) * scale)[:, free]])
+        )
+        growing.append(numerical_rank(singular_values(triangle_from_start, int(free.sum()))))
+        frozen_ranks.append(frozen_rank(path, rows[start], int(start), scale))
     return Observability(
         start=record.time[starts],
         window_s=ticks_each * record.dt,
         states=int(free.sum()),
         singular_values=np.array(values),
         growing_rank=np.array(growing),
-        frozen_rank=np.array(at_once),
+        frozen_rank=np.array(frozen_ranks),
     )
 
 
 def singular_values(rows: Array, size: int) -> Array:
     """(size,) singular values, zeros where there are fewer rows."""
-    found = np.linalg.svd(rows, compute_uv=False)
-    return np.concatenate([found, np.zeros(size - len(found))])
+    values = np.linalg.svd(rows, compute_uv=False)
+    return np.concatenate([values, np.zeros(size - len(values))])

@@ -26,9 +26,12 @@ def check_columns(table: Table, size: int) -> None:
     Raises:
         InputError: it is not so.
     """
-    known = [TIME, *(column.name for column in (*ENCODERS, *READINGS, *SAMPLES, *true_motion(size), *TRUE_WRENCH))]
+    allowed_names = [
+        TIME,
+        *(column.name for column in (*ENCODERS, *READINGS, *SAMPLES, *true_motion(size), *TRUE_WRENCH)),
+    ]
     for name in table.columns:
-        if name not in known:
+        if name not in allowed_names:
             allowed = ", ".join([TIME, *(column.name for column in (*ENCODERS, *READINGS))])
             raise InputError(f"{table.path}: column {name!r} is unknown; allowed: {allowed} (docs/recordings.md)")
     form = SAMPLES if any(column.name in table.columns for column in SAMPLES) else READINGS
@@ -41,9 +44,9 @@ def check_columns(table: Table, size: int) -> None:
                     f"{table.path}: column {column.name!r} is missing; allowed: all of its group, {len(group)}"
                 )
     if form is SAMPLES and has_any(table, READINGS):
-        twice = next(column.name for column in READINGS if column.name in table.columns)
+        duplicate = next(column.name for column in READINGS if column.name in table.columns)
         raise InputError(
-            f"{table.path}: column {twice!r} beside three readings per tick; allowed: one of the two forms"
+            f"{table.path}: column {duplicate!r} beside three readings per tick; allowed: one of the two forms"
         )
     for column in (*ENCODERS, *form, *true_motion(size), *TRUE_WRENCH):
         bad = np.flatnonzero(np.isinf(table.columns.get(column.name, np.zeros(0))))
@@ -63,9 +66,9 @@ def even_time(table: Table) -> Array:
         InputError: fewer than two times, one that is missing, or uneven ones.
     """
     if TIME not in table.columns:
-        found = ", ".join(list(table.columns)[:3])
+        names = ", ".join(list(table.columns)[:3])
         raise InputError(
-            f"{table.path}: column {TIME!r} is missing; the file begins with {found}; allowed: docs/recordings.md"
+            f"{table.path}: column {TIME!r} is missing; the file begins with {names}; allowed: docs/recordings.md"
         )
     time = table.columns[TIME]
     if len(time) < 2:
@@ -77,9 +80,9 @@ def even_time(table: Table) -> Array:
     usual = float(np.median(steps))
     bad = np.flatnonzero(~((steps > 0.0) & (np.abs(steps - usual) <= JITTER * usual)))
     if len(bad):
-        found = f"{time[bad[0] + 1]:g}, {steps[bad[0]]:g} s after the row before"
+        value = f"{time[bad[0] + 1]:g}, {steps[bad[0]]:g} s after the row before"
         raise table.fail(
-            TIME, int(bad[0]) + 1, found, f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}"
+            TIME, int(bad[0]) + 1, value, f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}"
         )
     even: Array = np.linspace(time[0], time[-1], len(time)) - time[0]
     return even

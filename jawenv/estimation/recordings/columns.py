@@ -14,7 +14,7 @@ from jawenv.mechanics.dynamics import N_STATES
 TIME = "time_s"
 AXES = ("x", "y", "z")
 ANGLES = ("pitch", "yaw", "roll")
-MOMENTS_OF_A_TICK = ("start", "middle", "end")
+TICK_MOMENTS = ("start", "middle", "end")
 MM = 1e3
 DEG = degrees(1.0)
 
@@ -55,16 +55,16 @@ def _encoders() -> list[Column]:
 
 def _wrench(prefix: str, field: str, moment: int | None) -> list[Column]:
     """Force and moment at one moment of a tick, or at the row's time where ``moment`` is None."""
-    when = "" if moment is None else f"_{MOMENTS_OF_A_TICK[moment]}"
-    told = "at the row's time" if moment is None else f"{MOMENTS_OF_A_TICK[moment]} of the tick that begins there"
-    place = () if moment is None else (moment,)
+    suffix = "" if moment is None else f"_{TICK_MOMENTS[moment]}"
+    description = "at the row's time" if moment is None else f"{TICK_MOMENTS[moment]} of the tick that begins there"
+    index = () if moment is None else (moment,)
     columns = []
     for i, axis in enumerate(AXES):
-        name = f"{prefix}force_{axis}{when}_N"
-        columns.append(Column(name, field, (*place, i), 1.0, f"force on the mouthpiece, body axes, {told}"))
+        name = f"{prefix}force_{axis}{suffix}_N"
+        columns.append(Column(name, field, (*index, i), 1.0, f"force on the mouthpiece, body axes, {description}"))
     for i, axis in enumerate(AXES):
-        name = f"{prefix}moment_{axis}{when}_N_m"
-        columns.append(Column(name, field, (*place, 3 + i), 1.0, f"moment at the mouthpiece, body axes, {told}"))
+        name = f"{prefix}moment_{axis}{suffix}_N_m"
+        columns.append(Column(name, field, (*index, 3 + i), 1.0, f"moment at the mouthpiece, body axes, {description}"))
     return columns
 
 
@@ -75,8 +75,8 @@ def true_motion(n_states: int) -> list[Column]:
     names += [(f"true_{angle}_deg", DEG) for angle in ANGLES]
     names += [(f"true_condyle_velocity_{axis}_mm_s", MM) for axis in axes]
     names += [(f"true_angular_velocity_{axis}_deg_s", DEG) for axis in AXES]
-    told = "true motion of a simulated jaw"
-    return [Column(name, "states", (i,), scale, told) for i, (name, scale) in enumerate(names)]
+    description = "true motion of a simulated jaw"
+    return [Column(name, "states", (i,), scale, description) for i, (name, scale) in enumerate(names)]
 
 
 ENCODERS = tuple(_encoders())

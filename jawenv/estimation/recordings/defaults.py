@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
 # How far the jaw may be from closed and still when nothing is known: what the first reading is weighed against.
-PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
+POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
 FIT_STEPS = 20
 
 
@@ -35,20 +35,20 @@ def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
     """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for a jaw of one's own."""
     tilt = float(np.degrees(np.arctan2(jaw["gravity"][0], -jaw["gravity"][2])))
     for name in MODELS:
-        known = geometry(name)
-        if known.dtype != jaw.dtype:
+        candidate = geometry(name)
+        if candidate.dtype != jaw.dtype:
             continue
-        known["gravity"] = gravity_in_head(float(np.linalg.norm(known["gravity"])), tilt)
-        if all(np.allclose(known[field], jaw[field], rtol=1e-9, atol=1e-12) for field in jaw.dtype.names):
+        candidate["gravity"] = gravity_in_head(float(np.linalg.norm(candidate["gravity"])), tilt)
+        if all(np.allclose(candidate[field], jaw[field], rtol=1e-9, atol=1e-12) for field in jaw.dtype.names):
             return name, tilt
     return None
 
 
 def measurement_sd(device: Device) -> Array:
     """(12,) noise of the encoders, SI."""
-    one = device.records()[0]
+    device_record = device.records()[0]
     names = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-    return np.repeat([float(one[name]) for name in names], 3)
+    return np.repeat([float(device_record[name]) for name in names], 3)
 
 
 def wrench_sd(device: Device, dt: float) -> Array:
@@ -58,23 +58,24 @@ def wrench_sd(device: Device, dt: float) -> Array:
     length. The mean of a tick's readings has half the variance of one: Simpson's weights (1, 4, 1)/6 of three
     readings, or the two ends' mean where the middle is interpolated.
     """
-    one = device.records()[0]
+    device_record = device.records()[0]
     variance = [
-        float(one[f"unmodelled_{kind}"]) ** 2 * UNMODELLED_TIME / dt + 0.5 * float(one[f"cell_{kind}"]) ** 2
+        float(device_record[f"unmodelled_{kind}"]) ** 2 * UNMODELLED_TIME / dt
+        + 0.5 * float(device_record[f"cell_{kind}"]) ** 2
         for kind in ("force", "moment")
     ]
-    found: Array = np.sqrt(np.repeat(variance, 3))
-    return found
+    sd: Array = np.sqrt(np.repeat(variance, 3))
+    return sd
 
 
 def cell_sd(device: Device) -> Array:
     """(6,) the load cell's part of ``wrench_sd``."""
-    one = device.records()[0]
-    found: Array = np.repeat([float(one["cell_force"]), float(one["cell_moment"])], 3) / np.sqrt(2.0)
-    return found
+    device_record = device.records()[0]
+    sd: Array = np.repeat([float(device_record["cell_force"]), float(device_record["cell_moment"])], 3) / np.sqrt(2.0)
+    return sd
 
 
-def size_of_motion(jaw: Any) -> int:
+def motion_size(jaw: Any) -> int:
     """Number of states (q, u) of a jaw's model."""
     return N_BODY if jaw["condyles"] == 2 else N_STATES
 
@@ -82,13 +83,13 @@ def size_of_motion(jaw: Any) -> int:
 def start_sd(jaw: Any) -> Array:
     """(n,) sd of a motion of which nothing is known; 0 where the model holds a coordinate."""
     if jaw["condyles"] == 2:
-        return np.repeat([PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], 3)
+        return np.repeat([POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], 3)
     turns = float(jaw["inertia_contact_inverse"][2, 2]) > 0.0  # yaw and roll are free both or none
     places = [float(jaw["free_x"]), float(jaw["free_y"])]
     free = np.array([*places, 1.0, turns, turns, *places, turns, 1.0, turns])
-    sizes = np.repeat([PLACE_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], [2, 3, 2, 3])
-    found: Array = free * sizes
-    return found
+    sizes = np.repeat([POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], [2, 3, 2, 3])
+    sd: Array = free * sizes
+    return sd
 
 
 def motion_of_reading(jaw: Any, measured: Array, sd: Array) -> Array:
@@ -102,7 +103,7 @@ def motion_of_reading(jaw: Any, measured: Array, sd: Array) -> Array:
     Returns:
         (n,) motion (q, u). What the reading does not show stays near the closed jaw at rest.
     """
-    size = size_of_motion(jaw)
+    size = motion_size(jaw)
     rows, expected = np.zeros((N_MEASUREMENTS, size)), np.zeros(N_MEASUREMENTS)
     spread = start_sd(jaw)
     free, read = spread > 0.0, np.isfinite(measured)
@@ -110,9 +111,9 @@ def motion_of_reading(jaw: Any, measured: Array, sd: Array) -> Array:
     for _ in range(FIT_STEPS):
         expect(jaw, mean, rows, expected)
         weighted = rows[np.ix_(read, free)] / sd[read, None]
-        missing = (measured[read] - expected[read]) / sd[read]
+        innovation = (measured[read] - expected[read]) / sd[read]
         normal = weighted.T @ weighted + np.diag(spread[free] ** -2.0)
-        step = np.linalg.solve(normal, weighted.T @ missing - mean[free] / spread[free] ** 2)
+        step = np.linalg.solve(normal, weighted.T @ innovation - mean[free] / spread[free] ** 2)
         mean[free] += step
         if np.abs(step).max() < 1e-12:
             break

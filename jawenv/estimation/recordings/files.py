@@ -105,52 +105,52 @@ def load_record(
     source = checked_path(path)
     table = read_table(source, _ABOUT)
     about = _checked_about(table)
-    chosen = model_named(model or about.get("model") or "jaw")
-    muscles = chosen.muscles
+    rung = model_named(model or about.get("model") or "jaw")
+    muscles = rung.muscles
     tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
-    jaw = _geometry(jaw, chosen, tilt, about if model is None else {}, table.path)
-    size = defaults.size_of_motion(jaw)
+    jaw = _geometry(jaw, rung, tilt, about if model is None else {}, table.path)
+    size = defaults.motion_size(jaw)
     time = even_time(table)
     check_columns(table, size)
     dt = float(time[1] - time[0])
     measured = _encoders(table)
     noise = device or Device()
-    told = about if device is None else {}
-    measurement_sd = np.array(told.get("measurement_sd", defaults.measurement_sd(noise)))
+    noise_values = about if device is None else {}
+    measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
     start = start_mean if start_mean is not None else about.get("start_mean")
-    spread = start_sd if start_sd is not None else about.get("start_sd")
+    start_spread = start_sd if start_sd is not None else about.get("start_sd")
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
-    known = truth if truth is not None else about.get("truth")
+    true_parameters = truth if truth is not None else about.get("truth")
     commanded = control or about.get("control", "force")
     return Record(
         time=time,
         measured=measured,
         samples=_samples(table),
         start_mean=np.array(start, dtype=np.float64),
-        start_sd=np.array(defaults.start_sd(jaw) if spread is None else spread, dtype=np.float64),
+        start_sd=np.array(defaults.start_sd(jaw) if start_spread is None else start_spread, dtype=np.float64),
         measurement_sd=measurement_sd,
-        wrench_sd=np.array(told.get("wrench_sd", defaults.wrench_sd(noise, dt))),
-        cell_sd=np.array(told.get("cell_sd", defaults.cell_sd(noise))),
-        gain_sd=float(told.get("gain_sd", noise.cell_gain)),
+        wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt))),
+        cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise))),
+        gain_sd=float(noise_values.get("gain_sd", noise.cell_gain)),
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
         device=_device(device, about.get("device"), table.path),
         control=commanded,
-        truth=None if known is None else np.array(known, dtype=np.float64),
+        truth=None if true_parameters is None else np.array(true_parameters, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
-        wrenches=_of_ticks(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
+        wrenches=_wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
     )
 
 
 def _about(record: Record) -> dict[str, Any]:
     """What the file says besides its columns, SI units, all arrays as lists."""
-    found = defaults.model_of_geometry(record.jaw)
-    names = {model: model_named(model).muscles.parameter_names for model in _models_of(record)}
+    match = defaults.model_of_geometry(record.jaw)
+    names = {model: model_named(model).muscles.parameter_names for model in _matching_models(record)}
     about: dict[str, Any] = {}
-    if found is not None and found[0] in names:
-        about["model"], about["head_tilt_deg"] = found
+    if match is not None and match[0] in names:
+        about["model"], about["head_tilt_deg"] = match
     elif names:
         about["model"] = next(iter(names))
         about["jaw"] = {name: np.asarray(record.jaw[name]).tolist() for name in record.jaw.dtype.names}
@@ -188,7 +188,7 @@ def _checked_about(table: Table) -> dict[str, Any]:
     return table.about
 
 
-def _models_of(record: Record) -> list[str]:
+def _matching_models(record: Record) -> list[str]:
     """Models with the record's parameters and as many states; the reference first."""
     condyles = "bilateral" if len(record.start_mean) == N_BODY else "midline"
     return [
@@ -198,11 +198,11 @@ def _models_of(record: Record) -> list[str]:
     ]
 
 
-def _jaw_of(told: dict[str, Any], model: str, path: str) -> Any:
+def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
     jaw = defaults.geometry(model)
     try:
         for name in jaw.dtype.names:
-            jaw[name] = told[name]
+            jaw[name] = fields[name]
     except (KeyError, TypeError, ValueError):
         raise InputError(
             f"{path}: jaw lacks {name!r} or has it in another shape; allowed: as save_record wrote it"
@@ -210,35 +210,35 @@ def _jaw_of(told: dict[str, Any], model: str, path: str) -> Any:
     return jaw
 
 
-def _geometry(jaw: Any | None, chosen: Any, tilt: float, about: dict[str, Any], path: str) -> Any:
+def _geometry(jaw: Any | None, rung: Any, tilt: float, about: dict[str, Any], path: str) -> Any:
     """The geometry given, or the file's own, or the model's at that tilt of the head."""
     if jaw is None:
-        own = about.get("jaw")
-        jaw = defaults.geometry(chosen.name, tilt) if own is None else _jaw_of(own, chosen.name, path)
-    lines = len(chosen.muscles.muscle)
+        stored = about.get("jaw")
+        jaw = defaults.geometry(rung.name, tilt) if stored is None else _stored_jaw(stored, rung.name, path)
+    lines = len(rung.muscles.muscle)
     if len(jaw["l_o"]) != lines:
-        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {chosen.name!r}: {lines}")
+        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {rung.name!r}: {lines}")
     return jaw
 
 
-def _device(given: Device | None, told: Any, path: str) -> Device | None:
+def _device(device: Device | None, fields: Any, path: str) -> Device | None:
     """The device given, or the file's own."""
-    if given is not None or told is None:
-        return given
+    if device is not None or fields is None:
+        return device
     try:
-        return Device(**told)
+        return Device(**fields)
     except TypeError:
-        raise InputError(f"{path}: device is {str(told)[:40]!r}; allowed: fields of jawenv.Device") from None
+        raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
 
 
-def _prior(given: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:
-    if given is None and name is None and "prior_mean" in about and "prior_sd" in about:
-        given = Prior(about["prior_mean"], about["prior_sd"])
-    if given is None:
+def _prior(prior: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:
+    if prior is None and name is None and "prior_mean" in about and "prior_sd" in about:
+        prior = Prior(about["prior_mean"], about["prior_sd"])
+    if prior is None:
         return cohort(name or about.get("cohort", "trismus"), muscles).prior
-    if len(given.mean) != len(muscles.parameter_names):
-        raise InputError(f"{path}: prior has {len(given.mean)} parameters; allowed: {len(muscles.parameter_names)}")
-    return given
+    if len(prior.mean) != len(muscles.parameter_names):
+        raise InputError(f"{path}: prior has {len(prior.mean)} parameters; allowed: {len(muscles.parameter_names)}")
+    return prior
 
 
 def _written(record: Record, column: Column) -> Array:
@@ -270,7 +270,7 @@ def _stacked(table: Table, columns: list[Column]) -> Array | None:
     return np.column_stack([_column(table, column) for column in columns])
 
 
-def _of_ticks(table: Table, columns: tuple[Column, ...]) -> Array:
+def _wrenches(table: Table, columns: tuple[Column, ...]) -> Array:
     """(T, 3, 6) of three wrenches per tick; the last row begins no tick."""
     ticks = len(table.lines) - 1
     wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
@@ -285,7 +285,7 @@ def _of_ticks(table: Table, columns: tuple[Column, ...]) -> Array:
 def _samples(table: Table) -> Array:
     """(T, 3, 6) load cell at start, middle and end of each tick; the middle of single readings is interpolated."""
     if has_any(table, SAMPLES):
-        return _of_ticks(table, SAMPLES)
+        return _wrenches(table, SAMPLES)
     readings = np.column_stack([_column(table, column) for column in READINGS])
     for column, values in zip(READINGS, readings.T, strict=True):
         _complete(table, column, values)

@@ -40,9 +40,9 @@ class Table:
     lines: NDArray[np.int64]
     about: dict[str, Any]
 
-    def fail(self, column: str, row: int, found: str, allowed: str) -> InputError:
+    def fail(self, column: str, row: int, value: str, allowed: str) -> InputError:
         """The error that names a cell."""
-        return InputError(f"{self.path}: {column} in row {self.lines[row]} is {found}; allowed: {allowed}")
+        return InputError(f"{self.path}: {column} in row {self.lines[row]} is {value}; allowed: {allowed}")
 
 
 def checked_path(path: str | os.PathLike[str]) -> Path:
@@ -138,18 +138,18 @@ def _read_csv(path: Path, known: Collection[str]) -> Table:
     if len(rows) < 2:
         raise InputError(f"{path}: is empty; allowed: a row of column names and two or more rows of numbers")
     names = [name.strip() for name in rows[0]]
-    kept = [(first + 2 + i, row) for i, row in enumerate(rows[1:]) if any(cell.strip() for cell in row)]
-    for line_number, row in kept:
+    filled_rows = [(first + 2 + i, row) for i, row in enumerate(rows[1:]) if any(cell.strip() for cell in row)]
+    for line_number, row in filled_rows:
         if len(row) != len(names):
             raise InputError(f"{path}: row {line_number} has {len(row)} values; allowed: {len(names)}, one per column")
     if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"{path}: column {twice!r} stands there twice; allowed: once")
+        duplicate = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"{path}: column {duplicate!r} stands there twice; allowed: once")
     columns = {
-        name: np.array([_number(row[i], path, name, line) for line, row in kept], dtype=np.float64)
+        name: np.array([_number(row[i], path, name, line) for line, row in filled_rows], dtype=np.float64)
         for i, name in enumerate(names)
     }
-    return Table(str(path), columns, np.array([line for line, _ in kept], dtype=np.int64), about)
+    return Table(str(path), columns, np.array([line for line, _ in filled_rows], dtype=np.int64), about)
 
 
 def _number(text: str, path: Path, column: str, line: int) -> float:

@@ -46,17 +46,17 @@ def thinned(record: Record, every: int) -> Record:
     Raises:
         InputError: ``every`` is not a whole number from 1 to T.
     """
-    last = _whole(record, every)
+    last = _whole_ticks(record, every)
     rows = slice(0, last + 1, every)
     return replace(
         record,
         time=record.time[rows],
         measured=record.measured[rows],
-        samples=_of_longer_ticks(record.samples[:last], every),
+        samples=_longer_ticks(record.samples[:last], every),
         wrench_sd=record.wrench_sd / np.sqrt(every),
         cell_sd=record.cell_sd / np.sqrt(every),
         states=None if record.states is None else record.states[rows],
-        wrenches=None if record.wrenches is None else _of_longer_ticks(record.wrenches[:last], every),
+        wrenches=None if record.wrenches is None else _longer_ticks(record.wrenches[:last], every),
     )
 
 
@@ -99,7 +99,7 @@ def divided(record: Record, parts: int) -> Record:
     )
 
 
-def _whole(record: Record, every: int) -> int:
+def _whole_ticks(record: Record, every: int) -> int:
     """How many of the ticks make whole longer ones."""
     ticks = len(record.samples)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or not 1 <= every <= ticks:
@@ -107,7 +107,7 @@ def _whole(record: Record, every: int) -> int:
     return ticks - ticks % int(every)
 
 
-def _of_longer_ticks(samples: Array, every: int) -> Array:
+def _longer_ticks(samples: Array, every: int) -> Array:
     """(T / every, 3, 6) samples of the parabola that fits those of each group of ``every`` ticks best.
 
     Each tick's three samples stand for a parabola too. The integrals are exact: three points of Gauss and Legendre do
@@ -117,14 +117,14 @@ def _of_longer_ticks(samples: Array, every: int) -> Array:
         return samples.copy()
     nodes, weights = np.polynomial.legendre.leggauss(3)
     share = 0.5 * (nodes + 1.0)
-    read = _parabola(share)
-    place = (np.arange(every)[:, None] + share) / every
-    moments = np.einsum("egm,g,gs->mes", _legendre(place), 0.5 * weights / every, read)
+    sample_weights = _parabola(share)
+    position = (np.arange(every)[:, None] + share) / every
+    moments = np.einsum("egm,g,gs->mes", _legendre(position), 0.5 * weights / every, sample_weights)
     to_samples = np.einsum("om,mes->oes", _legendre(np.array([0.0, 0.5, 1.0])), moments)
     groups = samples.reshape(-1, every, 3, samples.shape[-1])
-    found = np.einsum("oes,tesk->tok", to_samples, groups)
+    fitted = np.einsum("oes,tesk->tok", to_samples, groups)
     frozen = np.ptp(groups, axis=(1, 2)) == 0.0
-    return np.where(frozen[:, None], groups[:, 0, :1], found)
+    return np.where(frozen[:, None], groups[:, 0, :1], fitted)
 
 
 def _parabola(share: Array) -> Array:

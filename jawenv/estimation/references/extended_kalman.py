@@ -19,7 +19,7 @@ from jawenv.estimation.references.initial import (
     check_every,
     check_noise,
     initial_belief,
-    kept_ticks,
+    output_ticks,
     parameter_noise,
     working_memory,
 )
@@ -68,18 +68,18 @@ class ExtendedKalman:
         if self.scale == "linear":
             mean[parameters] = unit
             covariance[parameters, parameters] *= np.outer(unit, unit)
-        kept = kept_ticks(record, self.every)
-        means, cov = run_filter(record, mean, covariance, np.outer(noise, unit**2), kept, self.scale == "linear")
-        values = means[kept, parameters]
+        ticks = output_ticks(record, self.every)
+        means, cov = run_filter(record, mean, covariance, np.outer(noise, unit**2), ticks, self.scale == "linear")
+        values = means[ticks, parameters]
         if self.scale == "linear":
             values = np.maximum(values, SMALLEST * unit)
             cov = cov / (values[:, :, None] * values[:, None, :])
             values = np.log(values)
-        return Estimate(self.name, record.time[kept], values, cov)
+        return Estimate(self.name, record.time[ticks], values, cov)
 
 
 def run_filter(
-    record: Record, mean: Array, covariance: Array, noise: Array, kept: NDArray[np.int64], linear: bool = False
+    record: Record, mean: Array, covariance: Array, noise: Array, ticks: NDArray[np.int64], linear: bool = False
 ) -> tuple[Array, Array]:
     """The compiled filter over a record from any belief about n states, p parameters and the gain error.
 
@@ -88,7 +88,7 @@ def run_filter(
         mean: (n + p + 1,) before the first reading.
         covariance: (n + p + 1, n + p + 1).
         noise: (T, p) variance that the parameters receive in each tick.
-        kept: (K,) numbers of the times whose covariance is wanted.
+        ticks: (K,) numbers of the times whose covariance is wanted.
         linear: whether the parameters are F_o and b themselves.
 
     Returns:
@@ -96,7 +96,7 @@ def run_filter(
     """
     count = len(record.prior.mean)
     means = np.repeat(mean[None], len(record.time), axis=0)
-    kept_cov = np.full((len(kept), count, count), np.nan)
+    covariances = np.full((len(ticks), count, count), np.nan)
     problem = Problem(
         jaw=record.jaw,
         measured=record.measured,
@@ -108,5 +108,5 @@ def run_filter(
         linear=linear,
         floor=SMALLEST * np.exp(record.prior.mean),
     )
-    filter_record(problem, means, covariance.copy(), kept, kept_cov, working_memory(record))
-    return means, kept_cov
+    filter_record(problem, means, covariance.copy(), ticks, covariances, working_memory(record))
+    return means, covariances

@@ -98,7 +98,7 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 
 @njit
-def filter_record(problem, means, covariance, kept, kept_cov, scratch):
+def filter_record(problem, means, covariance, ticks, covariances, scratch):
     """Filter a record of T ticks.
 
     Args:
@@ -106,22 +106,22 @@ def filter_record(problem, means, covariance, kept, kept_cov, scratch):
         means: (T + 1, n + p + 1); row 0 holds the mean before the first reading, and all rows are filled with the means
             after the readings of that time.
         covariance: (n + p + 1, n + p + 1) before the first reading; changed.
-        kept: (K,) growing numbers of the times whose covariance is wanted, and
-        kept_cov: (K, p, p) where that of the parameters goes.
+        ticks: (K,) increasing numbers of the times whose covariance is wanted.
+        covariances: (K, p, p) of the parameters at those times; overwritten.
         scratch: Working memory.
     """
     parameters = problem.floor.shape[0]
     first = means.shape[1] - 1 - parameters
     trend = np.zeros(N_WRENCH)
-    place = 0
+    row = 0
     for k in range(means.shape[0]):
         if k > 0:
             means[k] = means[k - 1]
             predict_plain(problem, k - 1, means[k], covariance, trend, scratch)
             follow_trend(trend, problem.samples[k - 1], problem.dt)
         update_plain(problem.jaw, means[k], covariance, problem.measured[k], problem.variances, scratch)
-        if place < kept.shape[0] and kept[place] == k:
+        if row < ticks.shape[0] and ticks[row] == k:
             for i in range(parameters):
                 for j in range(parameters):
-                    kept_cov[place, i, j] = covariance[first + i, first + j]
-            place += 1
+                    covariances[row, i, j] = covariance[first + i, first + j]
+            row += 1

@@ -22,7 +22,7 @@ from jawenv.estimation.model.encoders import N_MEASUREMENTS
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.filterpy_models import CompiledModel, Model, NumpyModel
-from jawenv.estimation.references.initial import check_every, check_noise, initial_belief, kept_ticks
+from jawenv.estimation.references.initial import check_every, check_noise, initial_belief, output_ticks
 from jawenv.extras import needs
 
 with needs("a reference filter", "filterpy", "reference"):
@@ -99,10 +99,10 @@ def symmetric_root(P: Array) -> Array:
 def _run(name: str, kalman: Any, model: Model, every: int) -> Estimate:
     """Filter a record, the gain error considered; what follows a divergence is NaN."""
     record, parameters = model.record, slice(model.n, model.size - 1)
-    kept = kept_ticks(record, every)
+    ticks = output_ticks(record, every)
     count = len(record.prior.mean)
-    means, covs = np.full((len(kept), count), np.nan), np.full((len(kept), count, count), np.nan)
-    place = 0
+    means, covs = np.full((len(ticks), count), np.nan), np.full((len(ticks), count, count), np.nan)
+    row = 0
     for k in range(len(record.time)):
         if k > 0:
             model.tick = k - 1
@@ -113,10 +113,10 @@ def _run(name: str, kalman: Any, model: Model, every: int) -> Estimate:
             kalman.x[-1], kalman.P[-1, -1] = considered
         if not (np.isfinite(kalman.x).all() and np.isfinite(kalman.P).all()):
             break
-        if kept[place] == k:
-            means[place], covs[place] = kalman.x[parameters], kalman.P[parameters, parameters]
-            place += 1
-    return Estimate(name, record.time[kept], means, covs)
+        if ticks[row] == k:
+            means[row], covs[row] = kalman.x[parameters], kalman.P[parameters, parameters]
+            row += 1
+    return Estimate(name, record.time[ticks], means, covs)
 
 
 class FilterpyExtendedKalman:

@@ -40,7 +40,7 @@ def mean_readings(record: Record) -> Array:
 
 
 def trends(record: Record) -> Array:
-    """(T, 6) what the load cell read of late at the start of each tick, by the law of ``ekf.follow_trend``."""
+    """(T, 6) trend of the load cell at the start of each tick, by the law of ``load_cell.follow_trend``."""
     follow, means = -np.expm1(-record.dt / TREND_TIME), mean_readings(record)
     rows = np.zeros_like(means)
     for k in range(len(rows) - 1):
@@ -49,7 +49,7 @@ def trends(record: Record) -> Array:
 
 
 def parameter_noise(record: Record, rate: float, time_constant: float) -> Array:
-    """(T,) variance that each log-parameter receives in each tick, by the law of ``ekf.parameter_variance``.
+    """(T,) process-noise variance of each log-parameter in each tick: the integral of a decaying variance rate.
 
     Args:
         record: gives the ticks.
@@ -76,7 +76,7 @@ def check_noise(name: str, rate: float, time_constant: float) -> None:
         raise InputError(f"{name}: parameter_time is {time_constant!r}, allowed are numbers above 0, and infinity")
 
 
-def kept_ticks(record: Record, every: int) -> NDArray[np.int64]:
+def output_ticks(record: Record, every: int) -> NDArray[np.int64]:
     """Numbers of the times of a record of which an estimate is kept: each ``every``-th, and the last."""
     last = len(record.time) - 1
     return np.unique(np.append(np.arange(0, last, every), last))

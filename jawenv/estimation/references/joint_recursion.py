@@ -18,8 +18,6 @@ carry the parameters in its state (``online.state``).
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 from numba.extending import overload
 
@@ -58,17 +56,6 @@ def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_
 
 
 @njit
-def parameter_variance(rate, time_constant, time, dt):
-    """Variance that each log-parameter receives between ``time`` and ``time + dt``.
-
-    Its sd per square root of a second starts at ``rate`` and decays with ``time_constant``: early, while the filter
-    linearises at a poor estimate, it must not believe too much; later the parameters are the constants they are.
-    """
-    half_life = 0.5 * time_constant
-    return rate * rate * half_life * (exp(-time / half_life) - exp(-(time + dt) / half_life))
-
-
-@njit
 def predict_covariance(covariance, noise_variance, scratch):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
@@ -104,12 +91,12 @@ def predict_covariance(covariance, noise_variance, scratch):
 
 
 @njit
-def set_noise_variance(known, gain_variance, samples, trend, scratch):
+def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
     """Variance of the wrench not known: ``known`` (12) and the gain's share of what the trend does not follow."""
     for k in range(N_WRENCH):
         fast = mean_reading(samples, k) - trend[k]
-        scratch.noise_variance[k] = known[k] + gain_variance * fast * fast
-        scratch.noise_variance[N_WRENCH + k] = known[N_WRENCH + k]
+        scratch.noise_variance[k] = wrench_variance[k] + gain_variance * fast * fast
+        scratch.noise_variance[N_WRENCH + k] = wrench_variance[N_WRENCH + k]
 
 
 def propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch):

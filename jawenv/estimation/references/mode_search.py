@@ -23,17 +23,19 @@ from jawenv.estimation.online.state import begin_belief, begin_motion, forget_re
 from jawenv.estimation.online.tick import take_readings
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.references.modes import SAME, distance, keep_mode, modes_dtype, nearest_mode, sum_of_modes
+from jawenv.estimation.references.modes import SAME, distance, keep_mode, mixture_moments, modes_dtype, nearest_mode
 
 Array = NDArray[np.float64]
 
 FIRST_WINDOW, GROWTH = 20, 1.25  # readings. Windows twice as long lose patients.
-KEPT = 4  # modes of the last window that the search starts from again, the densest first
+RESTARTS = 4  # modes of the last window that the search starts from again, the densest first
 PASSES = 16  # at most, from one start, until one moves no parameter by
 SMALL_STEP = 0.1  # sds or more
 SMALLEST_SHARE = 0.1  # of a pass's step; what shorter ones lead to is where the search is
-DENSER = 2.0  # nats by which the density has grown if a longer step to come does not matter
-APART = 0.5  # prior sds of log F_o by which two of the starts have one half of the muscles stronger, the other weaker
+DENSITY_GAIN = 2.0  # nats by which the density has grown if a longer step to come does not matter
+START_OFFSET = (
+    0.5  # prior sds of log F_o by which two of the starts have one half of the muscles stronger, the other weaker
+)
 SEARCHES = 5  # for the belief at the end of a pass: each of a few rounds
 
 
@@ -65,29 +67,29 @@ class ModeSearch:
             raise InputError(f"ModeSearch: times end at {self.times}, the record at {record.time[-1]:g} s")
         modes = np.zeros(1, dtype=modes_dtype(size))[0]
         mean, cov = np.empty((len(ends), size)), np.empty((len(ends), size, size))
-        place = 0
+        row = 0
         for end in _windows(record, ends):
             self._search(run, int(end), modes)
-            if end == ends[place]:
-                mean[place], cov[place] = sum_of_modes(modes)
-                place += 1
+            if end == ends[row]:
+                mean[row], cov[row] = mixture_moments(modes)
+                row += 1
         return Estimate(self.name, record.time[ends], mean, cov)
 
     def _search(self, run: FilterRun, end: int, modes: NDArray[np.void]) -> None:
         """Replace the ``modes`` of the last window by those of the rows up to ``end``."""
-        starts = starts_of(modes, run.settings["prior_mean"], run.settings["prior_sd"])
+        starts = search_starts(modes, run.settings["prior_mean"], run.settings["prior_sd"])
         search(run.arguments, end, starts, PASSES, SMALL_STEP, modes)
 
 
-def starts_of(modes: NDArray[np.void], prior_mean: Array, prior_sd: Array) -> Array:
+def search_starts(modes: NDArray[np.void], prior_mean: Array, prior_sd: Array) -> Array:
     """(S, p) where to begin: the densest modes, the prior's mean, and the densest mode bent either way."""
     number = int(modes["number"])
-    order = np.argsort(-modes["density"][:number])[:KEPT]
+    order = np.argsort(-modes["density"][:number])[:RESTARTS]
     densest = modes["mean"][order[0]] if number else prior_mean
     half = len(prior_mean) // 2
     sign = np.where(np.arange(len(prior_mean)) < half, 1.0, -1.0)
-    bend = np.where(np.arange(len(prior_mean)) % 2 == 0, APART * sign * prior_sd, 0.0)
-    return np.vstack([modes["mean"][order], prior_mean, densest + bend, densest - bend])
+    shift = np.where(np.arange(len(prior_mean)) % 2 == 0, START_OFFSET * sign * prior_sd, 0.0)
+    return np.vstack([modes["mean"][order], prior_mean, densest + shift, densest - shift])
 
 
 def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
@@ -97,8 +99,8 @@ def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
     while size < len(rows):
         sizes.append(rows[int(size) - 1])
         size = max(size + 1.0, GROWTH * size)
-    ends_of_windows: NDArray[np.int_] = np.unique(np.concatenate([np.array(sizes, dtype=int), ends]))
-    return np.asarray(ends_of_windows[ends_of_windows <= ends[-1]], dtype=np.int_)
+    window_ends: NDArray[np.int_] = np.unique(np.concatenate([np.array(sizes, dtype=int), ends]))
+    return np.asarray(window_ends[window_ends <= ends[-1]], dtype=np.int_)
 
 
 def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tuple[Array, Array]:
@@ -115,7 +117,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
     if run.leaves_pose_open:
         starts = np.vstack([starts, ModeSearch().estimate(record).mean])
     search(run.arguments, run.last, starts, PASSES, small_step, modes)
-    return sum_of_modes(modes)
+    return mixture_moments(modes)
 
 
 @njit
@@ -123,19 +125,19 @@ def search(run, tick, starts, passes, small_step, modes):
     """Into ``modes`` what rows 0 to ``tick`` lead to from ``starts`` (S, p); the prior where that is no number."""
     belief, settings = run.belief, run.settings
     modes.number = 0
-    about = np.empty(starts.shape[1])
+    parameters = np.empty(starts.shape[1])
     for s in range(starts.shape[0]):
-        about[:] = starts[s]
-        density, new = settle(run, tick, about, passes, small_step, modes)
+        parameters[:] = starts[s]
+        density, new = settle(run, tick, parameters, passes, small_step, modes)
         if new:
-            keep_mode(modes, belief, density, about)
+            keep_mode(modes, belief, density)
     if modes.number == 0:
         begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
-        keep_mode(modes, belief, 0.0, settings.prior_mean)
+        keep_mode(modes, belief, 0.0)
 
 
 @njit
-def settle(run, tick, about, passes, small_step, modes):
+def settle(run, tick, parameters, passes, small_step, modes):
     """Follow a start, ``about`` (p), until the belief stays where the readings were filtered at, which it becomes.
 
     Each pass takes the whole step of the linear problem that the last one found. Where that leads to a longer step, it
@@ -144,22 +146,22 @@ def settle(run, tick, about, passes, small_step, modes):
     Returns:
         The logarithm of the density there, and False where it comes to a mode that is kept, or is no number.
     """
-    belief, origin, share = run.belief, about.copy(), 1.0
-    reached = filter_at(run, tick, about)
+    belief, origin, share = run.belief, parameters.copy(), 1.0
+    reached = filter_at(run, tick, parameters)
     goal = belief.mean.copy()
-    density, left = reached, distance(belief, origin)
+    density, step_length = reached, distance(belief, origin)
     for _ in range(passes - 1):
-        if not reached > -np.inf or left < small_step or share < SMALLEST_SHARE:
+        if not reached > -np.inf or step_length < small_step or share < SMALLEST_SHARE:
             break
         if nearest_mode(modes, belief)[1] < SAME:
             return reached, False
-        about[:] = origin + share * (goal - origin)
-        reached = filter_at(run, tick, about)
-        ahead = distance(belief, about)
-        if ahead < left or reached > density + DENSER:
-            origin[:] = about
+        parameters[:] = origin + share * (goal - origin)
+        reached = filter_at(run, tick, parameters)
+        next_length = distance(belief, parameters)
+        if next_length < step_length or reached > density + DENSITY_GAIN:
+            origin[:] = parameters
             goal[:] = belief.mean
-            density, left, share = reached, ahead, min(1.0, 2.0 * share)
+            density, step_length, share = reached, next_length, min(1.0, 2.0 * share)
         else:
             share *= 0.5
     return reached, reached > -np.inf
@@ -182,12 +184,12 @@ def filter_at(run, tick, parameters):
             density += log_likelihood(scratch.update)
     gain = belief.nominal.size
     if settings.gain_variance > 0.0:
-        score, known = belief.score[gain], belief.information[gain, gain]
-        density += 0.5 * score * score / (known + 1.0 / settings.gain_variance)
-        density -= 0.5 * log(1.0 + known * settings.gain_variance)
+        score, gain_information = belief.score[gain], belief.information[gain, gain]
+        density += 0.5 * score * score / (gain_information + 1.0 / settings.gain_variance)
+        density -= 0.5 * log(1.0 + gain_information * settings.gain_variance)
     for i in range(settings.prior_sd.shape[0]):
-        away = (belief.mean[i] - settings.prior_mean[i]) / settings.prior_sd[i]
-        density -= 0.5 * away * away
+        deviation = (belief.mean[i] - settings.prior_mean[i]) / settings.prior_sd[i]
+        density -= 0.5 * deviation * deviation
     for _ in range(SEARCHES):
         learn(belief, settings, scratch.belief)
     return density + 0.5 * log_det(belief.cov, scratch.belief.posterior.precision)

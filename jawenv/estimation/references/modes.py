@@ -16,19 +16,18 @@ import numpy as np
 
 from jawenv.compiled import njit
 
-MOST_MODES = 9  # from as many starts
+MAX_MODES = 9  # from as many starts
 SAME = 0.5  # sds, in every parameter, within which two modes are one
 TRUST = 0.4
 
 
 def modes_dtype(parameters: int) -> np.dtype[np.void]:
-    """Dtype of the modes found: log-density, what each was filtered at, mean and covariance."""
+    """Dtype of the modes found: log-density, mean and covariance of each."""
     fields: list[Any] = [
         ("number", "i8"),
-        ("density", "f8", (MOST_MODES,)),
-        ("about", "f8", (MOST_MODES, parameters)),
-        ("mean", "f8", (MOST_MODES, parameters)),
-        ("cov", "f8", (MOST_MODES, parameters, parameters)),
+        ("density", "f8", (MAX_MODES,)),
+        ("mean", "f8", (MAX_MODES, parameters)),
+        ("cov", "f8", (MAX_MODES, parameters, parameters)),
     ]
     return np.dtype(fields, align=True)
 
@@ -45,30 +44,29 @@ def distance(belief, parameters):
 @njit
 def nearest_mode(modes, belief):
     """The mode that the belief is nearest to, and its ``distance``; -1 if there is none."""
-    nearest, least = -1, np.inf
+    nearest, smallest = -1, np.inf
     for k in range(modes.number):
-        apart = distance(belief, modes.mean[k])
-        if apart < least:
-            nearest, least = k, apart
-    return nearest, least
+        separation = distance(belief, modes.mean[k])
+        if separation < smallest:
+            nearest, smallest = k, separation
+    return nearest, smallest
 
 
 @njit
-def keep_mode(modes, belief, density, about):
-    """Keep the belief, filtered at ``about``, as a mode of this log-density: a new one, or in place of a thinner."""
-    k, apart = nearest_mode(modes, belief)
-    if not apart < SAME:
+def keep_mode(modes, belief, density):
+    """Store the belief as a mode of this log-density: a new one, or in place of a close one of lower density."""
+    k, separation = nearest_mode(modes, belief)
+    if not separation < SAME:
         k = modes.number
         modes.number += 1
     elif not density > modes.density[k]:
         return
     modes.density[k] = density
-    modes.about[k] = about
     modes.mean[k] = belief.mean
     modes.cov[k] = belief.cov
 
 
-def sum_of_modes(modes: Any) -> tuple[Any, Any]:
+def mixture_moments(modes: Any) -> tuple[Any, Any]:
     """Mean (p,) and covariance (p, p) of the sum of at least one mode."""
     number = int(modes["number"])
     density = modes["density"][:number]
@@ -76,5 +74,5 @@ def sum_of_modes(modes: Any) -> tuple[Any, Any]:
     weight /= weight.sum()
     means, covs = modes["mean"][:number], modes["cov"][:number]
     mean = weight @ means
-    apart = means - mean
-    return mean, np.einsum("k,kij->ij", weight, covs) + np.einsum("k,ki,kj->ij", weight, apart, apart)
+    deviations = means - mean
+    return mean, np.einsum("k,kij->ij", weight, covs) + np.einsum("k,ki,kj->ij", weight, deviations, deviations)

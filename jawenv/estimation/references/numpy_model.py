@@ -21,7 +21,7 @@ from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS
 
 Real = NDArray[np.float64]
 
-DOWN_TO = 1e-30  # imaginary step
+IMAGINARY_STEP = 1e-30  # imaginary step
 
 
 def with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Real, Real]:
@@ -31,8 +31,8 @@ def with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Re
         function: maps (n, n) points, one in a row, to (n, m) values.
         point: (n,).
     """
-    values = function(point + 1j * DOWN_TO * np.eye(len(point)))
-    return values[0].real.copy(), values.imag.T / DOWN_TO
+    values = function(point + 1j * IMAGINARY_STEP * np.eye(len(point)))
+    return values[0].real.copy(), values.imag.T / IMAGINARY_STEP
 
 
 def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
@@ -44,16 +44,16 @@ def fastest_rate(jaw: Any, log_parameters: Real, q: Real) -> float:
         q: (..., 5) coordinates; of several poses the largest bound is returned.
     """
     b = np.exp(log_parameters)[..., 2 * jaw["muscle"] + 1]
-    of_lines = newton_euler.tensions(jaw, log_parameters, q) * b / jaw["l_o"] * jaw["mobility"]
+    line_terms = newton_euler.tensions(jaw, log_parameters, q) * b / jaw["l_o"] * jaw["mobility"]
     width, teeth = jaw["stop_width"], jaw["teeth"]
-    places = newton_euler.contact(jaw, q)[..., None, :] + teeth @ newton_euler.transposed(newton_euler.rotation(q))
+    positions = newton_euler.contact(jaw, q)[..., None, :] + teeth @ newton_euler.transposed(newton_euler.rotation(q))
     # A stop's force per stiffness has the slope 0 before it is touched, 1 once its onset is passed.
-    bitten = np.clip((places[..., 2] - teeth[:, 2]) / width, 0.0, 1.0)
-    of_teeth = bitten * jaw["tooth_stiffness"] * jaw["tooth_mobility"]
+    tooth_contact = np.clip((positions[..., 2] - teeth[:, 2]) / width, 0.0, 1.0)
+    tooth_terms = tooth_contact * jaw["tooth_stiffness"] * jaw["tooth_mobility"]
     x, crest = q[..., 0], np.pi / jaw["fossa_frequency"]
-    touched = np.clip(-x / width, 0.0, 1.0) + np.clip((x - crest) / width, 0.0, 1.0)
-    of_capsule = touched * jaw["condyle_stiffness"] * jaw["condyle_mobility"]
-    return float(np.sqrt(of_lines.sum(axis=-1) + of_teeth.sum(axis=-1) + of_capsule).max())
+    stop_contact = np.clip(-x / width, 0.0, 1.0) + np.clip((x - crest) / width, 0.0, 1.0)
+    capsule_term = stop_contact * jaw["condyle_stiffness"] * jaw["condyle_mobility"]
+    return float(np.sqrt(line_terms.sum(axis=-1) + tooth_terms.sum(axis=-1) + capsule_term).max())
 
 
 def parts_needed(rate: float, dt: float) -> int:

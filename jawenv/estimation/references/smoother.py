@@ -147,9 +147,17 @@ class IteratedSmoother:
 
     def smooth(self, record: Record) -> Smoothed:
         """The most probable path of a record, and from there the parameters."""
-        found = self.find_path(record)
-        mean, cov = integrate_out(record, found.path.parameters)
-        return Smoothed(found.path, found.path_cov, found.costs, found.step, found.converged, mean, cov)
+        most_probable = self.find_path(record)
+        mean, cov = integrate_out(record, most_probable.path.parameters)
+        return Smoothed(
+            most_probable.path,
+            most_probable.path_cov,
+            most_probable.costs,
+            most_probable.step,
+            most_probable.converged,
+            mean,
+            cov,
+        )
 
     def find_path(self, record: Record) -> FoundPath:
         """The most probable path of a record: motion and parameters together.
@@ -190,8 +198,8 @@ class _Problem:
         wrench_variances[:, :N_WRENCH] += record.gain_sd**2 * fast**2
         self.sweeps = np.zeros(len(record.time), dtype=sweep_dtype(self.n, self.p))
         self.scratch: Any = np.zeros(1, dtype=path_scratch_dtype(self.p // 2, len(record.jaw["l_o"]), self.n))[0]
-        place = CLOSE * record.start_sd[: self.n // 2]
-        tolerance = np.concatenate([place, place / (TICKS_BACK * record.dt)]) ** 2
+        position_sd = CLOSE * record.start_sd[: self.n // 2]
+        tolerance = np.concatenate([position_sd, position_sd / (TICKS_BACK * record.dt)]) ** 2
         # A coordinate that is held misses nothing; any positive number keeps the steering's matrix regular.
         self.arrays = Problem(
             jaw=record.jaw,
@@ -208,14 +216,14 @@ class _Problem:
     def first_path(self) -> Path:
         """A path through the filtered motion, with the parameters that the extended Kalman filter ends with."""
         record, prior = self.record, self.record.prior
-        found = ExtendedKalman().estimate(record).mean[-1]
-        found = np.where(np.isfinite(found), found, prior.mean)
-        parameters = np.clip(found, prior.mean - REACH * prior.sd, prior.mean + REACH * prior.sd)
+        estimate = ExtendedKalman().estimate(record).mean[-1]
+        estimate = np.where(np.isfinite(estimate), estimate, prior.mean)
+        parameters = np.clip(estimate, prior.mean - REACH * prior.sd, prior.mean + REACH * prior.sd)
         mean, covariance = initial_belief(record)
         mean[self.n : -1] = parameters
-        known = np.diag(np.where(np.arange(len(mean)) < self.n, np.diag(covariance), 0.0))
+        motion_covariance = np.diag(np.where(np.arange(len(mean)) < self.n, np.diag(covariance), 0.0))
         no_noise = np.zeros((len(record.samples), self.p))
-        means, _ = run_filter(record, mean, known, no_noise, np.empty(0, dtype=np.int64))
+        means, _ = run_filter(record, mean, motion_covariance, no_noise, np.empty(0, dtype=np.int64))
         states = means[:, : self.n].copy()
         divide(record.jaw, states, parameters, record.dt, self.arrays.parts, self.scratch)
         return self.path(states, np.zeros((len(record.samples), N_NOISE)), parameters)
@@ -228,9 +236,9 @@ class _Problem:
     def path(self, states: Array, wrenches: Array, parameters: Array) -> Path:
         """The path near a motion, which is overwritten."""
         cost = roll_out(self.arrays, states, wrenches, parameters, self.sweeps, self.scratch)
-        away = np.concatenate([states[0], parameters, [0.0]]) - self.mean
+        deviation = np.concatenate([states[0], parameters, [0.0]]) - self.mean
         free = self.sd > 0.0
-        return Path(states, wrenches, parameters, float(cost + 0.5 * np.sum((away[free] / self.sd[free]) ** 2)))
+        return Path(states, wrenches, parameters, float(cost + 0.5 * np.sum((deviation[free] / self.sd[free]) ** 2)))
 
     def gauss_newton(self, path: Path) -> tuple[Path, Array]:
         """The step to the minimum of the linearised problem, and the covariance of the parameters there.

@@ -96,11 +96,11 @@ def divide(jaw, states, parameters, dt, parts, scratch):
     set_muscles(jaw, parameters, 0, inner.muscles)
     for k in range(parts.shape[0]):
         if jaw.condyles == 2:
-            asked = body_step_parts(jaw, inner.muscles, states[k], dt)
+            needed = body_step_parts(jaw, inner.muscles, states[k], dt)
         else:
-            asked = step_parts(jaw, inner.muscles, states[k], dt)
-        if asked > parts[k]:
-            parts[k], raised = asked, True
+            needed = step_parts(jaw, inner.muscles, states[k], dt)
+        if needed > parts[k]:
+            parts[k], raised = needed, True
     return raised
 
 
@@ -140,14 +140,14 @@ def take_readings(problem, k, state, mean, covariance, considered, sweep, scratc
             continue
         row, gains = sweep.rows[i], sweep.gains[i]
         variance = innovation_variance(covariance, row, variances[i], gains)
-        innovation, seen = measured[i] - scratch.expected[i], 0.0
+        innovation, gain_effect = measured[i] - scratch.expected[i], 0.0
         for j in range(row.shape[0]):
             innovation -= row[j] * mean[j]
-            seen += row[j] * considered[j]
+            gain_effect += row[j] * considered[j]
         reduce_covariance(covariance, gains, variance)
         for j in range(mean.shape[0]):
             mean[j] += innovation / variance * gains[j]
-            considered[j] -= seen / variance * gains[j]
+            considered[j] -= gain_effect / variance * gains[j]
         sweep.variance[i], sweep.innovation[i] = variance, innovation
 
 

@@ -6,7 +6,7 @@ import pytest
 from joint_belief import DT, GAIN, STATE, Belief, jacobians, model_step
 
 from jawenv.estimation.references.extended_kalman_kernel import Problem, predict_plain, update_plain
-from jawenv.estimation.references.joint_recursion import innovation_variance, joint_scratch_dtype, parameter_variance
+from jawenv.estimation.references.joint_recursion import innovation_variance, joint_scratch_dtype
 
 NOISE_VARIANCE = np.repeat([0.012, 1e-5, 2.4e-3, 1e-6], 3)
 VARIANCES = np.repeat([1e-4, 1.7e-3, 1e-3, 2e-2], 3) ** 2
@@ -98,12 +98,3 @@ def test_one_measurement_reports_the_variance_of_its_innovation(jaw, rng):
     variance = innovation_variance(covariance, row, 1e-6, gain)
     assert variance == pytest.approx(row @ belief.covariance[STATE, STATE] @ row + 1e-6, rel=1e-12)
     np.testing.assert_allclose(gain, belief.covariance[:, STATE] @ row, rtol=1e-10)
-
-
-def test_the_parameters_noise_decays_and_does_not_depend_on_the_step():
-    rate, time_constant = 0.035, 5.0
-    halves = parameter_variance(rate, time_constant, 1.0, 0.5) + parameter_variance(rate, time_constant, 1.5, 0.5)
-    assert parameter_variance(rate, time_constant, 1.0, 1.0) == pytest.approx(halves, rel=1e-12)
-    assert parameter_variance(rate, time_constant, 0.0, 1e-6) == pytest.approx(rate**2 * 1e-6, rel=1e-5)
-    after = parameter_variance(rate, time_constant, time_constant, 1e-6)
-    assert np.sqrt(after / 1e-6) == pytest.approx(rate / np.e, rel=1e-5)

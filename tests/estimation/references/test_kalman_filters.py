@@ -15,7 +15,6 @@ from jawenv.estimation.references.filterpy_filters import (
     symmetric_root,
 )
 from jawenv.estimation.references.initial import parameter_noise
-from jawenv.estimation.references.joint_recursion import parameter_variance
 
 
 @pytest.fixture(scope="module")
@@ -88,9 +87,10 @@ def test_a_linear_estimate_below_zero_becomes_a_small_positive_one(record):
     assert (estimate.mean >= record.prior.mean + np.log(1e-3) - 1e-12).all()
 
 
-def test_the_noise_law_is_the_environments(record):
+def test_the_parameters_noise_is_the_integral_of_its_decaying_variance(record):
     noise = parameter_noise(record, 0.03, 5.0)
-    expected = [parameter_variance(0.03, 5.0, k * record.dt, record.dt) for k in range(len(noise))]
+    ends = np.arange(len(noise) + 1) * record.dt
+    expected = -np.diff(0.03**2 * 2.5 * np.exp(-ends / 2.5))
     np.testing.assert_allclose(noise, expected, rtol=1e-9)
     np.testing.assert_allclose(parameter_noise(record, 0.01, inf), 1e-4 * record.dt, rtol=1e-12)
     np.testing.assert_allclose(parameter_noise(record, 0.01, 1e9), 1e-4 * record.dt, rtol=1e-6)

@@ -18,7 +18,7 @@ from jawenv.estimation.online.belief import learn
 from jawenv.estimation.online.record_filter import FilterRun, TensionFilter
 from jawenv.estimation.recordings.thinning import divided, thinned
 from jawenv.estimation.references import mode_search
-from jawenv.estimation.references.modes import modes_dtype, sum_of_modes
+from jawenv.estimation.references.modes import mixture_moments, modes_dtype
 from jawenv.metrics.calibration import nees_band
 
 
@@ -41,7 +41,7 @@ class Search:
 
     def from_starts(self, starts, small_step=0.01):
         mode_search.search(self.run.arguments, self.run.last, starts, mode_search.PASSES, small_step, self.modes)
-        return sum_of_modes(self.modes)
+        return mixture_moments(self.modes)
 
     def settle(self, start, small_step=0.01):
         about = start.copy()
@@ -119,14 +119,14 @@ def test_a_search_begins_at_the_modes_the_prior_and_bent_ones(record):
     modes = np.zeros(1, dtype=modes_dtype(12))[0]
     modes["number"], modes["density"][:3] = 3, [2.0, 5.0, 1.0]
     modes["mean"][:3] = mean + np.outer([1.0, 0.3, -1.0], sd)
-    starts = (mode_search.starts_of(modes, mean, sd) - mean) / sd
+    starts = (mode_search.search_starts(modes, mean, sd) - mean) / sd
     for row, expected in zip(starts[:4], [0.3, 1.0, -1.0, 0.0], strict=True):
         np.testing.assert_allclose(row, expected, atol=1e-9)
-    apart = mode_search.APART
+    apart = mode_search.START_OFFSET
     bend = np.where(np.arange(12) % 2 == 0, np.where(np.arange(12) < 6, apart, -apart), 0.0)
     np.testing.assert_allclose(starts[4:], 0.3 + np.array([bend, -bend]), atol=1e-9)
     modes["number"] = 0
-    assert len(mode_search.starts_of(modes, mean, sd)) == 3
+    assert len(mode_search.search_starts(modes, mean, sd)) == 3
 
 
 def test_windows_grow_by_a_quarter_and_end_where_asked(record):

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.references import mode_search
 from jawenv.estimation.references.modes import (
-    MOST_MODES,
+    MAX_MODES,
     SAME,
     TRUST,
     keep_mode,
+    mixture_moments,
     modes_dtype,
     nearest_mode,
-    sum_of_modes,
 )
 
 P = 4
@@ -29,7 +29,7 @@ class Modes:
 
     def keep(self, mean, cov, density):
         self.belief["mean"], self.belief["cov"] = mean, cov
-        keep_mode(self.modes, self.belief, density, mean + 0.5)
+        keep_mode(self.modes, self.belief, density)
 
     def nearest(self, mean, cov):
         self.belief["mean"], self.belief["cov"] = mean, cov
@@ -45,7 +45,7 @@ def random_normal(rng):
 @settings(deadline=None, max_examples=50, derandomize=True, database=None)
 @given(
     seed=st.integers(0, 10_000),
-    densities=st.lists(st.floats(-40.0, 40.0), min_size=1, max_size=MOST_MODES, unique=True),
+    densities=st.lists(st.floats(-40.0, 40.0), min_size=1, max_size=MAX_MODES, unique=True),
 )
 def test_mean_and_covariance_are_those_of_the_sum(seed, densities):
     """By the raw second moment, which shares no formula with the sum's own."""
@@ -58,7 +58,7 @@ def test_mean_and_covariance_are_those_of_the_sum(seed, densities):
     weights /= weights.sum()
     expected = sum(w * m for w, (m, _) in zip(weights, normals, strict=True))
     second = sum(w * (c + np.outer(m, m)) for w, (m, c) in zip(weights, normals, strict=True))
-    mean, cov = sum_of_modes(modes)
+    mean, cov = mixture_moments(modes)
     np.testing.assert_allclose(mean, expected, rtol=0, atol=1e-9)
     np.testing.assert_allclose(cov, second - np.outer(expected, expected), rtol=0, atol=1e-9)
     assert np.linalg.eigvalsh(cov).min() > 0.0
@@ -67,7 +67,7 @@ def test_mean_and_covariance_are_those_of_the_sum(seed, densities):
 def test_one_mode_alone_is_the_sum_to_the_bit(rng):
     search, (mean, cov) = Modes(), random_normal(rng)
     search.keep(mean, cov, 3.0)
-    summed = sum_of_modes(search.modes)
+    summed = mixture_moments(search.modes)
     np.testing.assert_array_equal(summed[0], mean)
     np.testing.assert_array_equal(summed[1], cov)
 
@@ -94,7 +94,7 @@ def test_a_mode_of_no_weight_changes_nothing(rng):
     search, (mean, cov) = Modes(), random_normal(rng)
     search.keep(mean + 9.0, cov, -200.0)
     search.keep(mean, cov, 0.0)
-    summed = sum_of_modes(search.modes)
+    summed = mixture_moments(search.modes)
     np.testing.assert_allclose(summed[0], mean, rtol=0, atol=1e-12)
     np.testing.assert_allclose(summed[1], cov, rtol=0, atol=1e-12)
 
@@ -102,6 +102,6 @@ def test_a_mode_of_no_weight_changes_nothing(rng):
 def test_there_is_room_for_a_mode_of_every_start():
     """Those of a search are the modes kept, the prior's mean and two bent ones; a kernel would write past the end."""
     modes = Modes().modes
-    modes["number"], modes["density"] = MOST_MODES, np.arange(MOST_MODES)
-    starts = mode_search.starts_of(modes, np.zeros(P), np.ones(P))
-    assert len(starts) == mode_search.KEPT + 3 <= MOST_MODES
+    modes["number"], modes["density"] = MAX_MODES, np.arange(MAX_MODES)
+    starts = mode_search.search_starts(modes, np.zeros(P), np.ones(P))
+    assert len(starts) == mode_search.RESTARTS + 3 <= MAX_MODES

@@ -66,7 +66,7 @@ def test_stage_one_is_a_pseudo_inverse_and_takes_the_tension_for_f_o(rng):
     small = small_opening(balance, 0.25)
     assert small.sum() == 10
     assert np.abs(balance.strain[small]).max() <= np.abs(balance.strain[~small]).max(axis=1).min()
-    found, _ = constant_forces(balance.at(small), 0.0)
+    found, _ = constant_forces(balance.select(small), 0.0)
     H = balance.pull[small].transpose(0, 2, 1).reshape(-1, 2)
     np.testing.assert_allclose(found, np.linalg.pinv(H) @ balance.needed[small].ravel(), rtol=1e-9)
     assert (found > [1.0, 2.0]).all(), "stretched muscles pull with more than F_o"
