@@ -73,17 +73,17 @@ def kernel_digest() -> str:
 def _kernel_sources() -> dict[Path, bytes]:
     """The files that hold kernels and, as kernels take over constants, all files of the package that these import."""
     contents = {source: source.read_bytes() for source in _PACKAGE.rglob("*.py")}
-    found: dict[Path, bytes] = {}
+    sources: dict[Path, bytes] = {}
     pending = [source for source, content in contents.items() if _KERNEL_MARK in content]
     while pending:
         source = pending.pop()
-        if source in found or source not in contents:
+        if source in sources or source not in contents:
             continue
-        found[source] = contents[source]
+        sources[source] = contents[source]
         for name in re.findall(rb"^from jawenv\.?([\w.]*) import", contents[source], re.MULTILINE):
-            place = _PACKAGE.joinpath(*name.decode().split("."))
-            pending += [place.with_suffix(".py"), place / "__init__.py"]
-    return found
+            path = _PACKAGE.joinpath(*name.decode().split("."))
+            pending += [path.with_suffix(".py"), path / "__init__.py"]
+    return sources
 
 
 @cache

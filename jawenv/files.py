@@ -131,25 +131,25 @@ class Loadable(Protocol):
 Kind = TypeVar("Kind", bound=Loadable)
 
 
-def instance_of(kind: type[Kind], given: object, name: str) -> Kind:
+def instance_of(kind: type[Kind], source: object, name: str) -> Kind:
     """An object of a class, given as itself, as a mapping of its fields, or as the path of a file.
 
     Args:
         kind: the class.
-        given: what came from outside.
+        source: what came from outside.
         name: what the message calls it.
 
     Raises:
         InputError: none of the three, or a mapping or file that the class refuses.
     """
-    if isinstance(given, kind):
-        return given
-    if isinstance(given, Mapping):
-        return kind.from_dict(given)
-    if isinstance(given, str | os.PathLike):
-        return kind.load(given)
+    if isinstance(source, kind):
+        return source
+    if isinstance(source, Mapping):
+        return kind.from_dict(source)
+    if isinstance(source, str | os.PathLike):
+        return kind.load(source)
     allowed = f"a {kind.__name__}, a mapping of its fields, or the path of a file with them"
-    raise InputError(f"{name} is {shown(given)}; allowed: {allowed}")
+    raise InputError(f"{name} is {shown(source)}; allowed: {allowed}")
 
 
 def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -47,7 +47,7 @@ _SHAPES: dict[str, tuple[str, ...]] = {
     "terminated": ("N",),
 }
 _MAY_BE_NAN = {"bound_sd", "information_bound"}
-_KEPT = (
+_TRACKED = (
     "belief_mean",
     "belief_cov",
     "bound_sd",
@@ -58,7 +58,7 @@ _KEPT = (
     "governor",
     "violation",
 )
-_NOTHING_AFTER_THE_END = {"cost", "governor"}
+_ZERO_AFTER_THE_END = {"cost", "governor"}
 
 
 @dataclass(frozen=True)
@@ -248,40 +248,40 @@ def _watch(
     """Step all worlds to their ends and keep what they tell."""
     number, configuration = env.num_envs, env.unwrapped.configuration
     steps = configuration.steps
-    kept = {key: np.empty((number, steps + 1, *np.shape(value)[1:])) for key, value in _told(info).items()}
+    values = {key: np.empty((number, steps + 1, *np.shape(value)[1:])) for key, value in _tracked_values(info).items()}
     valid = np.zeros((number, steps + 1), dtype=bool)
     running, terminated = np.ones(number, dtype=bool), np.zeros(number, dtype=bool)
     starts: Mask = running.copy()
     state: Any = None
-    _keep(kept, 0, info, running)
+    _write_step(values, 0, info, running)
     valid[:, 0] = True
     for step in range(1, steps + 1):
         action, state = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
         observation, _, ended, cut_off, info = env.step(action)
         starts = np.zeros(number, dtype=bool)
         # A filter that has diverged has no belief to keep: its episode ended the step before.
-        told = running & np.isfinite(info["belief_cov"]).all(axis=(1, 2))
-        _keep(kept, step, info, told)
-        valid[:, step] = told
+        has_belief = running & np.isfinite(info["belief_cov"]).all(axis=(1, 2))
+        _write_step(values, step, info, has_belief)
+        valid[:, step] = has_belief
         terminated |= running & ended
         running &= ~(ended | cut_off)
         if progress is not None:
             progress(step, steps)
         if not running.any():
             break
-    kept_so_far: dict[str, Any] = {key: values[:, : step + 1] for key, values in kept.items()}
+    arrays: dict[str, Any] = {key: value[:, : step + 1] for key, value in values.items()}
     prior = env.unwrapped.prior
     return Recording(
         time=np.arange(step + 1) / configuration.control_hz,
         truth=np.array(info["truth"], dtype=np.float64),
         prior_mean=np.array(prior.mean, dtype=np.float64),
         prior_sd=np.array(prior.sd, dtype=np.float64),
-        violation=kept_so_far.pop("violation").astype(bool),
+        violation=arrays.pop("violation").astype(bool),
         valid=valid[:, : step + 1],
         terminated=terminated,
         parameter_names=_names(info["parameter_names"]),
         comfort_names=tuple(info["comfort"]),
-        **kept_so_far,
+        **arrays,
     )
 
 
@@ -290,23 +290,23 @@ def _names(names: Any) -> tuple[str, ...]:
     return tuple(str(name) for name in (names if isinstance(names[0], str) else names[0]))
 
 
-def _told(info: dict[str, Any]) -> dict[str, Any]:
+def _tracked_values(info: dict[str, Any]) -> dict[str, Any]:
     """What a recording keeps of a vector environment's info, the comfort limits in the last axis."""
     untracked = {
         "bound_sd": np.full_like(info["belief_sd"], np.nan),
         "information_bound": np.full_like(info["nees"], np.nan),
     }
     comfort = np.stack(list(info["comfort"].values()), axis=-1)
-    return {key: info[key] if key in info else untracked[key] for key in _KEPT} | {"comfort": comfort}
+    return {key: info[key] if key in info else untracked[key] for key in _TRACKED} | {"comfort": comfort}
 
 
-def _keep(kept: dict[str, Array], step: int, info: dict[str, Any], told: Mask) -> None:
+def _write_step(values: dict[str, Array], step: int, info: dict[str, Any], has_belief: Mask) -> None:
     """Write one step; a world that has ended keeps its last values, at no cost and with nothing to govern."""
-    for key, value in _told(info).items():
-        kept[key][:, step] = value
+    for key, value in _tracked_values(info).items():
+        values[key][:, step] = value
         if step > 0:
-            ended = 0.0 if key in _NOTHING_AFTER_THE_END else kept[key][~told, step - 1]
-            kept[key][~told, step] = ended
+            ended = 0.0 if key in _ZERO_AFTER_THE_END else values[key][~has_belief, step - 1]
+            values[key][~has_belief, step] = ended
 
 
 def information_bound(env_or_jaw: Any, maneuver: Any, patient: Patient, *, seed: int = 0) -> Array:

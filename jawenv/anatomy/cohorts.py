@@ -68,7 +68,7 @@ class Stiffness:
 
     def __post_init__(self) -> None:
         """Check that the logarithms exist."""
-        for name in (one.name for one in fields(self)):
+        for name in (entry.name for entry in fields(self)):
             value = getattr(self, name)
             number = real_number(value)
             if number is None or number <= 0:
@@ -133,9 +133,9 @@ class Cohort:
             InputError: no group, one that is no pair of `Stiffness`, or patients whom no `Patient` can describe.
         """
         self._check_groups()
-        alike = [[self._of_muscle(name, group) for name in self.muscles.names] for group in self.groups]
-        mean = np.array([[value for one in group for value in one.log_mean()] for group in alike])
-        sd = np.array([[value for one in group for value in one.log_sd()] for group in alike])
+        rows = [[self._muscle_stiffness(name, group) for name in self.muscles.names] for group in self.groups]
+        mean = np.array([[value for stiffness in row for value in stiffness.log_mean()] for row in rows])
+        sd = np.array([[value for stiffness in row for value in stiffness.log_sd()] for row in rows])
         mean.setflags(write=False)
         sd.setflags(write=False)
         variance = TRUNCATED_VARIANCE * np.mean(sd**2, axis=0) + np.var(mean, axis=0)
@@ -145,7 +145,7 @@ class Cohort:
 
     def _check_groups(self) -> None:
         pairs = isinstance(self.groups, tuple) and all(
-            isinstance(group, tuple) and len(group) == 2 and all(isinstance(one, Stiffness) for one in group)
+            isinstance(group, tuple) and len(group) == 2 and all(isinstance(side, Stiffness) for side in group)
             for group in self.groups
         )
         if not pairs or not self.groups:
@@ -153,9 +153,9 @@ class Cohort:
                 f"cohort {self.name!r}: groups is {shown(self.groups)}; allowed: one or more pairs (left, right) of "
                 "Stiffness, in tuples"
             )
-        for one in (self._of_muscle(name, group) for group in self.groups for name in self.muscles.names):
-            self._check_range("F_o_N", one.F_o_N, one.F_o_sd, LARGEST_F_O_N)
-            self._check_range("b", one.b, one.b_sd, LARGEST_B)
+        for stiffness in (self._muscle_stiffness(name, group) for group in self.groups for name in self.muscles.names):
+            self._check_range("F_o_N", stiffness.F_o_N, stiffness.F_o_sd, LARGEST_F_O_N)
+            self._check_range("b", stiffness.b, stiffness.b_sd, LARGEST_B)
 
     def _check_range(self, symbol: str, median: float, sd: float, largest: float) -> None:
         if sd > LARGEST_SD:
@@ -177,11 +177,11 @@ class Cohort:
         Raises:
             InputError: one line that names the field, the value and what is allowed.
         """
-        given = validate(CohortFields, data, cls.__name__)
+        content = validate(CohortFields, data, cls.__name__)
         groups = tuple(
-            (Stiffness(**group.left.model_dump()), Stiffness(**group.right.model_dump())) for group in given.groups
+            (Stiffness(**group.left.model_dump()), Stiffness(**group.right.model_dump())) for group in content.groups
         )
-        return cls(given.name, given.description, given.basis, groups)
+        return cls(content.name, content.description, content.basis, groups)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Cohort:
@@ -201,12 +201,12 @@ class Cohort:
         """Rebuild through the constructor: plain unpickling would leave the arrays writable."""
         return Cohort, (self.name, self.description, self.basis, self.groups, self.muscles)
 
-    def _of_muscle(self, name: str, group: tuple[Stiffness, Stiffness]) -> Stiffness:
+    def _muscle_stiffness(self, name: str, group: tuple[Stiffness, Stiffness]) -> Stiffness:
         """Stiffness of a muscle: the muscles of a side are alike, one of the sagittal plane is both sides' together."""
         left, right = group
         side = name.rsplit("_", 1)[-1]
-        one = {"left": left, "right": right}.get(side) or left.together(right)
-        return one.times(self.muscles.whole_muscles_per_line)
+        stiffness = {"left": left, "right": right}.get(side) or left.together(right)
+        return stiffness.times(self.muscles.whole_muscles_per_line)
 
     def draw_log_parameters(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """Natural-log parameters of one patient, (p,) in the order of `muscles.parameter_names`."""
@@ -289,9 +289,9 @@ def cohort(given: str | Cohort | Source, muscles: MuscleSet | None = None) -> Co
         if given not in COHORTS:
             known = ", ".join(COHORTS)
             raise InputError(f"cohort {shown(given)} is unknown; allowed: {known}, or a file ({', '.join(FILE_TYPES)})")
-        found = COHORTS[given]
+        chosen = COHORTS[given]
     elif isinstance(given, Cohort | Mapping | str | os.PathLike):
-        found = instance_of(Cohort, given, "cohort")
+        chosen = instance_of(Cohort, given, "cohort")
     else:
         raise InputError(f"cohort is {shown(given)}; allowed: a name, a Cohort, a mapping of its fields, or a file")
-    return found if muscles is None else replace(found, muscles=muscles)
+    return chosen if muscles is None else replace(chosen, muscles=muscles)

@@ -191,10 +191,10 @@ class Device:
         return records
 
 
-def device_of(given: object) -> Device:
+def device_of(device: object) -> Device:
     """The device that is given as itself, as a mapping of fields or as the path of a file; None is the default one.
 
     Raises:
         InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
     """
-    return Device() if given is None else instance_of(Device, given, "device")
+    return Device() if device is None else instance_of(Device, device, "device")

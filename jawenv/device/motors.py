@@ -155,11 +155,12 @@ def end_stop(device, travel, limit, rate):
 def end_stops(device, jaw, limits, place, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, place)
-    wide = limits.side * onset(SIDE)
-    far = limits.fore_aft * onset(FORE_AFT)
+    side_limit = limits.side * onset(SIDE)
+    forward_limit = limits.fore_aft * onset(FORE_AFT)
     up = end_stop(device, opening, limits.opening * onset(OPENING), -velocity[2])
-    left = end_stop(device, -side, wide, -velocity[1]) - end_stop(device, side, wide, velocity[1])
-    forward = end_stop(device, -fore_aft, far, -velocity[0]) - end_stop(device, fore_aft, far, velocity[0])
+    left = end_stop(device, -side, side_limit, -velocity[1]) - end_stop(device, side, side_limit, velocity[1])
+    forward = end_stop(device, -fore_aft, forward_limit, -velocity[0])
+    forward -= end_stop(device, fore_aft, forward_limit, velocity[0])
     return (forward, left, up)
 
 
@@ -167,8 +168,8 @@ def end_stops(device, jaw, limits, place, velocity):
 def condyle_stop(device, limits, q, u):
     """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
     x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side
-    far = limits.condyle_half * onset(CONDYLE_FORE_AFT)
-    wide = CONDYLE_SIDE_SOFT * onset(CONDYLE_SIDE)
-    forward = end_stop(device, -x, far, -u[0]) - end_stop(device, x, far, u[0])
-    left = end_stop(device, -y, wide, -u[1]) - end_stop(device, y, wide, u[1])
+    forward_limit = limits.condyle_half * onset(CONDYLE_FORE_AFT)
+    side_limit = CONDYLE_SIDE_SOFT * onset(CONDYLE_SIDE)
+    forward = end_stop(device, -x, forward_limit, -u[0]) - end_stop(device, x, forward_limit, u[0])
+    left = end_stop(device, -y, side_limit, -u[1]) - end_stop(device, y, side_limit, u[1])
     return (forward, left, 0.0)

@@ -19,9 +19,9 @@ def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]
         InputError: another shape, not a number, or outside [-1, 1].
     """
     try:
-        given = np.asarray(actions)
+        values = np.asarray(actions)
         # A complex array would lose its imaginary part, and text that looks like numbers would pass for numbers.
-        array = given.astype(np.float64) if given.dtype.kind not in "cSU" else None
+        array = values.astype(np.float64) if values.dtype.kind not in "cSU" else None
     except (TypeError, ValueError):
         array = None
     if array is None:

@@ -54,51 +54,51 @@ BEGINNING_SCRATCH = np.dtype(
 
 
 @njit
-def keep_place(jaw, pose, places, i):
+def write_position(jaw, pose, positions, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
     place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
     for k in range(3):
-        places[i, k] = place[k]
+        positions[i, k] = place[k]
 
 
 @njit
 def open_slowly(jaw, muscles, pose, sensitivity, scratch):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none."""
-    poses, places = scratch.poses, scratch.places
-    _, found = settle(jaw, muscles, pose, 0.0, False, sensitivity, scratch.matrix, scratch.right)
+    poses, positions = scratch.poses, scratch.places
+    _, converged = settle(jaw, muscles, pose, 0.0, False, sensitivity, scratch.matrix, scratch.right)
     poses[0, :] = pose[:5]
-    keep_place(jaw, pose, places, 0)
-    rest_opening = jaw.mouthpiece[2] - places[0, 2]
-    if not found or rest_opening > REST_OPENING_MAX or abs(places[0, 1]) > REST_SIDE_MAX:
+    write_position(jaw, pose, positions, 0)
+    rest_opening = jaw.mouthpiece[2] - positions[0, 2]
+    if not converged or rest_opening > REST_OPENING_MAX or abs(positions[0, 1]) > REST_SIDE_MAX:
         return -1
     furthest = min(PAINLESS_RANGE, LARGEST_OPENING - rest_opening)
     for i in range(1, RANGE_STEPS + 1):
         poses[i, :] = poses[i - 1, :]
         opening = rest_opening + furthest * i / RANGE_STEPS
-        force, found = settle(jaw, muscles, poses[i], opening, True, sensitivity, scratch.matrix, scratch.right)
+        force, converged = settle(jaw, muscles, poses[i], opening, True, sensitivity, scratch.matrix, scratch.right)
         too_far = poses[i, 0] > CREST_SHARE * jaw.crest - CONDYLE_FREE
-        if not found or force > PAINLESS_FORCE or too_far:
+        if not converged or force > PAINLESS_FORCE or too_far:
             return i - 1
-        keep_place(jaw, poses[i], places, i)
+        write_position(jaw, poses[i], positions, i)
     return RANGE_STEPS
 
 
 @njit
 def set_limits(world, last, scratch):
     """Comfort limits of ``world`` from its path of ``last`` + 1 poses; False when the painless range is too small."""
-    jaw, limits, poses, places = world.jaw, world.limits, scratch.poses, scratch.places
-    limits.rest_opening = jaw.mouthpiece[2] - places[0, 2]
-    limits.rest_side = places[0, 1]
+    jaw, limits, poses, positions = world.jaw, world.limits, scratch.poses, scratch.places
+    limits.rest_opening = jaw.mouthpiece[2] - positions[0, 2]
+    limits.rest_side = positions[0, 1]
     limits.rest_condyle_side = poses[0, 1]
-    limits.opening = places[0, 2] - places[last, 2]
+    limits.opening = positions[0, 2] - positions[last, 2]
     if last < 2 or limits.opening < SMALLEST_RANGE:
         return False
     middle = last // 2
-    s = (places[0, 2] - places[middle, 2]) / limits.opening
-    to_middle, to_end = places[middle, 0] - places[0, 0], places[last, 0] - places[0, 0]
+    s = (positions[0, 2] - positions[middle, 2]) / limits.opening
+    to_middle, to_end = positions[middle, 0] - positions[0, 0], positions[last, 0] - positions[0, 0]
     bend = (to_middle - to_end * s) / (s * s - s)
-    limits.path[0], limits.path[1], limits.path[2] = places[0, 0], to_end - bend, bend
+    limits.path[0], limits.path[1], limits.path[2] = positions[0, 0], to_end - bend, bend
     share = (max(limits.rest_opening, 0.0) + limits.opening) / FULL_RANGE
     limits.side = HEALTHY_SIDE * share
     limits.fore_aft = HEALTHY_FORE_AFT * share
@@ -120,8 +120,8 @@ def rest_on_two_condyles(world, scratch):
     """
     jaw, limits = world.jaw, world.limits
     put_on_fossa(jaw, world.state, world.body)
-    free = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if not settle_bilateral(jaw, world.muscles, free, world.body, scratch.body_matrix, scratch.body_right):
+    no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if not settle_bilateral(jaw, world.muscles, no_wrench, world.body, scratch.body_matrix, scratch.body_right):
         return False
     take_body(world)
     q, u = split(world.state)
@@ -167,8 +167,8 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     size = world.belief.motion.shape[0]
     for i in range(size):
         ticks[0].believed[i] = true_state(model, world, i) + settings.filter.start_sd[i] * normals[i]
-    belief, known = world.belief, settings.filter
-    begin_filter(belief, ticks[0].believed, known)
+    belief, filter_settings = world.belief, settings.filter
+    begin_filter(belief, ticks[0].believed, filter_settings)
     world.cell_gain = device.cell_gain * normals[size]
     world.bound[:, :] = np.nan
     if settings.bound:
@@ -189,12 +189,17 @@ def reset_belief(device, model, world, settings, scratch, ticks):
         scratch.faults,
     )
     keep_tick(model, world, settings, scratch, ticks)
-    filter_tick(model, belief, ticks, world.tick, scratch.measured, scratch.samples, known, scratch.filter)
+    filter_tick(model, belief, ticks, world.tick, scratch.measured, scratch.samples, filter_settings, scratch.filter)
     if settings.bound:
         for i in range(size):
             scratch.joint.state[i] = true_state(model, world, i)
         update_covariance(
-            model, scratch.joint.state, world.bound, known.measurement_variance, known.used, scratch.joint
+            model,
+            scratch.joint.state,
+            world.bound,
+            filter_settings.measurement_variance,
+            filter_settings.used,
+            scratch.joint,
         )
     refresh_information(world, settings, scratch.matrix, scratch.right)
 

@@ -58,8 +58,8 @@ def parameters_of(size: int) -> int:
     Raises:
         InputError: no observation of jawenv has this length.
     """
-    n_parameters, left_over = divmod(size - sum(_REST_SIZES.values()), 2)
-    if n_parameters < 1 or left_over:
+    n_parameters, remainder = divmod(size - sum(_REST_SIZES.values()), 2)
+    if n_parameters < 1 or remainder:
         raise InputError(f"an observation has {size} values; allowed: {sum(_REST_SIZES.values())} + 2 x parameters")
     return n_parameters
 
@@ -108,34 +108,34 @@ def observe_world(device, model, world, settings, scratch, row):
         sd = sqrt(max(world.belief.cov[i, i], 1e-300))
         row[i] = bounded((world.belief.mean[i] - settings.filter.prior_mean[i]) / settings.filter.prior_sd[i])
         row[parameters + i] = bounded(log10(sd / settings.filter.prior_sd[i]))
-    seen = row[2 * parameters :]
+    sensed = row[2 * parameters :]
     q, u, lift = filtered_motion(model, world.belief.motion)
     for i in range(5):
-        seen[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
-        seen[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
+        sensed[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
+        sensed[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
     limits = world.limits
     excursion = excursions(limits, model, place)
     ranges = (limits.opening, limits.side, limits.fore_aft)
     for i in range(3):
-        seen[_JAW + i] = bounded(excursion[i] / ranges[i])
-        seen[_RANGE + i] = bounded(ranges[i] / RANGE_SCALE[i])
-        seen[_FORCE + i] = bounded(world.reading[i] / SOFT_FORCE)
-        seen[_FORCE + 3 + i] = bounded(world.reading[3 + i] / MOMENT_SCALE)
+        sensed[_JAW + i] = bounded(excursion[i] / ranges[i])
+        sensed[_RANGE + i] = bounded(ranges[i] / RANGE_SCALE[i])
+        sensed[_FORCE + i] = bounded(world.reading[i] / SOFT_FORCE)
+        sensed[_FORCE + 3 + i] = bounded(world.reading[3 + i] / MOMENT_SCALE)
     for i in range(N_MOTORS):
-        seen[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
+        sensed[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
         lead = 0.0
         if settings.trajectory:
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
             lead = world.motors.target[i] - position
-        seen[_TARGET + i] = bounded(lead / TARGET_SCALE)
+        sensed[_TARGET + i] = bounded(lead / TARGET_SCALE)
     set_muscles(model, world.belief.mean, 0, scratch.joint.muscles)
     force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.joint.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
-        seen[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
-    seen[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)
+        sensed[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
+    sensed[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)
 
 
 @world_kernel(place=2)

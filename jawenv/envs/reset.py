@@ -10,28 +10,28 @@ from jawenv.files import instance_of
 __all__ = ["checked_patient", "checked_seed"]
 
 
-def checked_patient(given: object, name: str) -> Patient | None:
+def checked_patient(patient: object, name: str) -> Patient | None:
     """A patient given as a ``Patient``, as a mapping of its fields or as the path of a file; None draws one.
 
     Args:
-        given: what came from outside.
+        patient: what came from outside.
         name: what the message calls it.
 
     Raises:
         InputError: none of these, or a patient that is not usable.
     """
-    return None if given is None else instance_of(Patient, given, name)
+    return None if patient is None else instance_of(Patient, patient, name)
 
 
-def checked_seed(given: object) -> int | None:
+def checked_seed(value: object) -> int | None:
     """A seed as an int, or None.
 
     Raises:
         InputError: anything but a whole number, 0 or more.
     """
-    if given is None:
+    if value is None:
         return None
-    seed = whole_number(given)
+    seed = whole_number(value)
     if seed is None or seed < 0:
-        raise InputError(f"seed is {shown(given)}; allowed: a whole number, 0 or more")
+        raise InputError(f"seed is {shown(value)}; allowed: a whole number, 0 or more")
     return seed

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 REDRAWS = 200
-KEPT_TICKS = 4  # for each reading of the filter's last window: encoders may lose three quarters
+REPLAY_FACTOR = 4  # for each reading of the filter's last window: encoders may lose three quarters
 
 
 class Simulation:
@@ -79,7 +79,7 @@ class Simulation:
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
-        replayed = KEPT_TICKS * int(self.settings["filter"]["last_window"][0])
+        replayed = REPLAY_FACTOR * int(self.settings["filter"]["last_window"][0])
         return ticks if self.configuration.record else min(ticks, replayed)
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
@@ -98,19 +98,19 @@ class Simulation:
         settings["ticks_per_step"] = configuration.ticks_per_step
         return records
 
-    def _set_filter(self, known: Any) -> None:
+    def _set_filter(self, settings: Any) -> None:
         """Fill a record of dtype ``filter_settings_dtype``."""
         configuration, device = self.configuration, self.device[0]
-        known["dt"] = TICK
+        settings["dt"] = TICK
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
-        known["used"] = pose if configuration.sensors == "pose" else point
-        known["start_sd"] = start_sd(self._jaw, self._known_condyles)
-        known["last_window"] = last_window(known["used"] != 0, known["start_sd"])
+        settings["used"] = pose if configuration.sensors == "pose" else point
+        settings["start_sd"] = start_sd(self._jaw, self._known_condyles)
+        settings["last_window"] = last_window(settings["used"] != 0, settings["start_sd"])
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-        known["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
-        known["gain_variance"] = float(device["cell_gain"]) ** 2
-        set_prior(known, self._jaw, self.cohort.prior)
+        settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        settings["gain_variance"] = float(device["cell_gain"]) ** 2
+        set_prior(settings, self._jaw, self.cohort.prior)
 
     def _noise_variance(self) -> NDArray[np.float64]:
         """(12,) of the wrench not known: constant over a tick, and tilting."""
@@ -140,11 +140,11 @@ class Simulation:
         """
         drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
         for i in np.flatnonzero(chosen):
-            words = philox(tuple(self._keys[i]), _counter(int(self._episodes[i])))
+            random_words = philox(tuple(self._keys[i]), _counter(int(self._episodes[i])))
             self._episodes[i] += 1
-            self.worlds["key"][i] = words[:2]
+            self.worlds["key"][i] = random_words[:2]
             # Patient and geometry errors come from two streams, so that the patients are the same with and without.
-            key = np.array(words[2:], dtype=np.uint64)
+            key = np.array(random_words[2:], dtype=np.uint64)
             drawn[int(i)] = _stream(key, 0), _stream(key, 1)
             self._place(int(i), patients[int(i)], drawn[int(i)])
         waiting = chosen.copy()
@@ -165,10 +165,10 @@ class Simulation:
             if not waiting.any():
                 break
             for i in np.flatnonzero(waiting):
-                given = patients[int(i)]
-                if given is not None:
+                patient = patients[int(i)]
+                if patient is not None:
                     raise InputError(
-                        f"patient {given.name!r} has no rest pose within reach of the device, or a painless range "
+                        f"patient {patient.name!r} has no rest pose within reach of the device, or a painless range "
                         "of less than 5 mm; allowed: a jaw that rests less than 35 mm open and 5 mm aside"
                     )
                 self._place(int(i), None, drawn[int(i)])
@@ -182,7 +182,7 @@ class Simulation:
         self, index: int, patient: Patient | None, streams: tuple[np.random.Generator, np.random.Generator]
     ) -> None:
         """Write a patient, given or drawn, into a world and into what the filter knows of its geometry."""
-        generator, of_geometry = streams
+        generator, geometry_generator = streams
         if patient is None:
             log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
         else:
@@ -197,7 +197,7 @@ class Simulation:
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
         self.worlds["jaw"][index] = self._jaw
-        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["jaw"][index], of_geometry)
+        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["jaw"][index], geometry_generator)
         self.worlds["log_parameters"][index] = log_parameters
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:

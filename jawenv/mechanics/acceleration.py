@@ -35,10 +35,10 @@ def acceleration(
     names = 1 + int(jaw["muscle"].max())
     muscles = np.exp(_checked("log_parameters", log_parameters, (2 * names,)).reshape(names, 2))[jaw["muscle"]]
     wrench = np.zeros(6)
-    given = np.asarray(force, dtype=np.float64)
-    if given.shape not in ((3,), (6,)):
-        raise InputError(f"force has shape {given.shape}; allowed: (3,) or (6,)")
-    wrench[: given.size] = _checked("force", given, given.shape)
+    force_array = np.asarray(force, dtype=np.float64)
+    if force_array.shape not in ((3,), (6,)):
+        raise InputError(f"force has shape {force_array.shape}; allowed: (3,) or (6,)")
+    wrench[: force_array.size] = _checked("force", force_array, force_array.shape)
     return np.array(acceleration_kernel(jaw, muscles, tuple(coordinates), tuple(speeds), tuple(wrench)))
 
 

@@ -75,16 +75,16 @@ def condyle_derivative(jaw, place, velocity):
 
 
 @njit
-def condyle_change(arm, spin, force, stiffness, damping, turned_spin, change):
+def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
     """Change of a condyle's force and of its moment about the midpoint, for a change (dr, dphi, dv) of the body.
 
-    ``arm`` and ``spin`` (omega x arm) are in head axes, ``turned_spin`` is what the change of omega adds to it.
+    ``arm`` and ``spin`` (omega x arm) are in head axes, ``spin_change`` is its change with omega alone.
     """
     shift, turn, speed = change
-    swept = cross(turn, arm)
-    faster = add(add(speed, cross(turn, spin)), turned_spin)
-    push = add(apply(stiffness, add(shift, swept)), apply(damping, faster))
-    return push, add(cross(arm, push), cross(swept, force))
+    displacement = cross(turn, arm)
+    velocity_change = add(add(speed, cross(turn, spin)), spin_change)
+    force_change = add(apply(stiffness, add(shift, displacement)), apply(damping, velocity_change))
+    return force_change, add(cross(arm, force_change), cross(displacement, force))
 
 
 @njit
@@ -128,10 +128,10 @@ def linearise_body(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pu
         d_v = UNITS[j - 6] if 6 <= j < 9 else ZERO
         d_omega = UNITS[j - 9] if j >= 9 else ZERO
         change = (d_r, d_phi, d_v)
-        left_more = apply(body_to_head, cross(d_omega, left))
-        right_more = apply(body_to_head, cross(d_omega, right))
-        l_f, l_m = condyle_change(left_arm, left_spin, left_force, left_k, left_c, left_more, change)
-        r_f, r_m = condyle_change(right_arm, right_spin, right_force, right_k, right_c, right_more, change)
+        left_spin_change = apply(body_to_head, cross(d_omega, left))
+        right_spin_change = apply(body_to_head, cross(d_omega, right))
+        l_f, l_m = condyle_change(left_arm, left_spin, left_force, left_k, left_c, left_spin_change, change)
+        r_f, r_m = condyle_change(right_arm, right_spin, right_force, right_k, right_c, right_spin_change, change)
         d_force = add(add(apply(k, d_r), apply_transposed(ell, d_phi)), add(l_f, r_f))
         d_moment = add(add(apply(ell, d_r), apply(n, d_phi)), add(l_m, r_m))
         d_force = apply_transposed(body_to_head, subtract(d_force, cross(d_phi, force)))
@@ -158,22 +158,22 @@ def fill_column(jaw, body_to_head, inverse, rho, d_force, d_turn, d_swing, d_shi
 @njit_within
 def fill_body_inputs(jaw, muscles, body_to_head, inverse, rho, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (6, 2 m + 6)."""
-    of_wrench = by_input.shape[1] - N_WRENCH
+    wrench_column = by_input.shape[1] - N_WRENCH
     # The first column of the wrench holds each line's share until the wrench's own is written.
     for i in range(6):
-        for j in range(of_wrench):
+        for j in range(wrench_column):
             by_input[i, j] = 0.0
-    for line in range(muscles.shape[0] if of_wrench > 0 else 0):
+    for line in range(muscles.shape[0] if wrench_column > 0 else 0):
         push = apply_transposed(body_to_head, (pulls[line, 0], pulls[line, 1], pulls[line, 2]))
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
-        fill_column(jaw, body_to_head, inverse, rho, push, turn, ZERO, ZERO, by_input, of_wrench)
+        fill_column(jaw, body_to_head, inverse, rho, push, turn, ZERO, ZERO, by_input, wrench_column)
         exponent = muscles[line, 1] * pulls[line, 6]
         muscle = jaw.muscle[line]
         for i in range(6):
-            by_input[i, 2 * muscle] += by_input[i, of_wrench]
-            by_input[i, 2 * muscle + 1] += by_input[i, of_wrench] * exponent
+            by_input[i, 2 * muscle] += by_input[i, wrench_column]
+            by_input[i, 2 * muscle + 1] += by_input[i, wrench_column] * exponent
     mouthpiece = vector3(jaw.mouthpiece)
     for j in range(3):
         turn = cross(mouthpiece, UNITS[j])
-        fill_column(jaw, body_to_head, inverse, rho, UNITS[j], turn, ZERO, ZERO, by_input, of_wrench + j)
-        fill_column(jaw, body_to_head, inverse, rho, ZERO, UNITS[j], ZERO, ZERO, by_input, of_wrench + 3 + j)
+        fill_column(jaw, body_to_head, inverse, rho, UNITS[j], turn, ZERO, ZERO, by_input, wrench_column + j)
+        fill_column(jaw, body_to_head, inverse, rho, ZERO, UNITS[j], ZERO, ZERO, by_input, wrench_column + 3 + j)

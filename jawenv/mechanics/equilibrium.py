@@ -45,10 +45,10 @@ def solve_in_place(matrix, right):
 
 
 @njit
-def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
+def settle(jaw, muscles, pose, opening, on_spring, scratch, matrix, right):
     """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
 
-    With ``held`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
+    With ``on_spring`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
     otherwise it is free. ``scratch`` holds ``by_state``, ``by_input``, ``stiffness``, ``pulls``.
     """
     step = 1e-4
@@ -58,17 +58,17 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
     for _ in range(MAX_ITERATIONS):
         q = (pose[0], pose[1], pose[2], pose[3], pose[4])
         body_to_head = rotation(q)
-        place = add(contact_point(jaw, q), apply(body_to_head, arm))
-        hold = HOLD_STIFFNESS if held else 0.0
-        force = hold * (opening - (jaw.mouthpiece[2] - place[2]))
+        position = add(contact_point(jaw, q), apply(body_to_head, arm))
+        spring_stiffness = HOLD_STIFFNESS if on_spring else 0.0
+        force = spring_stiffness * (opening - (jaw.mouthpiece[2] - position[2]))
         down = apply_transposed(body_to_head, (0.0, 0.0, -1.0))
         wrench = (force * down[0], force * down[1], force * down[2], 0.0, 0.0, 0.0)
-        still = (0.0, 0.0, 0.0, 0.0, 0.0)
+        no_speeds = (0.0, 0.0, 0.0, 0.0, 0.0)
         rate = linearise_acceleration(
             jaw,
             muscles,
             q,
-            still,
+            no_speeds,
             wrench,
             scratch.by_state,
             scratch.by_input,
@@ -80,7 +80,7 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
             return force, True
         step = min(step * min(max(previous / residual, 0.5), 3.0), 1e6)
         previous = residual
-        fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix)
+        fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, scratch, matrix)
         axes = turning_axes(q)
         for i in range(5):
             right[i] = rate[i]
@@ -99,19 +99,19 @@ def settle(jaw, muscles, pose, opening, held, scratch, matrix, right):
             right[1] = 0.0
         largest = max(abs(right[0]), abs(right[1])) / 2e-3
         largest = max(largest, max(abs(right[2]), max(abs(right[3]), abs(right[4]))) / 0.1)
-        shorten = 1.0 / max(1.0, largest)
+        scaling = 1.0 / max(1.0, largest)
         for i in range(5):
-            pose[i] += shorten * right[i]
+            pose[i] += scaling * right[i]
     return force, False
 
 
 @njit
-def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):
+def fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, scratch, matrix):
     """Derivative of u' by q (5 x 5) with the spring's force following the motion."""
     arm = vector3(jaw.mouthpiece)
     slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])
     axes = turning_axes(q)
-    of_wrench = scratch.by_input.shape[1] - N_WRENCH
+    wrench_column = scratch.by_input.shape[1] - N_WRENCH
     for j in range(5):
         turn = (0.0, 0.0, 0.0)
         if j == 0:
@@ -124,5 +124,5 @@ def fill_flow_matrix(jaw, q, body_to_head, down, hold, force, scratch, matrix):
         for i in range(5):
             value = scratch.by_state[i, j]
             for k in range(3):
-                value += scratch.by_input[i, of_wrench + k] * (-hold * drop * down[k] - force * turn[k])
+                value += scratch.by_input[i, wrench_column + k] * (-spring_stiffness * drop * down[k] - force * turn[k])
             matrix[i, j] = value

@@ -108,10 +108,10 @@ def tensions(jaw: Any, log_parameters: ArrayLike, q: ArrayLike) -> Array:
 
     The law is van Ruijven & Weijs (1990) as used by Young (2016), eq. 2.2.
     """
-    return _tensions_at(jaw, log_parameters, muscle_lengths(jaw, q))
+    return _tensions(jaw, log_parameters, muscle_lengths(jaw, q))
 
 
-def _tensions_at(jaw: Any, log_parameters: ArrayLike, lengths: Array) -> Array:
+def _tensions(jaw: Any, log_parameters: ArrayLike, lengths: Array) -> Array:
     parameters = np.exp(log_parameters)
     F_o, b = parameters[..., 2 * jaw["muscle"]], parameters[..., 2 * jaw["muscle"] + 1]
     tension: Array = F_o * np.exp(b * (lengths - jaw["l_o"]) / jaw["l_o"])
@@ -129,7 +129,7 @@ def point_forces(jaw: Any, log_parameters: ArrayLike, q: Array, u: Array, R: Arr
     lines = len(jaw["l_o"])
     pulls = jaw["origin"] - arms[..., 1 : 1 + lines, :] - contact(jaw, q)[..., None, :]
     lengths = length(pulls)
-    tension = _tensions_at(jaw, log_parameters, lengths)
+    tension = _tensions(jaw, log_parameters, lengths)
     batch = np.broadcast_shapes(tension.shape[:-1], u.shape[:-1])
     forces = np.zeros((*batch, *arms.shape[-2:]), np.result_type(tension, u))
     forces[..., 0, :] = jaw["mass"] * jaw["gravity"]
@@ -148,12 +148,12 @@ def reaction_directions(jaw: Any, slope: Array) -> tuple[Array, NDArray[np.float
 
     The fossa's comes first; of the others there is one for each coordinate that is held, along it or about a body axis.
     """
-    held = np.eye(3)[np.flatnonzero([not jaw["free_x"], not jaw["free_y"]])]
+    held_axes = np.eye(3)[np.flatnonzero([not jaw["free_x"], not jaw["free_y"]])]
     turns = np.eye(3)[np.flatnonzero(np.diag(jaw["inertia_contact_inverse"]) == 0.0)]
-    count = 1 + len(held) + len(turns)
+    count = 1 + len(held_axes) + len(turns)
     forces, moments = np.zeros((*np.shape(slope), count, 3), np.result_type(slope)), np.zeros((count, 3))
     forces[..., 0, 0], forces[..., 0, 2] = -slope, 1.0
-    forces[..., 1 : 1 + len(held), :], moments[1 + len(held) :] = held, turns
+    forces[..., 1 : 1 + len(held_axes), :], moments[1 + len(held_axes) :] = held_axes, turns
     return forces, moments
 
 
@@ -184,12 +184,12 @@ def acceleration(jaw: Any, log_parameters: ArrayLike, q: ArrayLike, u: ArrayLike
     turning = directions @ R @ back + moments
     centripetal = times(R, cross(omega, cross(omega, -rho)))
     # Of what the reactions hold, only the height accelerates: as the path bends.
-    held = -times(directions, centripetal)
-    held[..., 0] += curvature * u[..., 0] ** 2
-    right = [force, moment - cross(omega, omega @ jaw["inertia"]), held]
+    constrained = -times(directions, centripetal)
+    constrained[..., 0] += curvature * u[..., 0] ** 2
+    right = [force, moment - cross(omega, omega @ jaw["inertia"]), constrained]
     solution = _solve(jaw, directions, turning, right)
-    of_contact = solution[..., :3] + times(R @ back, solution[..., 3:6]) + centripetal
-    return np.concatenate([of_contact[..., :2], solution[..., 3:6]], axis=-1)
+    contact_acceleration = solution[..., :3] + times(R @ back, solution[..., 3:6]) + centripetal
+    return np.concatenate([contact_acceleration[..., :2], solution[..., 3:6]], axis=-1)
 
 
 def _solve(jaw: Any, directions: Array, turning: Array, right: list[Array]) -> Array:

@@ -42,8 +42,8 @@ def fossa_outline(jaw: Any, radius: float, segment: float) -> NDArray[np.float64
 def add_fossa(space: pymunk.Space, jaw: Any, radius: float, segment: float) -> None:
     """The fossa with its walls. Each segment knows its neighbours, so that a corner is touched once, not twice."""
     corners = fossa_outline(jaw, radius, segment)
-    around = np.vstack([2 * corners[0] - corners[1], corners, 2 * corners[-1] - corners[-2]])
-    points = [(float(x), float(z)) for x, z in around]
+    extended = np.vstack([2 * corners[0] - corners[1], corners, 2 * corners[-1] - corners[-2]])
+    points = [(float(x), float(z)) for x, z in extended]
     for before, start, end, after in zip(points, points[1:], points[2:], points[3:], strict=False):
         shape = pymunk.Segment(space.static_body, start, end, 0.0)
         shape.set_neighbors(before, after)

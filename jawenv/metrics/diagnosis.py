@@ -64,8 +64,8 @@ class Diagnosis:
         return _share(mistaken, self.called_raised | self.called_normal)
 
 
-def _share(hits: Mask, among: Mask) -> float:
-    return float(np.mean(hits[among])) if among.any() else float("nan")
+def _share(hits: Mask, decided: Mask) -> float:
+    return float(np.mean(hits[decided])) if decided.any() else float("nan")
 
 
 def whole_muscles_per_line(parameter_names: Sequence[str]) -> float:
@@ -73,8 +73,8 @@ def whole_muscles_per_line(parameter_names: Sequence[str]) -> float:
 
     One half for portions, two for left and right together; 1 for parameters of no model of jawenv.
     """
-    of_model = {muscles.parameter_names: muscles.whole_muscles_per_line for muscles in known_muscle_sets().values()}
-    return of_model.get(tuple(parameter_names), 1.0)
+    ratios = {muscles.parameter_names: muscles.whole_muscles_per_line for muscles in known_muscle_sets().values()}
+    return ratios.get(tuple(parameter_names), 1.0)
 
 
 def diagnose(truth: Array, mean: Array, sd: Array, threshold: float, confidence: float = CONFIDENCE) -> Diagnosis:

@@ -27,12 +27,12 @@ def perturb_geometry(reality: Reality, muscles: MuscleSet, jaw: Any, generator: 
     if reality.attachment_error == 0.0 and reality.fossa_error == 0.0:
         return
     drop, frequency = (float(normal) for normal in generator.standard_normal(2))
-    of_origin, of_insertion = generator.standard_normal((2, *muscles.origin_m.shape))
+    origin_normals, insertion_normals = generator.standard_normal((2, *muscles.origin_m.shape))
     if reality.fossa_error > 0.0:
         jaw["fossa_drop"] *= exp(reality.fossa_error * drop)
         jaw["fossa_frequency"] *= exp(reality.fossa_error * frequency)
         jaw["crest"] = pi / jaw["fossa_frequency"]
     if reality.attachment_error > 0.0:
-        jaw["origin"] = muscles.origin_m + reality.attachment_error * muscles.origin_sd_m * of_origin
-        jaw["insertion"] = muscles.insertion_m + reality.attachment_error * muscles.insertion_sd_m * of_insertion
+        jaw["origin"] = muscles.origin_m + reality.attachment_error * muscles.origin_sd_m * origin_normals
+        jaw["insertion"] = muscles.insertion_m + reality.attachment_error * muscles.insertion_sd_m * insertion_normals
         jaw["l_o"] = np.linalg.norm(jaw["insertion"] - jaw["origin"], axis=1)

@@ -52,14 +52,14 @@ class Bound:
 
 
 @njit
-def bound_path(path, covariance, every, kept):
+def bound_path(path, covariance, every, covariances):
     """Run the recursion over all ticks of a ``path.Path``; ``covariance`` is the prior's, and is changed.
 
-    The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``kept`` (K, p, p), and that after the
-    last tick into its last row.
+    The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``covariances`` (K, p, p), and that
+    after the last tick into its last row.
     """
     jaw, scratch, states = path.jaw, path.scratch, path.states
-    n_states, size, ticks = states.shape[1], kept.shape[1], path.wrenches.shape[0]
+    n_states, size, ticks = states.shape[1], covariances.shape[1], path.wrenches.shape[0]
     trend = np.zeros(N_WRENCH)
     state = np.empty(n_states)
     for tick in range(ticks + 1):
@@ -70,10 +70,10 @@ def bound_path(path, covariance, every, kept):
             follow_trend(trend, path.samples[tick - 1], path.dt)
         update_covariance(jaw, states[tick], covariance, path.measurement_variance, path.used[tick], scratch)
         if tick % every == 0 or tick == ticks:
-            row = kept.shape[0] - 1 if tick == ticks else tick // every
+            row = covariances.shape[0] - 1 if tick == ticks else tick // every
             for i in range(size):
                 for j in range(size):
-                    kept[row, i, j] = covariance[n_states + i, n_states + j]
+                    covariances[row, i, j] = covariance[n_states + i, n_states + j]
 
 
 def bound_along(record: Record, parameters: Array | None = None, every: int = 1) -> Bound:
@@ -94,16 +94,16 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
     """
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError(f"every: {every!r} given, allowed is a whole number of ticks, 1 or more")
-    bound = bound_of(path_of(record, parameters), record, int(every))
+    bound = path_bound(path_of(record, parameters), record, int(every))
     if not np.isfinite(bound.cov).all():
         raise InputError("record: states, wrenches or samples are not finite, or no jaw's: the bound has no value")
     return bound
 
 
-def bound_of(path: Path, record: Record, every: int) -> Bound:
+def path_bound(path: Path, record: Record, every: int) -> Bound:
     """As ``bound_along``, along a path that exists already."""
     ticks, parameters = len(path.wrenches), len(record.parameter_names)
     rows = np.unique(np.append(np.arange(0, ticks + 1, every), ticks))
-    kept = np.empty((len(rows), parameters, parameters))
-    bound_path(path, path.covariance.copy(), every, kept)
-    return Bound(time=record.time[rows], cov=kept, prior_sd=np.array(record.prior.sd))
+    covariances = np.empty((len(rows), parameters, parameters))
+    bound_path(path, path.covariance.copy(), every, covariances)
+    return Bound(time=record.time[rows], cov=covariances, prior_sd=np.array(record.prior.sd))

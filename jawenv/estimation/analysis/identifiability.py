@@ -93,8 +93,8 @@ def collinearity_of_size(information: Array, size: int) -> tuple[NDArray[np.intp
 def _indices(information: Array, subsets: NDArray[np.intp]) -> Array:
     """(M,) collinearity indices of (M, k) subsets."""
     length = np.sqrt(np.maximum(np.diag(information), 0.0))
-    seen = np.where(length > 0.0, length, 1.0)
-    unit = information / np.outer(seen, seen)
+    scale = np.where(length > 0.0, length, 1.0)
+    unit = information / np.outer(scale, scale)
     smallest = np.linalg.eigvalsh(unit[subsets[:, :, None], subsets[:, None, :]])[:, 0]
     smallest[(length[subsets] == 0.0).any(axis=1)] = 0.0
     # Below rounding there is no telling how small it is.
@@ -200,7 +200,7 @@ class Identifiability:
             f"{self.duration_s:g} s, {size} parameters: {nats:.1f} nats at most",
             f"worst parameter: {self.parameter_names[worst]}, sd {self.sd[worst]:.1%}",
             "least-known combinations:",
-            *(f"  {one.words}: sd {one.sd:.1%} (prior {one.prior_sd:.0%})" for one in self.least_known(min(3, size))),
+            *(f"  {row.words}: sd {row.sd:.1%} (prior {row.prior_sd:.0%})" for row in self.least_known(min(3, size))),
             f"directions of which the data say more than the prior: {known} of {size}",
             f"collinearity index of all: {self.collinearity:.1f}",
         ]

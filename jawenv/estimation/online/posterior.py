@@ -75,17 +75,17 @@ def set_bent(nominal, scratch):
     T (m K, 3 m) holds the second derivatives of each muscle's c: by log F_o twice, by both, by log b twice. The first
     two are the first derivatives too, as c is proportional to F_o.
     """
-    known, spread, twice, bent = scratch.known, scratch.spread, scratch.by_log_twice, scratch.bent
-    muscles, nodes = twice.shape[0], twice.shape[1]
+    known, spread, second_derivatives, bent = scratch.known, scratch.spread, scratch.by_log_twice, scratch.bent
+    muscles, nodes = second_derivatives.shape[0], second_derivatives.shape[1]
     for a in range(known.shape[0]):
         value = scratch.unexplained[a]
         for i in range(muscles):
             first, second, third = 0.0, 0.0, 0.0
             for k in range(nodes):
                 factor = known[a, i * nodes + k]
-                first += factor * twice[i, k, 0]
-                second += factor * twice[i, k, 1]
-                third += factor * twice[i, k, 2]
+                first += factor * second_derivatives[i, k, 0]
+                second += factor * second_derivatives[i, k, 1]
+                third += factor * second_derivatives[i, k, 2]
                 value -= factor * (scratch.coefficients[i, k] - nominal[i, k])
             spread[a, 3 * i], spread[a, 3 * i + 1], spread[a, 3 * i + 2] = first, second, third
         scratch.residual[a] = value
@@ -95,7 +95,7 @@ def set_bent(nominal, scratch):
             for column in range(bent.shape[0]):
                 bent[row, column] = 0.0
             for k in range(nodes):
-                factor = twice[i, k, r]
+                factor = second_derivatives[i, k, r]
                 value += factor * scratch.residual[i * nodes + k]
                 for column in range(bent.shape[0]):
                     bent[row, column] += factor * spread[i * nodes + k, column]
@@ -195,16 +195,16 @@ def set_precision(mean, prior_mean, prior_sd, scratch):
         scratch.right,
     )
     parameters = mean.shape[0]
-    lost = 0.0
+    information_loss = 0.0
     for i in range(bent.shape[0]):
         for j in range(bent.shape[0]):
-            lost += bent[i, j] * omega[i, j]
+            information_loss += bent[i, j] * omega[i, j]
     for i in range(parameters):
         row = 3 * (i // 2) + i % 2
         for j in range(parameters):
             precision[i, j] = bent[row, 3 * (j // 2) + j % 2]
         right[i] = scratch.pulled[row]
-    if not lost < NEGLIGIBLE:
+    if not information_loss < NEGLIGIBLE:
         if not set_reached(scratch):
             return False
         for i in range(parameters):

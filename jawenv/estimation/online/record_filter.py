@@ -94,9 +94,9 @@ class FilterRun:
         settings["measurement_variance"] = record.measurement_sd**2
         settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
         settings["used"], settings["start_sd"] = True, record.start_sd
-        there = np.isfinite(record.measured)
+        finite = np.isfinite(record.measured)
         settings["last_window"] = last_window(
-            np.asarray(there.any(axis=0)), record.start_sd, float(there.any(axis=1).mean())
+            np.asarray(finite.any(axis=0)), record.start_sd, float(finite.any(axis=1).mean())
         )
         set_prior(settings, record.jaw, record.prior)
         rows: Any = np.zeros(len(record.time), dtype=tick_dtype(states))

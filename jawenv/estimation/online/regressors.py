@@ -30,11 +30,11 @@ def middle_of(jaw, before, after):
 
 
 @njit
-def set_line_wrenches(jaw, basis, trend, pose, place, line_wrench):
+def set_line_wrenches(jaw, basis, trend, pose, position, line_wrench):
     """Into ``line_wrench`` (6, columns) the wrench (body axes) of each coefficient, and the gain error's, ``trend``.
 
-    ``pose`` and ``place`` as of ``middle_of``. A line's wrench is one direction times the basis functions of its
-    muscle at its strain.
+    ``pose`` and ``position`` are those of ``middle_of``. A line's wrench is one direction times the basis functions of
+    its muscle at its strain.
     """
     nodes = basis.nodes.shape[1]
     line_wrench[:, :] = 0.0
@@ -43,7 +43,7 @@ def set_line_wrenches(jaw, basis, trend, pose, place, line_wrench):
     body_to_head, mouthpiece = rotation(pose), vector3(jaw.mouthpiece)
     for line in range(jaw.origin.shape[0]):
         insertion = row3(jaw.insertion, line)
-        reach = subtract(row3(jaw.origin, line), add(place, apply(body_to_head, insertion)))
+        reach = subtract(row3(jaw.origin, line), add(position, apply(body_to_head, insertion)))
         length = norm(reach)
         pull = apply_transposed(body_to_head, scale(1.0 / length, reach))
         turn = cross(subtract(insertion, mouthpiece), pull)

@@ -14,7 +14,7 @@ FORCE_RATE, LOST_FORCE = 50.0, 3.0
 MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
 
 # Ranges: mouthpiece position (m), angles (rad), velocity (m/s), angular velocity (rad/s), force (N), moment (N m).
-PLACE, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
+POSITION, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
 FORCE, MOMENT = 200.0, 20.0
 
 
@@ -31,7 +31,7 @@ def mark_usable(measured, last, allowed, used):
     Returns how many allowed readings are left out.
     """
     left_out = 0
-    ranges = (PLACE, ANGLE, VELOCITY, RATE)
+    ranges = (POSITION, ANGLE, VELOCITY, RATE)
     for i in range(measured.shape[0]):
         good = in_range(measured[i], ranges[i // 3]) and measured[i] != last[i]
         used[i] = 1 if allowed[i] and good else 0
@@ -55,7 +55,7 @@ def repair_samples(belief, samples, dt, variance, usable):
     Returns:
         How many components are held.
     """
-    last, held, lost_for = belief.last_sample, belief.held_sample, belief.lost_for
+    last, held_sample, lost_for = belief.last_sample, belief.held_sample, belief.lost_for
     number = 0
     for k in range(samples.shape[1]):
         good, previous = True, last[k]
@@ -64,12 +64,12 @@ def repair_samples(belief, samples, dt, variance, usable):
             previous = samples[i, k]
         last[k] = previous
         if good:
-            held[k], lost_for[k] = previous, 0.0
+            held_sample[k], lost_for[k] = previous, 0.0
         else:
             lost_for[k] += dt
             sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
             variance[k] += sd * sd
             number += 1
         for i in range(samples.shape[0]):
-            usable[i, k] = samples[i, k] if good else held[k]
+            usable[i, k] = samples[i, k] if good else held_sample[k]
     return number

@@ -55,18 +55,18 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 
 
 @njit
-def multiply(left, right, product):
-    """``product`` (n, m) = the first k columns of ``left`` times ``right`` (k, m).
+def multiply(a, b, product):
+    """``product`` (n, m) = the first k columns of ``a`` times ``b`` (k, m).
 
     Where all three are fields of one record, the compiler knows that they do not overlap, and is several times faster.
     """
     for i in range(product.shape[0]):
         for j in range(product.shape[1]):
             product[i, j] = 0.0
-        for k in range(right.shape[0]):
-            factor = left[i, k]
+        for k in range(b.shape[0]):
+            factor = a[i, k]
             for j in range(product.shape[1]):
-                product[i, j] += factor * right[k, j]
+                product[i, j] += factor * b[k, j]
 
 
 @njit

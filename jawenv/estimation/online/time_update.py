@@ -53,8 +53,8 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
         return
     scratch.total[:, :] = scratch.step.total
     predict_cov(belief.motion_cov, noise_variance, scratch)
-    pose, place = middle_of(jaw, scratch.start_motion, belief.motion)
-    set_line_wrenches(jaw, belief.basis, belief.trend, pose, place, scratch.line_wrench)
+    pose, position = middle_of(jaw, scratch.start_motion, belief.motion)
+    set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
     predict_by_tension(belief.by_tension, scratch)
 
 

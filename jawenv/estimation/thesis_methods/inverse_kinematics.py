@@ -100,8 +100,8 @@ def motion_from_pose(
         score = np.einsum("nmi,nm->ni", whitened, (measured - expected) / measurement_sd)
         states[:, free] += np.linalg.solve(information, score[:, :, None])[:, :, 0]
     covariance = np.zeros((len(measured), N_STATES, N_STATES))
-    down, across = np.ix_(free, free)
-    covariance[:, down, across] = np.linalg.inv(information)
+    rows_free, columns_free = np.ix_(free, free)
+    covariance[:, rows_free, columns_free] = np.linalg.inv(information)
     return states, covariance
 
 
@@ -122,11 +122,11 @@ def acceleration_from_mouthpiece(
     """
     _, rows, rates = expected_measurements(jaw, states)
     by_speed, by_place = rows[:, 6:, N_COORDINATES:], rows[:, 6:, :N_COORDINATES]
-    missing = (accelerations - np.einsum("nij,nj->ni", by_place, rates)) / weights_sd
+    residual = (accelerations - np.einsum("nij,nj->ni", by_place, rates)) / weights_sd
     whitened = by_speed[:, :, free] / weights_sd[:, None]
     result = np.zeros((len(states), N_COORDINATES))
     information = whitened.transpose(0, 2, 1) @ whitened
-    score = np.einsum("nmi,nm->ni", whitened, missing)
+    score = np.einsum("nmi,nm->ni", whitened, residual)
     result[:, free] = np.linalg.solve(information, score[:, :, None])[:, :, 0]
     return result
 

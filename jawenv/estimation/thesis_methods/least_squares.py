@@ -49,7 +49,7 @@ class LinearLeastSquares:
         """(2 m,) F_o and F_o b (N) of each muscle, which may be negative, and their covariance."""
         weighted = balance.whitened(balance.noise)
         columns = np.stack(
-            [weighted.of_muscles(weighted.pull), weighted.of_muscles(weighted.pull * weighted.strain[:, :, None])],
+            [weighted.sum_lines(weighted.pull), weighted.sum_lines(weighted.pull * weighted.strain[:, :, None])],
             axis=2,
         )
         jacobian = columns.reshape(len(columns), -1, columns.shape[-1]).transpose(0, 2, 1)
@@ -128,8 +128,8 @@ class NonlinearLeastSquares:
         rng = np.random.default_rng(self.seed)
         drawn = mean + sd * rng.uniform(-2.0, 2.0, (self.starts - 1, len(mean)))
         first = plain.whitened(plain.noise)
-        found = [self._search(first, start, bounds, mean, sd) for start in (mean, *drawn)]
-        parameters = min(found, key=lambda pair: pair[1])[0]
+        minima = [self._search(first, start, bounds, mean, sd) for start in (mean, *drawn)]
+        parameters = min(minima, key=lambda pair: pair[1])[0]
         residual = plain.needed - exerted(plain, parameters)
         balance = plain.whitened(residual.T @ residual / len(residual))
         parameters, _ = self._search(balance, parameters, bounds, mean, sd)
@@ -176,5 +176,5 @@ def exerted_jacobian(balance: Balance, parameters: Array) -> Array:
     """(N, r, 2 m) its derivative by the log-parameters."""
     per_line = tensions(balance, parameters)[:, :, None] * balance.pull
     exponent = np.exp(parameters[1::2])[balance.muscle] * balance.strain
-    columns = np.stack([balance.of_muscles(per_line), balance.of_muscles(per_line * exponent[:, :, None])], axis=2)
+    columns = np.stack([balance.sum_lines(per_line), balance.sum_lines(per_line * exponent[:, :, None])], axis=2)
     return columns.reshape(len(columns), -1, columns.shape[-1]).transpose(0, 2, 1)

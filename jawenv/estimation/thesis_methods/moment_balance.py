@@ -49,7 +49,7 @@ def fill_balance(jaw, no_muscles, states, accelerations, wrenches, needed, by_wr
     """
     rho, mouthpiece = vector3(jaw.centre_of_mass), vector3(jaw.mouthpiece)
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    still = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for n in range(states.shape[0]):
         q, u = split(states[n])
         body_to_head = rotation(q)
@@ -64,7 +64,7 @@ def fill_balance(jaw, no_muscles, states, accelerations, wrenches, needed, by_wr
         net = subtract(scale(jaw.mass, centre_acceleration), force)
         turn = add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega)))
         turn = add(turn, scale(jaw.mass, cross(rho, apply_transposed(body_to_head, centre_acceleration))))
-        turn = subtract(turn, body_moment(jaw, body_to_head, moment, omega, still))
+        turn = subtract(turn, body_moment(jaw, body_to_head, moment, omega, no_wrench))
         needed[n, 0], needed[n, 1] = net[0] + slope * net[2], net[1]
         for i in range(3):
             needed[n, 2 + i] = turn[i]
@@ -125,12 +125,12 @@ class Balance:
             noise=inverse @ self.noise @ inverse.T,
         )
 
-    def at(self, times: NDArray[np.bool_]) -> Balance:
+    def select(self, times: NDArray[np.bool_]) -> Balance:
         """The equations of some of the times (N,)."""
         arrays = {name: getattr(self, name)[times] for name in ("needed", "by_gain", "pull", "strain")}
         return replace(self, **arrays)
 
-    def of_muscles(self, per_line: Array) -> Array:
+    def sum_lines(self, per_line: Array) -> Array:
         """Sum over the lines of each muscle: (N, lines, r) to (N, m, r)."""
         result = np.zeros((len(per_line), self.muscles, per_line.shape[2]))
         for line, muscle in enumerate(self.muscle):
@@ -184,8 +184,8 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     half = window // 2
 
     def smooth(values: Array) -> Array:
-        whole = savgol_filter(values, window, 2, axis=0)
-        thinned: Array = whole[half : ticks - half : half]
+        smoothed = savgol_filter(values, window, 2, axis=0)
+        thinned: Array = smoothed[half : ticks - half : half]
         return thinned
 
     measured = smooth(0.5 * (record.measured[1:] + record.measured[:-1]))
@@ -197,15 +197,15 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     free = record.start_sd[N_COORDINATES:] > 0.0
     turned = acceleration_from_mouthpiece(record.jaw, states, accelerations, record.measurement_sd[6:], free)
     needed, by_wrench, pull, strain = balance(record.jaw, states, turned, wrenches)
-    kept = [i for i in (*FORCE_ROWS, *MOMENT_ROWS) if free[i] and (rows == "all" or i in MOMENT_ROWS)]
+    used_rows = [i for i in (*FORCE_ROWS, *MOMENT_ROWS) if free[i] and (rows == "all" or i in MOMENT_ROWS)]
     by_gain = -np.einsum("nij,nj->ni", by_wrench, wrenches)
     noise = np.einsum("nij,j,nkj->ik", by_wrench, record.wrench_sd**2, by_wrench) / len(states)
     noise *= np.sum(savgol_coeffs(window, 2) ** 2)
     return Balance(
-        needed=needed[:, kept],
-        by_gain=by_gain[:, kept],
-        noise=noise[np.ix_(kept, kept)],
-        pull=pull[:, :, kept],
+        needed=needed[:, used_rows],
+        by_gain=by_gain[:, used_rows],
+        noise=noise[np.ix_(used_rows, used_rows)],
+        pull=pull[:, :, used_rows],
         strain=strain,
         muscle=np.asarray(record.jaw["muscle"], dtype=np.int64),
     )

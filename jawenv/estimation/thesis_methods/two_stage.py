@@ -62,31 +62,33 @@ class TwoStageLogLinear:
 
         If one F_o is not positive, no b exists, since the logarithm of every F_o enters each.
         """
-        whole = balance_of(record, rows=self.rows, smoothing_s=self.smoothing_s)
-        muscles = whole.muscles
-        small = small_opening(whole, self.small_share)
-        F_o, F_o_covariance = constant_forces(whole.at(small), record.gain_sd)
+        equations = balance_of(record, rows=self.rows, smoothing_s=self.smoothing_s)
+        muscles = equations.muscles
+        small = small_opening(equations, self.small_share)
+        F_o, F_o_covariance = constant_forces(equations.select(small), record.gain_sd)
         mean, covariance = np.full(2 * muscles, np.nan), np.full((2 * muscles, 2 * muscles), np.nan)
-        kept = np.zeros(2 * muscles, dtype=np.bool_)
-        spread = np.zeros_like(covariance)
+        determined = np.zeros(2 * muscles, dtype=np.bool_)
+        joint_covariance = np.zeros_like(covariance)
         positive = F_o > 0.0
         by_log = np.where(positive, 1.0 / np.where(positive, F_o, 1.0), 0.0)
         log_covariance = F_o_covariance * np.outer(by_log, by_log)
-        mean[0::2][positive], kept[0::2] = np.log(F_o[positive]), positive
-        spread[0::2, 0::2] = log_covariance
+        mean[0::2][positive], determined[0::2] = np.log(F_o[positive]), positive
+        joint_covariance[0::2, 0::2] = log_covariance
         if positive.all():
-            large = whole.at(~small)
-            b, own = self.exponents(large, F_o)
+            large = equations.select(~small)
+            b, b_covariance = self.exponents(large, F_o)
             steps = np.exp(NUDGE * np.eye(muscles))
             by_log_F_o = np.stack([(self.exponents(large, F_o * step)[0] - b) / NUDGE for step in steps], axis=1)
-            good = b > 0.0
-            by_log_b = np.where(good, 1.0 / np.where(good, b, 1.0), 0.0)
+            b_positive = b > 0.0
+            by_log_b = np.where(b_positive, 1.0 / np.where(b_positive, b, 1.0), 0.0)
             chain = by_log_b[:, None] * by_log_F_o
-            mean[1::2][good], kept[1::2] = np.log(b[good]), good
-            spread[1::2, 1::2] = own * np.outer(by_log_b, by_log_b) + chain @ log_covariance @ chain.T
-            spread[1::2, 0::2] = chain @ log_covariance
-            spread[0::2, 1::2] = spread[1::2, 0::2].T
-        covariance[np.ix_(kept, kept)] = spread[np.ix_(kept, kept)]
+            mean[1::2][b_positive], determined[1::2] = np.log(b[b_positive]), b_positive
+            joint_covariance[1::2, 1::2] = (
+                b_covariance * np.outer(by_log_b, by_log_b) + chain @ log_covariance @ chain.T
+            )
+            joint_covariance[1::2, 0::2] = chain @ log_covariance
+            joint_covariance[0::2, 1::2] = joint_covariance[1::2, 0::2].T
+        covariance[np.ix_(determined, determined)] = joint_covariance[np.ix_(determined, determined)]
         return Estimate(f"{self.name}, {self.form}", record.time[-1:], mean[None], covariance[None])
 
     def exponents(self, balance: Balance, F_o: Array) -> tuple[Array, Array]:
@@ -98,7 +100,7 @@ class TwoStageLogLinear:
         """
         strain = mean_strain(balance)
         # log(0) of a row that a muscle does not reach is -inf and would be all of the solution.
-        arms = balance.of_muscles(balance.pull).astype(np.complex128) + np.finfo(np.float64).tiny
+        arms = balance.sum_lines(balance.pull).astype(np.complex128) + np.finfo(np.float64).tiny
         logs = np.log(arms * F_o[:, None])
         if self.form == "product":
             matrix, right = (logs * strain[:, :, None]).transpose(0, 2, 1), balance.needed.astype(np.complex128)
@@ -116,7 +118,7 @@ class TwoStageLogLinear:
 def constant_forces(balance: Balance, gain_sd: float) -> tuple[Array, Array]:
     """Stage 1, eq. A.37: (m,) constant forces of the muscles (N), of either sign, and their covariance."""
     weighted = balance.whitened(balance.noise)
-    jacobian = weighted.of_muscles(weighted.pull).transpose(0, 2, 1)
+    jacobian = weighted.sum_lines(weighted.pull).transpose(0, 2, 1)
     flat, right = jacobian.reshape(-1, balance.muscles), weighted.needed.ravel()
     solution = np.asarray(np.linalg.lstsq(flat, right, rcond=None)[0], dtype=np.float64)
     residual = (right - flat @ solution).reshape(weighted.needed.shape)
@@ -126,12 +128,12 @@ def constant_forces(balance: Balance, gain_sd: float) -> tuple[Array, Array]:
 def mean_strain(balance: Balance) -> Array:
     """(N, m) mean strain of the lines of each muscle."""
     lines = np.bincount(balance.muscle)
-    total: Array = balance.of_muscles(balance.strain[:, :, None])[:, :, 0]
+    total: Array = balance.sum_lines(balance.strain[:, :, None])[:, :, 0]
     return total / lines
 
 
 def small_opening(balance: Balance, share: float) -> NDArray[np.bool_]:
     """(N,) which times belong to that share of all whose most strained line is strained least."""
-    most = np.abs(balance.strain).max(axis=1)
-    chosen: NDArray[np.bool_] = most <= np.quantile(most, share)
+    largest_strain = np.abs(balance.strain).max(axis=1)
+    chosen: NDArray[np.bool_] = largest_strain <= np.quantile(largest_strain, share)
     return chosen
