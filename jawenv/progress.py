@@ -68,7 +68,7 @@ class Progress:
         return self._done
 
     def advance_to(self, done: float, item: str = "") -> None:
-        """Say how much is done in all, and of what the latest was."""
+        """Set how much is done in all, and the latest item."""
         now = time.monotonic()
         if item:
             self._notes["item"] = item
@@ -120,6 +120,6 @@ class Progress:
 
 
 def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(max(seconds, 0.0)), 60)
+    minutes, remainder = divmod(round(max(seconds, 0.0)), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+    return f"{hours}:{minutes:02d}:{remainder:02d}" if hours else f"{minutes}:{remainder:02d}"

@@ -155,7 +155,7 @@ def end_tick(device, model, world, settings, scratch, ticks):
 
 @njit_within
 def end_step(world, settings, scratch):
-    """Belief and its worth at the end of a control period."""
+    """Belief and its information at the end of a control period."""
     learn(world.belief, settings.filter, scratch.filter.belief)
     refresh_information(world, settings, scratch.matrix, scratch.right)
 
@@ -176,7 +176,7 @@ def take_comfort(world, scratch, share):
 
 @njit
 def clear_step(world):
-    """Forget the discomfort and the governor's work of the last step."""
+    """Reset the discomfort and governor record of the last step."""
     for k in range(N_LIMITS):
         world.fractions[k] = 0.0
         world.costs[k] = 0.0

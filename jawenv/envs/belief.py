@@ -1,4 +1,4 @@
-"""What the belief is worth: information in nats, score at the truth, NEES, from one world's covariances.
+"""Metrics of the belief: information in nats, score at the truth, NEES, from one world's covariances.
 
 All are over the log-parameters, 12 by default. Claimed and bound information are half the fall of the log-determinant;
 the score is log N(truth; belief) minus log N(truth; prior), a proper score: its mean over patients is the information

@@ -1,10 +1,9 @@
 """What of a tick's force the load cell's amplifier passes: the parabola that fits it best.
 
-A brake or an end stop changes its force several times within a tick. Samples of the force as it happens to be at their
-moments would be aliased: three of them miss its mean over a tick by up to a tenth (Simpson's rule), and a filter takes
-what it is not told for muscle force. An amplifier that is made for its rate of sampling therefore averages. Here the
-three samples, at start, middle and end, are of the parabola with the force's mean and first two moments, which is the
-one of least squares.
+A brake or an end stop changes its force several times within a tick. Instantaneous samples would be aliased: three of
+them miss its mean over a tick by up to a tenth (Simpson's rule), and the filter would attribute the difference to the
+muscles. The amplifier therefore averages. The three samples, at start, middle and end, are those of the least-squares
+parabola, which has the force's mean and first two moments.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from jawenv.compiled import njit
 
 @njit
 def clear_moments(samples):
-    """Begin a tick: nothing has pushed yet."""
+    """Set the moments of a new tick to zero."""
     samples[:, :] = 0.0
 
 

@@ -1,4 +1,4 @@
-"""What the filter knows of the motion before the first reading."""
+"""Prior of the filter's motion before the first reading."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
         ("left_out", "f8"),  # share of the last step's readings that were not used
-        ("gated", "f8"),  # share of the last step's ticks whose innovation the filter's gate has refused
+        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
         ("belief", belief_dtype(n_muscles, n_states)),
         ("reading", "f8", 6),  # load cell, body axes
         ("log_det_prior", "f8"),

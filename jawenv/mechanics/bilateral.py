@@ -65,7 +65,7 @@ def midline_pose(q):
 
 @njit
 def midline_motion(jaw, q, u):
-    """The motion in the midline model's coordinates, and what that model has no word for.
+    """The motion in the midline model's coordinates, and the lift, which that model lacks.
 
     Returns (x, y, theta, psi, alpha), (x', y', omega), the lift of the midpoint above the path of the fossa (m) and its
     rate (m/s). Pressed discs give a positive lift.

@@ -1,4 +1,4 @@
-"""Exact derivatives of the two-condyle jaw's accelerations, for the filter that knows of both condyles.
+"""Exact derivatives of the two-condyle jaw's accelerations, for the filter with two condyles.
 
 Each column follows one small change of the motion, (dr, dphi, dv, domega): shift and turn of the body (head axes),
 change of its velocity (head axes) and angular velocity (body axes), through the equations of ``bilateral``. Muscles,

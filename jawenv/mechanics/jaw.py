@@ -1,4 +1,4 @@
-"""What the kernels need to know about one jaw, as one record of numbers in SI units.
+"""Geometry, mass and stiffness of one jaw as one record in SI units.
 
 The record's dtype carries the number of lines, and Numba compiles the kernels once for each dtype: the sizes are known
 to the compiler, and one source serves every model.

@@ -1,4 +1,4 @@
-"""The midline model once more, in plain NumPy and by another way: what the compiled kernels are checked against.
+"""The midline model in plain NumPy by an independent formulation: the reference of the compiled kernels.
 
 The free rigid body of Newton and Euler, held on the fossa by an explicit reaction. Where the kernels project that force
 away and take moments about the contact point, the unknowns here are the acceleration of the centre of mass, the

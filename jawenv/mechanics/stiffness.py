@@ -1,4 +1,4 @@
-"""How fast a jaw can swing on what holds it, and so into how many parts a step of an explicit method is divided.
+"""Bound on the jaw's natural frequency, and the number of parts of a step of an explicit method.
 
 The rate is an upper bound: with k_i the stiffness of line i, T_i b_i / l_o,i, or of a tooth or a stop that is touched,
 and w_i the mobility of a free mandible along it, e^T (1/m + [r]x^T I^-1 [r]x) e, no mode is faster than
@@ -16,9 +16,8 @@ from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.vec3 import apply, row3
 
-# Longest phase (rad) of the bound in one step of the classical Runge-Kutta method. Stability would bear 2.78. An error
-# of the phase is one of the stiffness: a filter that rests its jaw on the teeth at a phase of 2 takes its own
-# error for muscle force.
+# Longest phase (rad) of the bound in one step of the classical Runge-Kutta method. Stability would bear 2.78. A phase
+# error acts as an error of the stiffness: at a phase of 2, a jaw on its teeth biases the estimated muscle forces.
 LARGEST_PHASE = 1.5
 MOST_PARTS = 16
 

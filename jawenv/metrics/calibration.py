@@ -1,4 +1,4 @@
-"""Is the filter honest: does the truth lie where the posterior says it lies?"""
+"""Calibration of the filter: whether the truth lies where the posterior predicts."""
 
 from __future__ import annotations
 

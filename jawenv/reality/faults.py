@@ -22,17 +22,17 @@ def fail(reality, state, key, tick, measured, samples, faults):
         return
     fill_normals(key, tick + FAULT_TICKS, faults)
     for k in range(N_CHANNELS):
-        lost, frozen = faults[k] < reality.lost_below, faults[k] > reality.frozen_above
+        missing, frozen = faults[k] < reality.lost_below, faults[k] > reality.frozen_above
         if k < 12:
             if frozen:
                 measured[k] = state.shown[k]
             state.shown[k] = measured[k]
-            if lost:
+            if missing:
                 measured[k] = np.nan
         else:
             for i in range(samples.shape[0]):
                 if frozen:
                     samples[i, k - 12] = state.shown[k]
                 state.shown[k] = samples[i, k - 12]
-                if lost:
+                if missing:
                     samples[i, k - 12] = np.nan

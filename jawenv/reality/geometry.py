@@ -1,4 +1,4 @@
-"""A patient whose bones are not those that the filter believes in."""
+"""A patient whose geometry differs from the filter's model."""
 
 from __future__ import annotations
 

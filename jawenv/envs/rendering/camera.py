@@ -66,11 +66,11 @@ def draw_mesh(canvas: Canvas, camera: Camera, mesh: Mesh, pose: Pose, ramp: list
     vertices = pose.apply(mesh.vertices)
     pixels = camera.project(vertices)
     normals = mesh.normals @ pose.rotation.T @ camera.basis().T
-    seen = normals[:, 2] > 0
-    contour = mesh.edges[seen[mesh.edge_faces[:, 0]] != seen[mesh.edge_faces[:, 1]]]
+    facing = normals[:, 2] > 0
+    contour = mesh.edges[facing[mesh.edge_faces[:, 0]] != facing[mesh.edge_faces[:, 1]]]
     canvas.segments(pixels[contour], line, 2.0)
     depth = (vertices @ camera.toward)[mesh.faces].mean(axis=1)
-    order = np.flatnonzero(seen)[np.argsort(depth[seen], kind="stable")]
+    order = np.flatnonzero(facing)[np.argsort(depth[facing], kind="stable")]
     shade = np.clip(_AMBIENT + (1 - _AMBIENT) * (normals[order] @ _LIGHT), 0, 1)
     colours = [ramp[i] for i in (shade * (len(ramp) - 1)).astype(int).tolist()]
     canvas.polygons(pixels[mesh.faces[order]], colours)

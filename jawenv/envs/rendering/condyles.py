@@ -68,9 +68,9 @@ def _ink(gap: float) -> palette.Colour:
     return palette.mix(WARN if gap > _LIFTED_MM else GOOD, INK, 0.2)
 
 
-def _draw_dot(canvas: Canvas, at: Array, lifted: bool, fade: float) -> None:
+def _draw_dot(canvas: Canvas, position: Array, lifted: bool, fade: float) -> None:
     """Draw where a condyle is: a filled dot on the path, an amber ring off it."""
-    centre = (float(at[0]), float(at[1]))
+    centre = (float(position[0]), float(position[1]))
     canvas.circle(centre, 5.0 if lifted else 4.4, CARD)
     canvas.circle(centre, 4.2 if lifted else 3.2, palette.mix(WARN if lifted else INK, CARD, fade))
     if lifted:

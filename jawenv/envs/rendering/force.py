@@ -44,9 +44,9 @@ def draw_force(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     canvas.text(f"{size:.1f} N", (x, y), 12, palette.INK, bold=True, anchor="centre")
 
 
-def _draw_end_on(canvas: Canvas, at: Array, toward: bool) -> None:
+def _draw_end_on(canvas: Canvas, position: Array, toward: bool) -> None:
     """Draw a force along the line of sight: a dot in a ring toward the viewer, a cross in a ring away."""
-    x, y = at.tolist()
+    x, y = position.tolist()
     for radius, paint in ((9.5, palette.CARD), (8.0, palette.INK), (6.0, palette.CARD)):
         canvas.circle((x, y), radius, paint)
     if toward:

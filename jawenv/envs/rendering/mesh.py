@@ -70,20 +70,20 @@ def spline(points: Array, per_segment: int) -> Array:
 
 def loft(rings: Array) -> Mesh:
     """Join rings (N, K, 3) to a tube and close both ends; rings run so that the normals point outward."""
-    count, around = rings.shape[:2]
+    count, per_ring = rings.shape[:2]
     ends = np.stack([rings[0].mean(axis=0), rings[-1].mean(axis=0)])
     vertices = np.vstack([rings.reshape(-1, 3), ends])
-    i, k = np.meshgrid(np.arange(count - 1), np.arange(around), indexing="ij")
-    here, beside = i * around + k, i * around + (k + 1) % around
-    sides = np.stack([here, beside, beside + around, here + around], axis=-1).reshape(-1, 4)
-    rim, after = np.arange(around), (np.arange(around) + 1) % around
+    i, k = np.meshgrid(np.arange(count - 1), np.arange(per_ring), indexing="ij")
+    current, neighbour = i * per_ring + k, i * per_ring + (k + 1) % per_ring
+    sides = np.stack([current, neighbour, neighbour + per_ring, current + per_ring], axis=-1).reshape(-1, 4)
+    rim, following = np.arange(per_ring), (np.arange(per_ring) + 1) % per_ring
     base, first, last = (
-        (count - 1) * around,
-        np.full(around, count * around),
-        np.full(around, count * around + 1),
+        (count - 1) * per_ring,
+        np.full(per_ring, count * per_ring),
+        np.full(per_ring, count * per_ring + 1),
     )
-    start = np.stack([after, rim, first, first], axis=1)
-    end = np.stack([base + rim, base + after, last, last], axis=1)
+    start = np.stack([following, rim, first, first], axis=1)
+    end = np.stack([base + rim, base + following, last, last], axis=1)
     mesh = build(vertices, np.vstack([sides, start, end]))
     return mesh if _volume(mesh) > 0 else build(vertices, mesh.faces[:, ::-1])
 

@@ -44,8 +44,8 @@ def draw_names(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
         # Ranked in the closed jaw, so that no names change places while it moves; leaders then hardly cross.
         x, y = camera.project(1000 * closed)
         rank = -camera.project(1000 * origin)[0] if names is high else (x - left) / (bottom - y)
-        found = names.setdefault(name, _Name(_words(name), [], float(rank)))
-        found.targets.append((float(target[0]), float(target[1])))
+        label = names.setdefault(name, _Name(_words(name), [], float(rank)))
+        label.targets.append((float(target[0]), float(target[1])))
     low_shares = np.linspace(*_BELOW, len(low)) if len(low) > 2 else np.array(_FEW_BELOW)[: len(low)]
     for shares, names in ((_ABOVE, high), (low_shares, low)):
         ranked = sorted(names.values(), key=lambda name: name.rank)

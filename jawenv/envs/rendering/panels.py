@@ -42,8 +42,8 @@ def draw_comfort(canvas: Canvas, box: Box, scene: Scene) -> None:
         over = used > 1
         ink = palette.mix(colour, INK, 0.25) if over else SOFT_INK
         canvas.text(f"{100 * used:.0f} %", (x + width - 16, middle), 11.5, ink, bold=over, anchor="right")
-    for at, name, colour in ((_SOFT_AT, "soft", INK), (_HARD_AT, "hard", palette.ALARM)):
-        x = left + at * (right - left)
+    for position, name, colour in ((_SOFT_AT, "soft", INK), (_HARD_AT, "hard", palette.ALARM)):
+        x = left + position * (right - left)
         canvas.line([(x, top - 3), (x, bottom)], colour, 1.2)
         canvas.text(name, (x, top - 11), 10, SOFT_INK if colour == INK else colour, anchor="centre")
 

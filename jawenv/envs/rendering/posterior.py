@@ -22,12 +22,12 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
     layout = lay_out(box, scene)
     columns, worst = layout.columns, float(scene.prior_sd.max())
     heading, end = box[1] + 50, layout.blocks[-1].top + layout.blocks[-1].height
-    words = ("force at rest", "stiffness") if layout.headed else ("at rest, N", "stiffness")
-    for column, (name, what) in enumerate(zip(_PARAMETERS, words, strict=True)):
+    quantities = ("force at rest", "stiffness") if layout.headed else ("at rest, N", "stiffness")
+    for column, (name, quantity) in enumerate(zip(_PARAMETERS, quantities, strict=True)):
         left = columns.value_left[column]
         used = symbol(canvas, name, (left, heading), 12.5, INK)
         room = columns.value_width + columns.number_width - used - 4
-        canvas.text(what, (left + used + 6, heading), 10.5, SOFT_INK, fit=room)
+        canvas.text(quantity, (left + used + 6, heading), 10.5, SOFT_INK, fit=room)
     tag = 20 if layout.headed else 16
     canvas.text("sd, %" if layout.headed else "sd", (columns.sd_left - tag, heading), 12, INK, bold=True)
     labelled = -math.inf
@@ -53,8 +53,8 @@ def _draw_block_names(canvas: Canvas, box: Box, layout: Layout, block: Block) ->
             y = block.top + block.height / 2 + 13 * (number - (len(lines) - 1) / 2)
             canvas.text(word, (box[0] + 16, y), 11, INK, bold=True, fit=72)
     for row in block.rows:
-        at = (layout.columns.value_left[0] - (15 if layout.headed else 10), row.bar)
-        canvas.text(row.letter, at, 11, SOFT_INK, bold=True, anchor="centre")
+        position = (layout.columns.value_left[0] - (15 if layout.headed else 10), row.bar)
+        canvas.text(row.letter, position, 11, SOFT_INK, bold=True, anchor="centre")
 
 
 def _draw_legend(canvas: Canvas, box: Box, scene: Scene, with_ring: bool) -> None:

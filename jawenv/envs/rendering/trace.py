@@ -61,9 +61,9 @@ def draw_trace(canvas: Canvas, box: Box, scene: Scene, trace: list[Moment]) -> N
             canvas.line(curve, colour, 1.5)
     if len(curves[0]) > 1:
         canvas.line(curves[0], ACCENT, 2.2)
-    here = (float(curves[0][-1, 0]), float(curves[0][-1, 1]))
-    canvas.circle(here, 5.0, CARD)
-    canvas.circle(here, 3.6, ACCENT)
+    latest = (float(curves[0][-1, 0]), float(curves[0][-1, 1]))
+    canvas.circle(latest, 5.0, CARD)
+    canvas.circle(latest, 3.6, ACCENT)
 
 
 def draw_trace_legend(canvas: Canvas, box: Box, scene: Scene) -> None:
@@ -88,34 +88,36 @@ def _axes(box: Box, scene: Scene, points: NDArray[np.float64]) -> _Axes:
     """Scales that stay as they are for the whole episode unless the jaw leaves its limits."""
     x, y, width, height = box
     swing = float(scene.excursion_soft_mm.max()) if len(_shown(scene)) > 1 else 0.0
-    least = min(float(points[:, 1:].min()), -swing, 0.0)
-    most = max(float(points[:, 1:].max()), float(scene.opening_limits_mm[1]), 8.0)
-    step = _nice_step(most - least, 6)
-    low, high = step * np.floor(least / step), step * np.ceil(1.02 * most / step)
+    lowest = min(float(points[:, 1:].min()), -swing, 0.0)
+    highest = max(float(points[:, 1:].max()), float(scene.opening_limits_mm[1]), 8.0)
+    step = _nice_step(highest - lowest, 6)
+    low, high = step * np.floor(lowest / step), step * np.ceil(1.02 * highest / step)
     return _Axes(x + 44, x + width - 40, y + 42, y + height - 28, scene.episode_s, float(low), float(high), step)
 
 
 def _draw_grid(canvas: Canvas, axes: _Axes, scene: Scene) -> None:
     for level in np.arange(axes.low, axes.high + 1e-9, axes.step):
-        at = axes.y(level)
-        canvas.line([(axes.left, at), (axes.right, at)], GRID if abs(level) > 1e-9 else palette.FAINT_INK, 1.0)
-        canvas.text(f"{level:.0f}".replace("-", "−"), (axes.left - 8, at), 10.5, SOFT_INK, anchor="right")
+        position = axes.y(level)
+        canvas.line(
+            [(axes.left, position), (axes.right, position)], GRID if abs(level) > 1e-9 else palette.FAINT_INK, 1.0
+        )
+        canvas.text(f"{level:.0f}".replace("-", "−"), (axes.left - 8, position), 10.5, SOFT_INK, anchor="right")
     soft, hard = scene.opening_limits_mm.tolist()
     canvas.text("soft", (axes.right + 6, max(axes.y(soft), axes.y(hard) + 11)), 10, SOFT_INK)
     canvas.text("hard", (axes.right + 6, axes.y(hard)), 10, ALARM)
     end = axes.end_s * (1 + 1e-9)
-    every = _nice_step(axes.end_s, 6)
-    times = np.arange(0.0, end, every)
-    for time, at in zip(times.tolist(), axes.x(times).tolist(), strict=True):
-        words = f"{time:g} s" if time + every > end else f"{time:g}"
-        canvas.text(words, (at, axes.bottom + 13), 10.5, SOFT_INK, anchor="centre")
+    interval = _nice_step(axes.end_s, 6)
+    times = np.arange(0.0, end, interval)
+    for time, position in zip(times.tolist(), axes.x(times).tolist(), strict=True):
+        label = f"{time:g} s" if time + interval > end else f"{time:g}"
+        canvas.text(label, (position, axes.bottom + 13), 10.5, SOFT_INK, anchor="centre")
 
 
 def _curve(axes: _Axes, points: NDArray[np.float64], column: int) -> NDArray[np.float64]:
     """One curve (N, 2); one point per half unit is all that can be seen, however long the episode."""
     px = axes.x(points[:, 0])
-    seen = np.append(np.flatnonzero(np.diff(np.floor(2 * px))), len(px) - 1)
-    return np.column_stack([px[seen], [axes.y(value) for value in points[seen, column].tolist()]])
+    chosen = np.append(np.flatnonzero(np.diff(np.floor(2 * px))), len(px) - 1)
+    return np.column_stack([px[chosen], [axes.y(value) for value in points[chosen, column].tolist()]])
 
 
 def _nice_step(span: float, pieces: int) -> float:

@@ -118,10 +118,10 @@ def _draw_midline(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> Non
     bottom = box[1] + box[3] - 8
     canvas.dashes((zero, camera.origin[1] + 12), (zero, bottom), palette.SOFT_INK)
     aside_mm = 1000 * float(scene.mouthpiece_m[1])
-    here = zero + aside_mm * camera.scale
+    jaw_x = zero + aside_mm * camera.scale
     for grow, paint in ((2.0, palette.CARD), (0.0, palette.ACCENT)):
-        canvas.line([(zero, bottom), (here, bottom)], paint, 2.6 + grow)
-        canvas.line([(here, bottom - 5), (here, bottom + 5)], paint, 2.6 + grow)
+        canvas.line([(zero, bottom), (jaw_x, bottom)], paint, 2.6 + grow)
+        canvas.line([(jaw_x, bottom - 5), (jaw_x, bottom + 5)], paint, 2.6 + grow)
     side = "left" if aside_mm > 0 else "right"
-    words = f"jaw {abs(aside_mm):.1f} mm {side}" if abs(aside_mm) >= 0.05 else "jaw on the midline"
-    canvas.text(words, (box[0] + box[2] - 14, box[1] - 14), 11.5, palette.ACCENT, bold=True, anchor="right")
+    label = f"jaw {abs(aside_mm):.1f} mm {side}" if abs(aside_mm) >= 0.05 else "jaw on the midline"
+    canvas.text(label, (box[0] + box[2] - 14, box[1] - 14), 11.5, palette.ACCENT, bold=True, anchor="right")

@@ -1,10 +1,10 @@
 """The posterior Cramer-Rao bound along a record's motion: how well its parameters could be known, and when.
 
-Tichavsky, Muravchik & Nehorai (1998, IEEE Trans. Signal Process. 46:1386) give the bound of the joint problem of
-motion and parameters as a recursion. For Gaussian noise it is the filter's covariance recursion, linearised at the true
-motion instead of the estimated one, without the noise and the second-order terms that keep a filter honest. It is the
-same recursion as the environment's (``track_bound``). The load cell's gain error is considered here too (Schmidt 1966),
-so that with ``gain_sd`` above 0 it bounds estimators that do not learn the gain.
+Tichavsky, Muravchik & Nehorai (1998, IEEE Trans. Signal Process. 46:1386) give the bound of the joint problem of motion
+and parameters as a recursion. For Gaussian noise it is the filter's covariance recursion, linearised at the true motion
+instead of the estimated one, without process noise on the parameters. It is the same recursion as the environment's
+(``track_bound``). The load cell's gain error is considered here too (Schmidt 1966), so that with ``gain_sd`` above 0 it
+bounds estimators that do not learn the gain.
 """
 
 from __future__ import annotations

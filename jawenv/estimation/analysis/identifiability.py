@@ -121,7 +121,7 @@ class Combination:
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """What a record can tell about p natural-log parameters, whichever estimator listens.
+    """What a record can tell about p natural-log parameters, independent of the estimator.
 
     Attributes:
         parameter_names: p names.

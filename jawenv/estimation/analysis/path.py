@@ -1,4 +1,4 @@
-"""The motion that a bound or a sensitivity is taken along: a record's own arrays, as its kernels want them."""
+"""The motion along which a bound or a sensitivity is computed, as the kernels read it."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from jawenv.errors import InputError
 
-NAMED_SHARE = 0.75  # of a direction's squared length that its words must speak of
+NAMED_SHARE = 0.75  # least share of a direction's squared length that is named
 KIND, MUSCLE, SIDE = range(3)
 Label = tuple[str, str, str]  # kind, muscle, side; empty where the model tells none
 Item = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]  # all combinations of some kinds, muscles and sides

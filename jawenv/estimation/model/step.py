@@ -1,9 +1,9 @@
 """One step of the filter's model and its exact derivative.
 
 The model is one classical Runge-Kutta step, or a few if the jaw is stiff, under the wrench that the load cell read at
-the start, the middle and the end of the step: a stiff servo changes its force within one, and a filter that takes the
-mean misplaces the jaw by a quarter of its motion. The derivative is the same step applied to the variational equation,
-so that it is the derivative of the numbers that the filter computes, to rounding.
+the start, the middle and the end of the step: a stiff servo changes its force within a step, and with the mean alone
+the predicted motion is off by a quarter of its change. The derivative is the same step applied to the variational
+equation, so that it is the derivative of the numbers that the filter computes, to rounding.
 
 Of the wrench not known there are two sets of columns: constant over the step, and tilting from -1 to 1. The noise of
 three samples, with the weights 1/6, 4/6, 1/6 of Simpson's rule, acts as both do if each has the variance of the mean:
@@ -105,7 +105,7 @@ def add_inputs(slope, by_input, trend, tilt):
 def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
     """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
 
-    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) what the load cell read of late;
+    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) the recent trend of the load cell;
     ``tilt`` is where in the step, from -1 to 1.
     """
     wrench = with_gain(sample, trend, gain)

@@ -5,10 +5,10 @@ close to the span of a few exponentials with fixed exponents b_k:
 
     F_o exp(b e) = sum_k c_k exp(b_k (e - e_0)) + remainder,    c_k = F_o exp(b e_0) L_k(b),
 
-with L_k Lagrange's polynomials through the nodes b_k: interpolation of exp(b (e - e_0)) in b. Its remainder is
-(b - b_1)...(b - b_K) (e - e_0)^K / K! times an exponential between. Forces are linear in c, so the information that
-a record holds about c is gathered without linearising at a guess of the parameters. The filter gathers deviations of c
-from those of its present estimate, whose tension it computes exactly: the remainder cancels as the estimate converges.
+with L_k Lagrange's polynomials through the nodes b_k: interpolation of exp(b (e - e_0)) in b. Its remainder is (b -
+b_1)...(b - b_K) (e - e_0)^K / K! times an exponential between. Forces are linear in c, so the information that a record
+holds about c needs no linearisation in the parameters. The filter estimates deviations of c from those of the current
+mean, whose tension it computes exactly: the remainder cancels as the estimate converges.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from jawenv.anatomy import Prior
 from jawenv.compiled import njit
 from jawenv.mechanics.kinematics import contact_point, rotation
 
-# A pose in the middle of what jaws do: 4 mm of sliding, 8 degrees of opening. Strains are counted from there.
+# Reference pose of the strains, mid-range: 4 mm of sliding, 8 degrees of opening.
 MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)
 N_NODES = 5  # per muscle: the remainder is 5e-5 of a tension for exponents of 7 that are known within 30 %
 

@@ -1,4 +1,4 @@
-"""The belief about the parameters, renewed from all information so far."""
+"""Update of the belief about the parameters from all information so far."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jawenv.estimation.online.state import tension_columns
 
 
 def belief_fields(n_muscles: int) -> list[Any]:
-    """Working memory of this file as fields of a dtype."""
+    """Fields of the working memory of ``learn``."""
     return [
         ("posterior", posterior_dtype(n_muscles)),
         ("after", "f8", (n_muscles, N_NODES)),

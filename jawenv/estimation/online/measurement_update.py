@@ -1,15 +1,15 @@
 """Measurement update with the encoders at the end of a tick, and the gate before it.
 
-All twelve readings are taken at once, linearised at the predicted motion. With the innovations' covariance
-S = H P H^T + R = L L^T, everything is a product with the whitened rows W = L^-1 H: the Kalman gain is P W^T L^-1, and
-what the readings say of the tensions is added to the information as W_c^T W_c and to the score as W_c^T L^-1 nu, where
-W_c = W ``by_tension``. A reading that is not used has a row of zeros, no innovation and the variance 1.
+All twelve readings are taken at once, linearised at the predicted motion. With the innovations' covariance S = H P H^T
++ R = L L^T, everything is a product with the whitened rows W = L^-1 H: the Kalman gain is P W^T L^-1, and the
+information about the tensions grows by W_c^T W_c and the score by W_c^T L^-1 nu, where W_c = W ``by_tension``. A
+reading that is not used has a row of zeros, no innovation and the variance 1.
 
-The gate. The squared length of the whitened innovation follows chi-squared if the muscles are what the mean says
-(Bar-Shalom, Li & Kirubarajan 2001, section 5.4). Where it is too long, it is judged once more by the covariance
-S + C Cov(c) C^T, C = H ``by_tension``, in which the muscles are as uncertain as they are: early on the belief is wrong
-and not the reading. An innovation that is too long for that as well tells nothing about the muscles; the motion's
-covariance is scaled up until the innovation is as long as expected, so that the motion follows the readings.
+The gate. The normalised innovation squared (NIS) follows chi-squared if the parameters are at their mean (Bar-Shalom,
+Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the innovation covariance
+S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. An innovation that fails this test
+too adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows
+the readings.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 
 
 def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
-    """Working memory of this file as fields of a dtype."""
+    """Fields of the working memory of the measurement update."""
     columns, wide, parameters = tension_columns(n_muscles), padded(n_states), 2 * n_muscles
     return [
         ("motion_cov", "f8", (n_states, wide)),
@@ -125,7 +125,7 @@ def squared_length(scratch):
 
 @njit
 def normalised_innovation(belief, scratch):
-    """NIS if the muscles are what the mean says; leaves ``factor``. Infinite where there is none."""
+    """NIS given the parameters' mean; leaves ``factor``. Infinite if S is not positive definite."""
     set_factor(belief.motion_cov, scratch)
     if not decompose(scratch.factor):
         return inf
@@ -135,7 +135,7 @@ def normalised_innovation(belief, scratch):
 
 @njit
 def add_muscles(belief, scratch):
-    """Add to S, in the lower half of ``factor``, what the muscles' uncertainty makes of the innovations."""
+    """Add to S, in the lower half of ``factor``, the innovation covariance due to the parameters' uncertainty."""
     set_derivatives(belief.basis, belief.mean, scratch.by_log)
     multiply(scratch.by_tension_rows, scratch.by_log, scratch.by_log_rows)
     multiply(scratch.by_log_rows, belief.cov, scratch.spread)
@@ -168,15 +168,15 @@ def passes_gate(belief, start_sd, scratch):
 
 @njit_within
 def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
-    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); False where the gate refuses them.
+    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); False where the gate rejects them.
 
     Args:
         jaw: The filter's model.
-        belief: What the filter carries, predicted to the time of the readings.
+        belief: State of the filter, predicted to the time of the readings.
         measured: (12,).
         variances: (12,) of the encoders.
         used: (12,).
-        start_sd: (n,) sds of a motion of which nothing is known but that it is near.
+        start_sd: (n,) sds that the motion is reset to where S is not positive definite.
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, variances, used, scratch)
@@ -210,7 +210,7 @@ def correct_motion(belief, scratch):
 
 @njit
 def add_information(belief, scratch):
-    """What the innovations say of the tensions."""
+    """Add the innovations' information and score about the tensions."""
     rows, turned = scratch.by_tension_rows, scratch.turned_rows
     for i in range(N_MEASUREMENTS):
         innovation = scratch.whitened_innovation[i]

@@ -4,13 +4,13 @@ Given are the prior N(theta_0, P_0) and the record's log-likelihood in the coeff
 quadratic with matrix Lambda and maximum where Lambda (c - c_nominal) = score. The posterior of theta is not normal,
 since c(theta) is curved: where the data fix only sums of tensions, it is a thin curved ridge. The belief is the normal
 one that *posterior linearisation* finds (Garcia-Fernandez, Svensson, Morelande & Sarkka 2015, IEEE Trans. Signal
-Process. 63:5561): c is linearised in the mean square over the belief itself, and what that leaves,
+Process. 63:5561): c is linearised by statistical regression over the belief itself, and the residual covariance,
 
     Omega_kl = 1/2 trace(H_k P H_l P)    (H_k second derivatives of c_k by theta, P the belief's covariance),
 
-counts as an error of the linearisation that is the same in all data: Lambda becomes (Lambda^-1 + Omega)^-1. Along a
-ridge the belief is so wide that Omega is not small, and the covariance holds the ridge's bend; where all parameters
-are known well, Omega vanishes and what remains is Newton's method for the mode.
+is a linearisation error common to all data: Lambda becomes (Lambda^-1 + Omega)^-1. Along a ridge the belief is wide,
+Omega is not small, and the covariance includes the ridge's curvature; where all parameters are known well, Omega
+vanishes and the iteration is Newton's method for the mode.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ import numpy as np
 from jawenv.compiled import njit
 from jawenv.estimation.online.basis import N_NODES, expand_coefficients
 
-LONGEST_STEP = 1.0  # prior sds that the mean moves by at once: beyond, no expansion holds
-NEGLIGIBLE = 0.05  # of the information, that Omega takes away
-ROUNDING = 1e-13  # of a diagonal entry, below which a pivot is taken for zero
-ROUNDS = 6  # at most: fewer stop short where a patient is far from the prior's mean
-CONVERGED = 0.3  # sds of the belief: what the next round would still move is of the order of its square
+LONGEST_STEP = 1.0  # prior sds, largest step of the mean in one round: the trust region of the expansion
+NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
+ROUNDING = 1e-13  # of a diagonal entry, below which a pivot counts as zero
+ROUNDS = 6  # largest number; needed where the truth is far from the prior mean
+CONVERGED = 0.3  # posterior sds: the step of the next round is of the order of its square
 
 
 def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:

@@ -56,13 +56,13 @@ class TensionFilter:
 
 
 class Arguments(NamedTuple):
-    """What the kernels take to filter a record: records and arrays of records, their dtypes in ``tick``, ``state``.
+    """Arguments of the kernels that filter a record; the dtypes are in ``tick`` and ``state``.
 
     Attributes:
         jaw: the model.
-        belief: what the filter carries; as before the first reading.
+        belief: state of the filter, before the first reading.
         rows: (T + 1,) the readings.
-        settings: what the filter knows.
+        settings: of dtype ``filter_settings_dtype``.
         scratch: working memory.
     """
 
@@ -77,13 +77,13 @@ class FilterRun:
     """What the kernels need to filter a record: the jaw, and memory as before the first reading.
 
     Args:
-        record: it.
+        record: the record.
 
     Attributes:
         arguments: as the kernels take them.
         last: number of the last row.
         settings: those among the arguments.
-        leaves_pose_open: Whether the readings say too little of the pose for one motion alone to fit.
+        leaves_pose_open: Whether the readings do not determine the pose, so that several motions may fit.
     """
 
     def __init__(self, record: Record) -> None:

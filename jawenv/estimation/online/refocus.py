@@ -1,12 +1,11 @@
-"""The basis of tensions is drawn together as the exponents become known.
+"""The nodes of the tension basis narrow as the posterior of the exponents does.
 
-Interpolation in b between nodes that span the prior is exact enough for strains as common maneuvers reach. A jaw that
-opens far beyond strains its muscles by 0.25, where the remainder of five nodes is a hundredth of a tension that has
-grown tenfold: more than all noise. By then b is known better than at the start, and nodes that span only what is still
-believed leave a remainder that is smaller by the fifth power.
+Interpolation in b between nodes that span the prior is accurate for the strains of common maneuvers. At a strain of
+0.25 the remainder of five nodes is a hundredth of a tension that has grown tenfold: more than all noise. By then the
+posterior of b is narrower, and nodes that span only the posterior leave a remainder smaller by the fifth power.
 
-What was gathered in the old basis is carried over by the same interpolation: the new coefficients c' stand for the old
-ones c = L c', with L_kj = L_k(b'_j) of the old nodes. Information, score and ``by_tension`` are multiplied by L.
+Information in the old basis is transformed by the same interpolation: the old coefficients are c = L c', with L_kj =
+L_k(b'_j) of the old nodes. Information, score and ``by_tension`` are multiplied by L.
 """
 
 from __future__ import annotations
@@ -16,14 +15,14 @@ from math import exp, log, sqrt
 from jawenv.compiled import njit
 from jawenv.estimation.online.basis import interpolate, polynomial_value, set_coefficients
 
-NARROWEST = 0.1  # sd of log b that nodes span at least: closer, their exponentials are alike but for rounding
-SHRINKS = 0.7  # share of the spanned sd at which the nodes are drawn together
-STRAYS = 1.0  # spanned sds by which the mean leaves the middle before they follow
+NARROWEST = 0.1  # least sd of log b that the nodes span: below, the basis functions are collinear to rounding
+SHRINKS = 0.7  # posterior over spanned sd at which the nodes are narrowed
+STRAYS = 1.0  # distance of the mean from the middle, in spanned sds, at which the nodes are moved
 
 
 @njit
 def refocus(belief, scratch):
-    """Draw the nodes of each muscle together where the belief has become so much narrower, or has moved."""
+    """Move and narrow the nodes of each muscle where the posterior of its exponent has become narrower or moved."""
     basis, mean, covariance = belief.basis, belief.mean, belief.cov
     moved = False
     for i in range(basis.nodes.shape[0]):
@@ -40,7 +39,7 @@ def refocus(belief, scratch):
 
 @njit
 def place_nodes(basis, i, middle, width, carried):
-    """New nodes for muscle i about exp(``middle``); into ``carried`` (K, K) what each old c is of the new ones."""
+    """New nodes for muscle i about exp(``middle``); into ``carried`` (K, K) the matrix L."""
     nodes = basis.nodes.shape[1]
     basis.middle[i], basis.width[i] = exp(middle), width
     for j in range(nodes):

@@ -1,4 +1,4 @@
-"""The wrench at the mouthpiece that a unit of each tension coefficient amounts to: the regressors of the filter.
+"""Regressors of the filter: the wrench at the mouthpiece per unit of each tension coefficient.
 
 Lines of action are taken half way through the filter's tick.
 """

@@ -1,15 +1,14 @@
 """Which readings the filter uses: one that is missing, out of range, or repeats the last to the bit, is left out.
 
 Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
-frozen. No jaw leaves the range. What is left out costs information and no more.
+frozen. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
 """
 
 from __future__ import annotations
 
 from jawenv.compiled import njit
 
-# Where a tick's samples cannot be used, the device's wrench has changed since the last that could by an sd of so much
-# per second, and by no more than so much: what the motors can do.
+# Without usable samples the wrench is held; the sd of its change grows at this rate, up to the limit of the motors.
 FORCE_RATE, LOST_FORCE = 50.0, 3.0
 MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
 
@@ -43,13 +42,13 @@ def mark_usable(measured, last, allowed, used):
 
 @njit
 def repair_samples(belief, samples, dt, variance, usable):
-    """Copy ``samples`` (3, 6) to ``usable``; a component that is missing or frozen there is held from before.
+    """Copy ``samples`` (3, 6) to ``usable``; a missing or frozen component keeps its last usable value.
 
     Args:
-        belief: What the filter carries: the last samples, the last that were used, and the time since then.
+        belief: State of the filter: last samples, last usable samples, time since then.
         samples: The load cell's in a tick.
         dt: Length of the tick, s.
-        variance: (6,) that of the wrench not known; grows for what is held, the more the longer it is.
+        variance: (6,) process noise; grows with the time that a component is held.
         usable: (3, 6), overwritten.
 
     Returns:

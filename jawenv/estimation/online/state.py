@@ -1,15 +1,15 @@
-"""What the online filter carries from tick to tick, and how it begins.
+"""State of the online filter, and its initialisation.
 
-Three things make the bias-separated form of the Kalman filter (Friedland 1969, IEEE Trans. Autom. Control 14:359):
+Three parts make the bias-separated form of the Kalman filter (Friedland 1969, IEEE Trans. Autom. Control 14:359):
 
-* ``motion`` (q, u) and its covariance ``motion_cov``, as if the muscles were known to be what ``mean`` says;
+* ``motion`` (q, u) and its covariance ``motion_cov``, given muscles at ``mean``;
 * ``by_tension``, the derivative of that motion by the coefficients c of ``basis`` and by the load cell's gain error;
 * ``information`` and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
-  error, which the innovations have added up to.
+  error, accumulated from the innovations.
 
-Forces are linear in c, so that the information of early data, gathered about a poor guess, holds as well as that of
-late data, and no noise has to be put on the parameters, which are constants. The belief about the natural-log
-parameters, ``mean`` and ``cov``, is made of information, score and prior (``posterior``).
+Forces are linear in c, so the information of early data, linearised at a poor estimate, is as valid as that of late
+data, and the constant parameters need no process noise. The belief about the natural-log parameters, ``mean`` and
+``cov``, follows from information, score and prior (``posterior``).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def tension_columns(n_muscles: int) -> int:
 
 @cache
 def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of what the filter carries from tick to tick."""
+    """Dtype of the filter's state."""
     size, parameters = tension_columns(n_muscles), 2 * n_muscles
     fields = [
         ("motion", "f8", (n_states,)),
@@ -46,7 +46,7 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("cov", "f8", (parameters, parameters)),
         ("trend", "f8", (N_WRENCH,)),  # of the load cell
         ("readings", "i8"),  # ticks at the end of which an encoder was used
-        ("gated", "i8"),  # ticks whose innovation the gate has refused
+        ("gated", "i8"),  # ticks whose innovation the gate rejected
         ("last_measured", "f8", (N_MEASUREMENTS,)),
         ("last_sample", "f8", (N_WRENCH,)),
         ("held_sample", "f8", (N_WRENCH,)),
@@ -57,14 +57,14 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 
 @njit
 def begin_motion(belief, motion, sd):
-    """The motion (n) believed before the first reading, and its sds (n)."""
+    """Set the mean of the motion (n) before the first reading, and its sds (n)."""
     belief.motion[:] = motion
     lose_motion(belief, sd)
 
 
 @njit
 def lose_motion(belief, sd):
-    """Nothing is known of the motion but that it is within ``sd`` (n) of what is believed, whatever the muscles."""
+    """Reset the motion's covariance to ``sd`` (n), uncorrelated with the tensions; the mean stays."""
     belief.motion_cov[:, :] = 0.0
     for i in range(sd.shape[0]):
         belief.motion_cov[i, i] = sd[i] * sd[i]
@@ -73,9 +73,9 @@ def lose_motion(belief, sd):
 
 @njit
 def begin_belief(basis, belief, log_parameters, prior_sd):
-    """Before any measurement: the mean is ``log_parameters`` (p), as uncertain as the prior is.
+    """Initialise the parameters: mean ``log_parameters`` (p), the prior's sds.
 
-    ``log_parameters`` are the prior's mean, or another guess to filter with. The caller sets the motion.
+    ``log_parameters`` are the prior's mean, or another linearisation point. The caller sets the motion.
     """
     belief.cov[:, :] = 0.0
     for i in range(log_parameters.shape[0]):
@@ -98,7 +98,7 @@ def copy_basis(target, source):
 
 @njit
 def forget_readings(belief):
-    """Nothing has been measured yet; motion and belief stay."""
+    """Discard all information and sensor history; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0

@@ -204,7 +204,7 @@ def body_step(jaw, motion, samples, dt, scratch):
 def move(jaw, motion, samples, dt, scratch):
     """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for.
 
-    Known from the types, so that the other one is not compiled in vain.
+    Chosen at compile time from the types, so that only one is compiled.
     """
     raise NotImplementedError("only called by compiled kernels")
 

@@ -20,20 +20,20 @@ from jawenv.estimation.online.state import begin_belief, begin_motion, forget_re
 from jawenv.estimation.online.time_update import predict_motion, time_update_fields
 from jawenv.mechanics.dynamics import N_WRENCH
 
-# Ticks at the start after each of which the belief is renewed: its first guess is far off.
+# Initial ticks after each of which the belief is updated: the prior mean may be far from the truth.
 EAGER_TICKS = 20
-# Ticks at the start of which nothing is learned on a jaw with two condyles: 0.1 mm of an encoder's noise are 10 N of a
-# disc, and until the discs' pressures are known, what they push passes for tension.
+# Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
+# disc force, which is not separable from muscle tension until the motion's covariance has settled.
 SETTLING_TICKS = 10
-# Early readings are filtered again about what they have taught, at the ends of windows of so many readings, each twice
-# as long as the last.
+# Early readings are filtered again, linearised at the updated mean, at the ends of windows of this many readings; each
+# window is twice as long as the one before.
 FIRST_WINDOW, LAST_WINDOW = 20, 80
 LAST_WINDOW_OF_OPEN_POSE = 1280
 
 
 @cache
 def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of what a filter knows of device, patient and prior."""
+    """Dtype of the filter's settings: device, prior and noise."""
     fields = [
         ("dt", "f8"),
         ("used", "u1", N_MEASUREMENTS),
@@ -51,9 +51,9 @@ def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 
 @cache
 def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of what is kept of one tick: readings at its end, load cell and true wrench during it, true motion.
+    """Dtype of the record of one tick: readings at its end, load cell and true wrench during it, true motion.
 
-    The filter, which may go back to it, reads ``measured``, ``samples`` and ``believed`` alone.
+    A replay of the filter reads ``measured``, ``samples`` and ``believed`` alone.
     """
     fields = [
         ("measured", "f8", N_MEASUREMENTS),
@@ -83,12 +83,12 @@ def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtyp
 
 
 def last_window(used: NDArray[np.bool_], start_sd: NDArray[np.float64], read_share: float = 1.0) -> int:
-    """Readings of the last window: more where a tick has fewer numbers of the pose than coordinates that can move.
+    """Readings of the last window: more where a tick measures fewer pose components than there are free coordinates.
 
     Args:
-        used: (12,) which readings there are.
-        start_sd: (n,) of the motion before the first reading; 0 for what is held.
-        read_share: of the ticks, at whose end any encoder is read.
+        used: (12,) which readings exist.
+        start_sd: (n,) of the motion before the first reading; 0 for a held coordinate.
+        read_share: share of the ticks at whose end any encoder is read.
     """
     half = len(start_sd) // 2
     leaves_pose_open = read_share * np.sum(used[: N_MEASUREMENTS // 2]) < np.sum(start_sd[:half] > 0.0)
@@ -103,7 +103,7 @@ def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
 
 @njit
 def begin_filter(belief, motion, settings):
-    """Before the first reading: the prior, and the motion (n) believed."""
+    """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
     begin_motion(belief, motion, settings.start_sd)
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
     belief.gated = 0
@@ -148,10 +148,10 @@ def ends_window(belief, settings, scratch):
 
 @njit
 def replay(jaw, belief, rows, tick, settings, scratch):
-    """Filter ``rows`` 0 to ``tick`` from the first on, as if the muscles were as the belief's mean says.
+    """Filter ``rows`` 0 to ``tick`` again, linearised at the current mean of the parameters.
 
-    The motion was filtered at the guesses of its time. What readings say about tensions hardly depends on those, but
-    the motion in between does.
+    The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
+    filtered motion does.
     """
     begin_motion(belief, rows[0].believed, settings.start_sd)
     forget_readings(belief)
@@ -161,12 +161,12 @@ def replay(jaw, belief, rows, tick, settings, scratch):
 
 @njit_within
 def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
-    """One tick of the filter; at its end the belief is renewed if it is early. Returns how many readings were left out.
+    """One tick of the filter; early ticks update the belief. Returns how many readings were left out.
 
     Args:
         jaw: The filter's model.
-        belief: What the filter carries.
-        rows: (any number) records of dtype ``tick_dtype``, kept so far: what windows are filtered again from.
+        belief: Record of dtype ``belief_dtype``.
+        rows: (any number) records of dtype ``tick_dtype``, of the ticks so far, for replays.
         tick: Its number.
         measured: (12,) encoders at its end.
         samples: (3, 6) of the load cell during it.

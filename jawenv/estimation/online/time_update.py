@@ -1,8 +1,8 @@
 """Time update over one tick: the motion, its covariance, and its derivative by the tensions.
 
-The force on the jaw is what the load cell reads, so that its noise and the wrench that no model explains enter the same
-way. The relative gain error g of the load cell acts as g times the recent trend of the readings: a servo's force
-answers to the jaw, and what of a reading answers to the filter's own errors must not pass for gain.
+The load cell's reading is the input, so its noise and the unmodelled wrench enter alike, as process noise. The relative
+gain error g of the load cell acts as g times the recent trend of the readings: the fast part of a servo's force is
+correlated with the errors of the filtered motion and would bias g.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 
 
 def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]:
-    """Working memory of this file as fields of a dtype."""
+    """Fields of the working memory of the time update."""
     columns, inputs, wide = tension_columns(n_muscles), n_states + N_WRENCH, padded(n_states)
     return [
         ("step", step_dtype(n_lines, n_states)),
@@ -40,9 +40,9 @@ def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]
 def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
     """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
 
-    ``noise_variance`` (6) is that of the wrench not known, constant over the tick and new in each: what no model
-    explains and the load cell's noise together. Where the prediction is no number, the motion stays as it was, and is
-    known within ``start_sd`` (n).
+    ``noise_variance`` (6) is the process noise: unmodelled wrench and load-cell noise, constant over a tick and
+    independent between ticks. Where the prediction is not finite, the mean of the motion stays and its covariance
+    becomes that of ``start_sd`` (n).
     """
     set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
@@ -86,7 +86,7 @@ def predict_cov(covariance, noise_variance, scratch):
     multiply(weighted, scratch.turned, scratch.next_cov)
     for i in range(size):
         for j in range(size):
-            # Of two numbers that differ by rounding, the same one for (i, j) and (j, i).
+            # One of two numbers that differ by rounding, so that P stays symmetric.
             covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
 
 

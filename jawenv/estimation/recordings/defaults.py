@@ -18,13 +18,13 @@ Array = NDArray[np.float64]
 
 UNMODELLED_TIME = 0.01
 """s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
-# How far the jaw may be from closed and still when nothing is known: what the first reading is weighed against.
+# Prior sds of the motion about the closed jaw at rest, before the first reading.
 POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
 FIT_STEPS = 20
 
 
 def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
-    """The jaw that a model of the ladder believes in, a record of dtype ``jaw_dtype``."""
+    """The jaw of a model of the ladder, a record of dtype ``jaw_dtype``."""
     rung = model_named(model)
     return build_jaw(
         rung.muscles, free=rung.free, condyles=2 if rung.estimator == "bilateral" else 1, head_tilt_deg=head_tilt_deg
@@ -32,7 +32,7 @@ def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
 
 
 def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
-    """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for a jaw of one's own."""
+    """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for any other jaw."""
     tilt = float(np.degrees(np.arctan2(jaw["gravity"][0], -jaw["gravity"][2])))
     for name in MODELS:
         candidate = geometry(name)

@@ -1,4 +1,4 @@
-"""Recordings as files, CSV or Parquet: of a simulated device, or of a bench of one's own.
+"""Recordings as files, CSV or Parquet: of a simulated device or of a test bench.
 
 One row per time, one column per quantity with its unit in the name (``record_columns``; docs/recordings.md). Lines
 ``# name: value`` before the header row (CSV), or the file's metadata (Parquet), hold what is not a time series: noise,

@@ -1,4 +1,4 @@
-"""What the device measured in one episode, tick by tick: all that an estimator is given."""
+"""What the device measured in one episode, tick by tick: the input of every estimator."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ class Record:
         jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
         prior: belief about the parameters before the record.
         parameter_names: p names.
-        device: that measured it, None where nobody knows; and
-        control: what its motors were commanded, "force" or "trajectory". No estimator reads either.
-        truth: (p,) the patient's natural-log parameters; None where nobody knows. For evaluation only.
-        states: (T + 1, n) true motion; None where nobody knows. For evaluation only.
+        device: that measured it, None if unknown; no estimator reads it.
+        control: of its motors, "force" or "trajectory"; no estimator reads it.
+        truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
+        states: (T + 1, n) true motion; None if unknown. For evaluation only.
         wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A recording as a slower device would have made it, and how a filter is told of a slow device's."""
+"""A recording as a slower device would have made it, and a slow recording with short ticks."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def thinned(record: Record, every: int) -> Record:
     has their mean and first two moments. So ``wrench_sd`` and ``cell_sd`` both fall with the root of ``every``, as the
     mean of what is new in each short tick does.
 
-    A filter on the longer ticks is too sure of itself all the same. It takes the wrench that is not known, and the load
-    cell's noise, as constant over a tick, while they change every 10 ms and less: in 50 ms a stiff jaw may swing a
-    whole period, over which a constant wrench hardly changes its velocity and a changing one does.
+    A filter on the longer ticks is overconfident all the same. It models the unmodelled wrench and the load cell's
+    noise as constant over a tick, while they change every 10 ms or less: in 50 ms a stiff jaw may swing a whole period,
+    over which a constant wrench hardly changes its velocity and a changing one does.
 
-    Median NEES of 12 parameters (honest: 11.3) and median error of the plain extended Kalman filter in logs, maneuver
-    ``opening_with_swings_and_fore_aft``, 24 patients of cohort ``trismus``, seeds from 10000, 15 s:
+    Median NEES of 12 parameters (calibrated: 11.3) and median error of the plain extended Kalman filter in logs,
+    maneuver ``opening_with_swings_and_fore_aft``, 24 patients of cohort ``trismus``, seeds from 10000, 15 s:
 
     ========  ============  ========================
     readings  ``thinned``   ``thinned``, ``divided``
@@ -63,9 +63,9 @@ def thinned(record: Record, every: int) -> Record:
 def divided(record: Record, parts: int) -> Record:
     """A slow device's recording with short ticks: each tick divided into equal ones, the encoders unread in between.
 
-    A filter takes the wrench that is not known, and the load cell's noise, as constant over a tick. Where it changes
-    faster than the recording is sampled, ticks of about its own time (10 ms, ``record_defaults.UNMODELLED_TIME``) keep
-    the filter honest: see ``thinned``. The load cell's samples are read off each tick's parabola; ``wrench_sd`` and
+    A filter models the unmodelled wrench and the load cell's noise as constant over a tick. Where they change faster
+    than the recording is sampled, ticks of their correlation time (10 ms, ``defaults.UNMODELLED_TIME``) keep the filter
+    calibrated: see ``thinned``. The load cell's samples are read off each tick's parabola; ``wrench_sd`` and
     ``cell_sd`` rise with the root of ``parts``. Estimators that differentiate the motion need every reading, and refuse
     such a record.
 
@@ -85,7 +85,7 @@ def divided(record: Record, parts: int) -> Record:
     measured[::parts] = record.measured
     share = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) / parts
     samples = np.einsum("pos,tsk->tpok", _parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
-    # The end of a short tick is the start of the next to the bit, which filters take for a sensor that has frozen.
+    # The end of a short tick is the start of the next to the bit, which ``screening`` would treat as a frozen sensor.
     samples[:, 0] = np.nextafter(samples[:, 0], np.inf)
     return replace(
         record,

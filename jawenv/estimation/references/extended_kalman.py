@@ -1,7 +1,7 @@
 """The plain extended Kalman filter, in logs as a baseline and in F_o and b themselves as in the thesis.
 
-It is what most would write first. The environment's own filter (``ekf``) adds to it the second order of the muscles'
-exponentials and a bound on what one reading may do; the difference between the two is what those are worth.
+A baseline: unlike the environment's filter (``online.state``) it carries the parameters in the state and linearises
+them at the current mean.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The plain extended Kalman filter over a whole record in one compiled call.
 
-State and covariance recursion are those of ``ekf``. The parameters are natural logs, or with ``linear`` F_o and b
-themselves.
+State and covariance recursion are those of ``joint_recursion``. The parameters are natural logs, or with ``linear`` F_o
+and b themselves.
 """
 
 from __future__ import annotations

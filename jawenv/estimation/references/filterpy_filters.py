@@ -1,13 +1,13 @@
-"""filterpy's extended and unscented Kalman filters on the same model: references that others have written and tested.
+"""filterpy's extended and unscented Kalman filters on the same model: independent implementations as references.
 
 The extended filter has the model of ``numpy_model`` where the jaw is a midline one. It then shares nothing compiled
-with ``ExtendedKalman``, and that both give the same numbers says that model, derivative and filter are right. The
-unscented one, which nothing compiled claims to equal, moves its many sigma points by the kernels.
+with ``ExtendedKalman``; equal results verify model, derivative and filter. The unscented filter has no compiled
+counterpart and moves its sigma points by the kernels.
 
-Both have the state of ``ekf``: motion, natural-log parameters, gain error of the load cell. The noise of the motion is
-G W G^T, with the wrench's variance W and its effect G taken at the mean. Considering the gain error (Schmidt 1966)
-takes no other filter: after the optimal update, the mean and variance of what is considered are put back. Its
-covariance with everything else, and everything else's mean and covariance, are the same in both.
+Both have the state of ``joint_recursion``: motion, natural-log parameters, gain error of the load cell. The noise of
+the motion is G W G^T, with the wrench's variance W and its effect G taken at the mean. The gain error is a considered
+parameter (Schmidt 1966): after the optimal update its mean and variance are restored. Its cross-covariance and all
+other means and covariances are the same in both filters.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an estimator of records starts from: the belief before the first reading, sizes, and working memory."""
+"""Initial belief, process noise and working memory of the estimators of records."""
 
 from __future__ import annotations
 

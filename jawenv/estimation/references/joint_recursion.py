@@ -3,12 +3,12 @@
 State: q and u (10, or 12 for a jaw with two condyles), natural logs of F_o and b per muscle (12 by default), relative
 gain error g of the load cell (1); 23 in all by default. The sizes come with the arrays.
 
-* The force on the jaw is the reading plus g times the recent trend of readings. A reading that multiplied g would
-  let the filter take the load cell's noise for a force without effect.
-* g is considered, not estimated (Schmidt 1966): its prior uncertainty spreads to everything that it touches, and is
-  never thought to have become smaller.
-* What g makes of the readings' departure from their trend is too fast to correlate: it adds to the process noise.
-* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, which also tilts.
+* The force on the jaw is the reading plus g times the recent trend of the readings. If g multiplied the reading itself,
+  the load cell's noise would be correlated with the regressor of g and bias it.
+* g is a considered parameter (Schmidt 1966): its prior variance enters all cross-covariances and is never reduced.
+* g times the departure of the readings from their trend is modelled as additional process noise.
+* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, which also has a
+  linear part.
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
@@ -92,7 +92,7 @@ def predict_covariance(covariance, noise_variance, scratch):
 
 @njit
 def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
-    """Variance of the wrench not known: ``known`` (12) and the gain's share of what the trend does not follow."""
+    """Process noise: ``wrench_variance`` (12), and the gain error times what departs from the trend."""
     for k in range(N_WRENCH):
         fast = mean_reading(samples, k) - trend[k]
         scratch.noise_variance[k] = wrench_variance[k] + gain_variance * fast * fast
@@ -102,7 +102,7 @@ def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
 def propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """``propagate`` or ``propagate_body``, whichever is for as many states as ``scratch`` is made for.
 
-    Known from the types, so that the other one is not compiled in vain.
+    Chosen at compile time from the types, so that only one is compiled.
     """
     raise NotImplementedError("only called by compiled kernels")
 
@@ -154,7 +154,7 @@ def reduce_covariance(covariance, gain, variance):
 
 @njit
 def update_covariance(jaw, state, covariance, variances, used, scratch):
-    """Measurement update of the covariance alone, linearised at ``state``: the bound's half of ``update``."""
+    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound."""
     expect(jaw, state, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
         if used[i]:

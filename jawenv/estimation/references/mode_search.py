@@ -1,7 +1,7 @@
-"""What a whole record says of the parameters: the motion integrated out, nothing linearised at an early guess.
+"""Posterior of the parameters from a whole record: motion integrated out, all linearised at the final estimate.
 
-The online filter runs over the record as if the muscles were known, and makes its belief at the end; then again about
-that belief, until it stays. Where readings leave the pose open, as those of one point do, or encoders that are slower
+The online filter runs over the record at fixed parameters and updates its belief at the end, then again at the new
+mean, until that converges. Where readings leave the pose open, as those of one point do, or encoders that are slower
 than the ticks, more than one belief may stay, as least squares have more than one minimum: several starts are followed
 (``ModeSearch``), and the estimate is the sum of the normals that they come to (``modes``).
 """
@@ -27,15 +27,14 @@ from jawenv.estimation.references.modes import SAME, distance, keep_mode, mixtur
 
 Array = NDArray[np.float64]
 
-FIRST_WINDOW, GROWTH = 20, 1.25  # readings. Windows twice as long lose patients.
+FIRST_WINDOW, GROWTH = 20, 1.25  # readings; growth by 2 loses the mode of some patients
 RESTARTS = 4  # modes of the last window that the search starts from again, the densest first
 PASSES = 16  # at most, from one start, until one moves no parameter by
 SMALL_STEP = 0.1  # sds or more
-SMALLEST_SHARE = 0.1  # of a pass's step; what shorter ones lead to is where the search is
-DENSITY_GAIN = 2.0  # nats by which the density has grown if a longer step to come does not matter
-START_OFFSET = (
-    0.5  # prior sds of log F_o by which two of the starts have one half of the muscles stronger, the other weaker
-)
+SMALLEST_SHARE = 0.1  # of a full step, below which the search ends
+DENSITY_GAIN = 2.0  # nats; with at least this gain of the log-density a step is accepted even if the next is longer
+# prior sds of log F_o by which two starts have one half of the muscles stronger and the other weaker
+START_OFFSET = 0.5
 SEARCHES = 5  # for the belief at the end of a pass: each of a few rounds
 
 
@@ -122,7 +121,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
 
 @njit
 def search(run, tick, starts, passes, small_step, modes):
-    """Into ``modes`` what rows 0 to ``tick`` lead to from ``starts`` (S, p); the prior where that is no number."""
+    """Fill ``modes`` from rows 0 to ``tick`` by searches from ``starts`` (S, p); with the prior where all diverge."""
     belief, settings = run.belief, run.settings
     modes.number = 0
     parameters = np.empty(starts.shape[1])
@@ -138,10 +137,10 @@ def search(run, tick, starts, passes, small_step, modes):
 
 @njit
 def settle(run, tick, parameters, passes, small_step, modes):
-    """Follow a start, ``about`` (p), until the belief stays where the readings were filtered at, which it becomes.
+    """Iterate from ``parameters`` (p) until the belief's mean equals the linearisation point, which is overwritten.
 
-    Each pass takes the whole step of the linear problem that the last one found. Where that leads to a longer step, it
-    went too far, and half of it is tried: undamped, some beliefs jump to and fro between guesses of which none fits.
+    Each pass takes the full Gauss-Newton step of the last. If the next step is longer, the step is halved: without
+    damping some searches oscillate.
 
     Returns:
         The logarithm of the density there, and False where it comes to a mode that is kept, or is no number.
@@ -169,9 +168,9 @@ def settle(run, tick, parameters, passes, small_step, modes):
 
 @njit
 def filter_at(run, tick, parameters):
-    """Filter rows 0 to ``tick`` as if the muscles were ``parameters`` (p), of which nothing is known but the prior.
+    """Filter rows 0 to ``tick``, linearised at ``parameters`` (p), and update the belief from the prior.
 
-    Returns the logarithm of the posterior's density there, but for a constant; NaN where the filter has lost the jaw.
+    Returns the logarithm of the posterior's density there, but for a constant; NaN where the filter diverges.
     """
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_belief(settings.basis, belief, parameters, settings.prior_sd)

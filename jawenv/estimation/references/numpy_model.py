@@ -1,8 +1,7 @@
 """One step of the filters' model and its derivative in plain NumPy: shares no compiled code with ``sensitivity``.
 
 The mechanics are those of ``jawenv.mechanics.newton_euler``, the derivative is taken by the complex step (Squire &
-Trapp 1998), all columns at once. It is exact to rounding, some hundreds of times as slow as the kernels, and says
-whether they compute what they should.
+Trapp 1998), all columns at once. It is exact to rounding and verifies the kernels; it is hundreds of times slower.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS
 
 Real = NDArray[np.float64]
 
-IMAGINARY_STEP = 1e-30  # imaginary step
+IMAGINARY_STEP = 1e-30
 
 
 def with_derivative(function: Callable[[Array], Array], point: Real) -> tuple[Real, Real]:
@@ -76,7 +75,7 @@ def step(jaw: Any, mean: Array, samples: Real, trend: Real, dt: float, wrench: A
         mean: (..., 10 + p + 1) motion q and u, natural-log parameters, gain error of the load cell; complex or not. All
             are stepped in as many parts as the stiffest of them needs.
         samples: (3, 6) of the load cell at the start, the middle and the end of the step (N, N m).
-        trend: (6,) what it read of late.
+        trend: (6,) recent trend of its readings.
         dt: s.
         wrench: (..., 12) that the load cell does not read: constant over the step, and what it grows by until its end.
 

@@ -1,8 +1,8 @@
-"""The most probable parameters given a whole record at once: the gold standard that filters approach.
+"""Maximum a posteriori from a whole record at once: the reference for the filters.
 
 First the most probable path. Unknowns are the motion before the first reading, the parameters, and the unknown wrench
-of every tick. The cost is half the sum of squares, in sds, of readings' misfits, wrenches, and departures from what was
-believed; its minimum is the mode of the posterior. Gauss-Newton on all of them at once is the Kalman smoother iterated
+of every tick. The cost is half the sum of squares, in sds, of readings' misfits, wrenches, and departures from the
+prior; its minimum is the mode of the posterior. Gauss-Newton on all of them at once is the Kalman smoother iterated
 about its own path (Bell 1994, SIAM J. Optim. 4:626). Parameters are constants here, without the noise that filters give
 them.
 
@@ -147,17 +147,9 @@ class IteratedSmoother:
 
     def smooth(self, record: Record) -> Smoothed:
         """The most probable path of a record, and from there the parameters."""
-        most_probable = self.find_path(record)
-        mean, cov = integrate_out(record, most_probable.path.parameters)
-        return Smoothed(
-            most_probable.path,
-            most_probable.path_cov,
-            most_probable.costs,
-            most_probable.step,
-            most_probable.converged,
-            mean,
-            cov,
-        )
+        result = self.find_path(record)
+        mean, cov = integrate_out(record, result.path.parameters)
+        return Smoothed(result.path, result.path_cov, result.costs, result.step, result.converged, mean, cov)
 
     def find_path(self, record: Record) -> FoundPath:
         """The most probable path of a record: motion and parameters together.

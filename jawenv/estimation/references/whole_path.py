@@ -1,12 +1,12 @@
 """Kernels of the smoother: the least-squares problem of a whole record about one path, and the rolling out of paths.
 
 A *path* is a motion x_0, ..., x_T that the model makes exactly: x_k+1 = f(x_k, parameters, readings_k + w_k), with the
-wrench w_k that nobody knows, a part constant over a tick and one that tilts (``sensitivity``). Linearised about a path,
+unknown wrench w_k, a part constant over a tick and a linear one (``model.step``). Linearised about a path,
 the problem is solved exactly by a Kalman filter forward and the adjoint recursion of Bryson & Frazier backward (Bierman
 1977, Factorization Methods for Discrete Sequential Estimation, chapter 10). That inverts no covariance.
 
-f takes a tick in as many parts as it is told, not in as many as the state asks for, as the filters' does: a path that
-came over the threshold between two numbers of parts would change its cost by a jump, at which a search gets stuck.
+The number of parts of each tick is fixed, unlike the filters', where it depends on the state: otherwise the cost would
+be discontinuous where that number changes, and the search would stall.
 
 Sizes: T ticks, n states of motion, p log-parameters, s = n + p + 1 with the load cell's gain error, which stays 0 here.
 """

@@ -5,10 +5,10 @@ about the contact point with arms measured from it; gravity, damping and the mas
 the spurious m v_c x v_* is not. Young has the three moments only. The two equations of force along the fossa do not
 know the normal force either, and need no more measurements: rows "all".
 
-Force noise, F(t) anew in each tick, is what d mostly suffers from. Momentum gained in a tick is the mean force in it
+The dominant noise of d is force noise, independent in each tick. Momentum gained in a tick is the mean force in it
 exactly, so accelerations are differences of the measured rates over a tick, and all else is the mean over it. All are
-then smoothed by one and the same filter of Savitzky & Golay (1964), a local parabola, so that the equation holds of
-the smoothed values too, but for the curvature of g over the window; and thinned.
+then smoothed by one and the same filter of Savitzky & Golay (1964), a local parabola, so that the equation holds of the
+smoothed values too, but for the curvature of g over the window; and thinned.
 """
 
 from __future__ import annotations
