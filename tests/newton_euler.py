@@ -6,7 +6,7 @@ exact to rounding.
 
 import numpy as np
 
-from jawenv.estimation.references.numpy_model import DOWN_TO
+from jawenv.estimation.references.numpy_model import IMAGINARY_STEP
 from jawenv.mechanics.newton_euler import (
     acceleration,
     angle_axes,
@@ -23,7 +23,7 @@ from jawenv.mechanics.newton_euler import (
 )
 
 __all__ = [
-    "DOWN_TO",
+    "IMAGINARY_STEP",
     "acceleration",
     "angle_axes",
     "contact",
@@ -70,6 +70,6 @@ def derivative(function, point):
     columns = []
     for j in range(len(point)):
         moved = np.array(point, dtype=complex)
-        moved[j] += 1j * DOWN_TO
-        columns.append(np.imag(function(moved)) / DOWN_TO)
+        moved[j] += 1j * IMAGINARY_STEP
+        columns.append(np.imag(function(moved)) / IMAGINARY_STEP)
     return np.column_stack(columns)

@@ -35,8 +35,8 @@ def condyles(jaw, q, u):
 
 def gradient(jaw, place):
     """Derivative of ``depth`` by the place, by the complex step."""
-    moved = [place + 1j * twin.DOWN_TO * axis for axis in np.eye(3)]
-    return np.array([depth(jaw, p).imag / twin.DOWN_TO for p in moved])
+    moved = [place + 1j * twin.IMAGINARY_STEP * axis for axis in np.eye(3)]
+    return np.array([depth(jaw, p).imag / twin.IMAGINARY_STEP for p in moved])
 
 
 def disc(jaw, place, velocity):

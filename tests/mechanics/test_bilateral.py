@@ -68,8 +68,8 @@ def test_power_of_the_device_less_damping_is_the_gain_of_energy(jaw, rng):
         log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         rates = bilateral_rate(jaw, record_muscles(log_parameters), tuple(q), tuple(u), tuple(wrench))
         q_rate, u_rate = map(np.array, rates)
-        step = 1j * twin.DOWN_TO
-        gain = two_condyles.energy(jaw, log_parameters, q + step * q_rate, u + step * u_rate).imag / twin.DOWN_TO
+        step = 1j * twin.IMAGINARY_STEP
+        gain = two_condyles.energy(jaw, log_parameters, q + step * q_rate, u + step * u_rate).imag / twin.IMAGINARY_STEP
         R = twin.rotation(two_condyles.five(q))
         velocity = R.T @ u[:3] + np.cross(u[3:], jaw["mouthpiece"])
         power = wrench[:3] @ velocity + wrench[3:] @ u[3:]

@@ -93,8 +93,8 @@ def test_power_of_the_device_less_damping_is_the_gain_of_energy(jaw, rng):
             q_rate, u_rate = map(
                 np.array, state_rate(jaw, record_muscles(log_parameters), tuple(q), tuple(u), tuple(wrench))
             )
-            step = 1j * twin.DOWN_TO
-            gain = twin.energy(jaw, log_parameters, q + step * q_rate, u + step * u_rate).imag / twin.DOWN_TO
+            step = 1j * twin.IMAGINARY_STEP
+            gain = twin.energy(jaw, log_parameters, q + step * q_rate, u + step * u_rate).imag / twin.IMAGINARY_STEP
             velocity = twin.rotation(q).T @ twin.measurement(jaw, np.concatenate([q, u]))[6:9]
             slide = np.array([u[0], u[1], twin.fossa(jaw, q[0])[1] * u[0]])
             power = wrench[:3] @ velocity + wrench[3:] @ u[2:]

@@ -12,8 +12,8 @@ GAIN, LAG = 0.8, 0.04
 def tension_rates(jaw, muscles, q, u):
     """Independent: (6,) rate of each tension, by complex step along the motion."""
     rates = np.concatenate([u[:2], np.linalg.solve(twin.angle_axes(np.asarray(q)), u[2:])])
-    moved = np.asarray(q) + 1j * twin.DOWN_TO * rates
-    return twin.tensions(jaw, np.log(muscles).ravel(), moved).imag / twin.DOWN_TO
+    moved = np.asarray(q) + 1j * twin.IMAGINARY_STEP * rates
+    return twin.tensions(jaw, np.log(muscles).ravel(), moved).imag / twin.IMAGINARY_STEP
 
 
 @pytest.mark.parametrize(("latency_ms", "ticks"), [(0, 1), (9, 1), (14, 1), (16, 2), (42, 4), (80, 8)])
