@@ -63,7 +63,7 @@ class TrajectoryLaw:
     """
 
     correction: tuple[float, float, float] = (3.0, 3.0, 3.0)
-    side_lever_mm: float = 60.0
+    side_lever_mm: float = 40.0
     admittance: float = 8.0
     fastest: float = 30.0
 

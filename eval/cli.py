@@ -123,7 +123,7 @@ def calibrate_command(
         str,
         typer.Option(
             help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear, ekf-filterpy, "
-            "smoother, ukf (slow); separated by commas.",
+            "mode-search, smoother, ukf (slow); separated by commas.",
             metavar="NAME,...",
         ),
     ] = "tension",

@@ -106,8 +106,8 @@ class Device:
     brake_N_s_m: float = 30.0
     unmodelled_force_N: float = 0.1
     unmodelled_moment_N_m: float = 0.003
-    cell_force_N: float = 0.07
-    cell_moment_N_m: float = 0.0014
+    cell_force_N: float = 0.04
+    cell_moment_N_m: float = 0.0008
     cell_gain: float = 0.01
     encoder_position_mm: float = 0.1
     encoder_angle_deg: float = 0.1

@@ -49,6 +49,7 @@ ROWS = (
     Row("one round of linearisation", {"posterior.ROUNDS": 1}),
     Row("series of the second order", {"step.ORDER": 2}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
+    Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
 )
 CELLS = (
