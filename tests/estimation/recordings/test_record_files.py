@@ -25,7 +25,7 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
     """A record of numbers without any meaning, some of them not read."""
     rng = np.random.default_rng(seed)
     rung, jaw = model_named(model), defaults.geometry(model, tilt)
-    size, names = defaults.size_of_motion(jaw), rung.muscles.parameter_names
+    size, names = defaults.motion_size(jaw), rung.muscles.parameter_names
     measured = rng.normal(size=(ticks + 1, 12))
     measured[rng.random(measured.shape) < 0.2] = np.nan
     measured[0, 0] = 0.1
@@ -158,7 +158,7 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
     from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
 
     jaw = defaults.geometry(model)
-    size = defaults.size_of_motion(jaw)
+    size = defaults.motion_size(jaw)
     free = defaults.start_sd(jaw) > 0.0
     truth = np.zeros(size)
     truth[free] = 1e-2 * np.random.default_rng(3).normal(size=free.sum())
