@@ -19,7 +19,7 @@ from jawenv.envs.plants import TICK
 from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
-from jawenv.estimation.online.tick import last_window, set_prior, tick_dtype
+from jawenv.estimation.online.tick import LAST_WINDOW, set_prior, tick_dtype
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -30,9 +30,7 @@ from jawenv.reality import perturb_geometry
 if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
 
-
 REDRAWS = 200
-REPLAY_FACTOR = 4  # for each reading of the filter's last window: encoders may lose three quarters
 
 
 class Simulation:
@@ -79,8 +77,7 @@ class Simulation:
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
-        replayed = REPLAY_FACTOR * int(self.settings["filter"]["last_window"][0])
-        return ticks if self.configuration.record else min(ticks, replayed)
+        return ticks if self.configuration.record else min(ticks, LAST_WINDOW)
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration = self.configuration
@@ -106,7 +103,6 @@ class Simulation:
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
         settings["start_sd"] = start_sd(self._jaw, self._known_condyles)
-        settings["last_window"] = last_window(settings["used"] != 0, settings["start_sd"])
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2

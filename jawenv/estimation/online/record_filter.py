@@ -12,12 +12,10 @@ from jawenv.errors import InputError
 from jawenv.estimation.online.belief import learn
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.online.tick import (
-    LAST_WINDOW,
     begin_filter,
     filter_scratch_dtype,
     filter_settings_dtype,
     filter_tick,
-    last_window,
     set_prior,
     tick_dtype,
 )
@@ -83,7 +81,6 @@ class FilterRun:
         arguments: as the kernels take them.
         last: number of the last row.
         settings: those among the arguments.
-        leaves_pose_open: Whether the readings do not determine the pose, so that several motions may fit.
     """
 
     def __init__(self, record: Record) -> None:
@@ -94,16 +91,11 @@ class FilterRun:
         settings["measurement_variance"] = record.measurement_sd**2
         settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
         settings["used"], settings["start_sd"] = True, record.start_sd
-        finite = np.isfinite(record.measured)
-        settings["last_window"] = last_window(
-            np.asarray(finite.any(axis=0)), record.start_sd, float(finite.any(axis=1).mean())
-        )
         set_prior(settings, record.jaw, record.prior)
         rows: Any = np.zeros(len(record.time), dtype=tick_dtype(states))
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
         rows["believed"][0] = record.start_mean
         self.settings, self.last = settings, len(rows) - 1
-        self.leaves_pose_open = bool(settings["last_window"] > LAST_WINDOW)
         self.belief = np.zeros(1, dtype=belief_dtype(muscles, states))[0]
         scratch = np.zeros(1, dtype=filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
         begin_filter(self.belief, record.start_mean, settings)

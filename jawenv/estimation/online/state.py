@@ -44,6 +44,7 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
         ("mean", "f8", (parameters,)),  # natural logs
         ("cov", "f8", (parameters, parameters)),
+        ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
         ("trend", "f8", (N_WRENCH,)),  # of the load cell
         ("readings", "i8"),  # ticks at the end of which an encoder was used
         ("gated", "i8"),  # ticks whose innovation the gate rejected
@@ -80,6 +81,7 @@ def begin_belief(basis, belief, log_parameters, prior_sd):
     belief.cov[:, :] = 0.0
     for i in range(log_parameters.shape[0]):
         belief.mean[i] = log_parameters[i]
+        belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
     copy_basis(belief.basis, basis)
     forget_readings(belief)

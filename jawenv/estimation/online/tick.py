@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.encoders import N_MEASUREMENTS
@@ -20,15 +19,13 @@ from jawenv.estimation.online.state import begin_belief, begin_motion, forget_re
 from jawenv.estimation.online.time_update import predict_motion, time_update_fields
 from jawenv.mechanics.dynamics import N_WRENCH
 
-# Initial ticks after each of which the belief is updated: the prior mean may be far from the truth.
-EAGER_TICKS = 20
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
 # disc force, which is not separable from muscle tension until the motion's covariance has settled.
 SETTLING_TICKS = 10
-# Early readings are filtered again, linearised at the updated mean, at the ends of windows of this many readings; each
-# window is twice as long as the one before.
-FIRST_WINDOW, LAST_WINDOW = 20, 80
-LAST_WINDOW_OF_OPEN_POSE = 1280
+# At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
+# linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
+FIRST_WINDOW, LAST_WINDOW = 20, 1280
+MOVED = 0.3  # of a natural logarithm
 
 
 @cache
@@ -37,7 +34,6 @@ def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     fields = [
         ("dt", "f8"),
         ("used", "u1", N_MEASUREMENTS),
-        ("last_window", "i8"),  # readings
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
         ("gain_variance", "f8"),
@@ -82,19 +78,6 @@ def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtyp
     return np.dtype(fields, align=True)
 
 
-def last_window(used: NDArray[np.bool_], start_sd: NDArray[np.float64], read_share: float = 1.0) -> int:
-    """Readings of the last window: more where a tick measures fewer pose components than there are free coordinates.
-
-    Args:
-        used: (12,) which readings exist.
-        start_sd: (n,) of the motion before the first reading; 0 for a held coordinate.
-        read_share: share of the ticks at whose end any encoder is read.
-    """
-    half = len(start_sd) // 2
-    leaves_pose_open = read_share * np.sum(used[: N_MEASUREMENTS // 2]) < np.sum(start_sd[:half] > 0.0)
-    return LAST_WINDOW_OF_OPEN_POSE if leaves_pose_open else LAST_WINDOW
-
-
 def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
     """Write ``prior`` and the basis of tensions that spans it into ``settings``."""
     settings["basis"] = build_basis(jaw, prior)[0]
@@ -136,14 +119,23 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
 
 
 @njit
-def ends_window(belief, settings, scratch):
-    """Whether readings are to be filtered again after this tick."""
-    if not scratch.used.any() or belief.readings > settings.last_window:
+def ends_window(belief, scratch):
+    """Whether a window of readings ends with this tick."""
+    if not scratch.used.any() or belief.readings > LAST_WINDOW:
         return False
     window = FIRST_WINDOW
     while window < belief.readings:
         window *= 2
     return belief.readings == window
+
+
+@njit
+def has_moved(belief):
+    """Whether the mean is so far from where the readings were last filtered that they are to be filtered again."""
+    furthest = 0.0
+    for i in range(belief.mean.shape[0]):
+        furthest = max(furthest, abs(belief.mean[i] - belief.replayed_at[i]))
+    return furthest > MOVED
 
 
 @njit
@@ -153,6 +145,7 @@ def replay(jaw, belief, rows, tick, settings, scratch):
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
     filtered motion does.
     """
+    belief.replayed_at[:] = belief.mean
     begin_motion(belief, rows[0].believed, settings.start_sd)
     forget_readings(belief)
     for k in range(tick + 1):
@@ -161,7 +154,7 @@ def replay(jaw, belief, rows, tick, settings, scratch):
 
 @njit_within
 def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
-    """One tick of the filter; early ticks update the belief. Returns how many readings were left out.
+    """One tick of the filter; ends of windows update the belief. Returns how many readings were left out.
 
     Args:
         jaw: The filter's model.
@@ -174,10 +167,9 @@ def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
         scratch: Working memory.
     """
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
-    if tick < rows.shape[0] and ends_window(belief, settings, scratch):
+    if tick < rows.shape[0] and ends_window(belief, scratch):
         learn(belief, settings, scratch.belief)
-        replay(jaw, belief, rows, tick, settings, scratch)
-        learn(belief, settings, scratch.belief)
-    elif tick < EAGER_TICKS:
-        learn(belief, settings, scratch.belief)
+        if has_moved(belief):
+            replay(jaw, belief, rows, tick, settings, scratch)
+            learn(belief, settings, scratch.belief)
     return left_out

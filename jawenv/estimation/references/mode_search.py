@@ -102,6 +102,13 @@ def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
     return np.asarray(window_ends[window_ends <= ends[-1]], dtype=np.int_)
 
 
+def leaves_pose_open(record: Record) -> bool:
+    """Whether a tick measures fewer pose components than there are free coordinates: several motions may fit."""
+    finite = np.isfinite(record.measured)
+    pose_readings = finite.any(axis=1).mean() * finite.any(axis=0)[: N_MEASUREMENTS // 2].sum()
+    return bool(pose_readings < np.sum(record.start_sd[: len(record.start_sd) // 2] > 0.0))
+
+
 def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tuple[Array, Array]:
     """Mean (p,) and covariance (p, p) of the natural-log parameters from a whole record.
 
@@ -113,7 +120,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
     run = FilterRun(record)
     modes = np.zeros(1, dtype=modes_dtype(len(start)))[0]
     starts = np.array(start)[None]
-    if run.leaves_pose_open:
+    if leaves_pose_open(record):
         starts = np.vstack([starts, ModeSearch().estimate(record).mean])
     search(run.arguments, run.last, starts, PASSES, small_step, modes)
     return mixture_moments(modes)

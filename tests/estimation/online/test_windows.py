@@ -14,11 +14,11 @@ from jawenv.estimation.online.belief import learn
 from jawenv.estimation.online.record_filter import FilterRun, TensionFilter
 from jawenv.estimation.online.state import begin_belief, begin_motion
 from jawenv.estimation.online.tick import (
-    EAGER_TICKS,
     LAST_WINDOW,
-    LAST_WINDOW_OF_OPEN_POSE,
+    MOVED,
     ends_window,
     filter_tick,
+    has_moved,
     replay,
     take_readings,
 )
@@ -31,19 +31,16 @@ def record():
     return recording().records[0]
 
 
-@pytest.mark.parametrize(
-    ("last", "expected"), [(LAST_WINDOW, [20, 40, 80]), (LAST_WINDOW_OF_OPEN_POSE, [20, 40, 80, 160, 320, 640, 1280])]
-)
-def test_windows_end_after_so_many_readings(record, last, expected):
+def test_windows_end_after_so_many_readings(record):
     """Every other tick's encoders are lost: ticks do not count, readings do."""
-    _, belief, _, settings, scratch = FilterRun(record).arguments
-    settings["last_window"], ends = last, []
+    _, belief, _, _, scratch = FilterRun(record).arguments
+    ends = []
     for tick in range(3000):
         scratch["used"] = tick % 2 == 0
         belief["readings"] += tick % 2 == 0
-        if ends_window(belief, settings, scratch):
+        if ends_window(belief, scratch):
             ends.append(int(belief["readings"]))
-    assert ends == expected
+    assert ends == [20, 40, 80, 160, 320, 640, 1280]
 
 
 def test_readings_are_counted_where_an_encoder_is_used(record):
@@ -56,21 +53,9 @@ def test_readings_are_counted_where_an_encoder_is_used(record):
     assert belief["readings"] == 6
 
 
-@pytest.mark.parametrize(
-    ("model", "sensors", "expected"),
-    [("jaw", "pose", False), ("jaw", "point", True), ("hinge", "point", False), ("bilateral", "point", True)],
-)
-def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(model, sensors, expected):
-    """And as many ticks are kept as encoders that lose three quarters need."""
-    simulation = Simulation(1, configure({"model": model, "sensors": sensors}))
-    last = LAST_WINDOW_OF_OPEN_POSE if expected else LAST_WINDOW
-    assert simulation.settings["filter"]["last_window"][0] == last
-    assert len(simulation.ticks[0]) == 1 + min(4 * last, 3000)
-
-
-@pytest.mark.parametrize(("every", "expected"), [(1, False), (2, True), (5, True)])
-def test_slow_encoders_leave_the_pose_open(record, every, expected):
-    assert FilterRun(divided(thinned(record, every), every)).leaves_pose_open is expected
+def test_as_many_ticks_are_kept_as_the_last_window_needs():
+    assert len(Simulation(1, configure({"model": "jaw"})).ticks[0]) == 1 + LAST_WINDOW
+    assert len(Simulation(1, configure({"model": "jaw", "episode_s": 5.0})).ticks[0]) == 1 + 500
 
 
 def filtered_until(record, guess, ticks):
@@ -114,7 +99,7 @@ def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
     assert belief["readings"] == 40
 
 
-def test_only_early_ticks_and_ends_of_windows_renew_the_belief(record):
+def test_only_ends_of_windows_renew_the_belief(record):
     """The others leave it to the end of the control period."""
     jaw, belief, rows, settings, scratch = FilterRun(record).arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
@@ -125,7 +110,22 @@ def test_only_early_ticks_and_ends_of_windows_renew_the_belief(record):
         filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
         if (belief["mean"] != before).any():
             renewed.append(tick)
-    assert renewed == [*range(1, EAGER_TICKS), 39, 79] or renewed == [*range(EAGER_TICKS), 39, 79]
+    assert renewed == [19, 39, 79]
+
+
+@pytest.mark.parametrize(("moved", "expected"), [(0.99 * MOVED, False), (1.01 * MOVED, True)])
+def test_readings_are_filtered_again_where_a_mean_has_moved(record, moved, expected):
+    belief = FilterRun(record).belief
+    assert not has_moved(belief)
+    belief["mean"][7] -= moved
+    assert has_moved(belief) is expected
+
+
+def test_a_replay_says_where_it_was_made(record):
+    jaw, belief, rows, settings, scratch = filtered_until(record, 0.0, 40).arguments
+    assert has_moved(belief)
+    replay(jaw, belief, rows, 39, settings, scratch)
+    assert not has_moved(belief)
 
 
 def test_slow_recordings_are_judged_right():

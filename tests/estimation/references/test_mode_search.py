@@ -129,6 +129,26 @@ def test_a_search_begins_at_the_modes_the_prior_and_bent_ones(record):
     assert len(mode_search.search_starts(modes, mean, sd)) == 3
 
 
+@pytest.mark.parametrize(
+    ("env_id", "sensors", "expected"),
+    [
+        ("jawenv/Jaw-v1", "pose", False),
+        ("jawenv/Jaw-v1", "point", True),
+        ("jawenv/JawHinge-v1", "point", False),
+        ("jawenv/JawBilateral-v1", "point", True),
+    ],
+)
+def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(env_id, sensors, expected):
+    kwargs = {"sensors": sensors, "record": True, "episode_s": 0.5}
+    played = jawenv.play(load_agent("hold_still"), patients=1, seed=5000, env_id=env_id, env_kwargs=kwargs)
+    assert mode_search.leaves_pose_open(played.records[0]) is expected
+
+
+@pytest.mark.parametrize(("every", "expected"), [(1, False), (2, True), (5, True)])
+def test_slow_encoders_leave_the_pose_open(record, every, expected):
+    assert mode_search.leaves_pose_open(divided(thinned(record, every), every)) is expected
+
+
 def test_windows_grow_by_a_quarter_and_end_where_asked(record):
     """Counted in readings: every other tick's encoders are lost."""
     measured = record.measured.copy()
