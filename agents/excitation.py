@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from agents.protocol import Action, Array, Mask, Observation, State
+from jawenv.protocol import Action, Array, Mask, Observation, State
 
 ACTION_SIZE = 4
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.protocol import Action, Mask, Observation, State
 from jawenv.errors import InputError
+from jawenv.protocol import Action, Mask, Observation, State
 
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy

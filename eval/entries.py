@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import jawenv
 from agents import registry
 from agents.policies import TrainedPolicy
-from agents.protocol import Agent
+from jawenv.envs.configuration import CONTROL_HZ
 from jawenv.errors import InputError
+from jawenv.protocol import Agent
 from jawenv.rollout import DEFAULT_ENV
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ _STUDYS_OWN = ("cohort", "episode_s")
 _DEFAULTS: dict[str, Any] = {
     "control": "force",
     "sensors": "pose",
-    "control_hz": 20.0,
     "cohort": "trismus",
     "episode_s": 30.0,
 }
@@ -108,8 +108,8 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
             f"{spec} was trained in {run.id}, but this comparison is in {env_id}: "
             "entries of one comparison have one environment"
         )
-    trained_in = {} if run is None else _DEFAULTS | run.kwargs
-    asked = _DEFAULTS | env_kwargs
+    trained_in = {} if run is None else _completed(run.kwargs)
+    asked = _completed(env_kwargs)
     own = {key: trained_in[key] for key in _OWN_OF_A_RUN if trained_in.get(key, asked[key]) != asked[key]}
     notes = [f"played with {key} {value}" for key, value in own.items()]
     notes += [
@@ -128,6 +128,12 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         description=getattr(maneuver, "description", ""),
         agent=agent,
     )
+
+
+def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of an environment with their defaults."""
+    control = env_kwargs.get("control", _DEFAULTS["control"])
+    return _DEFAULTS | {"control_hz": CONTROL_HZ.get(control)} | env_kwargs
 
 
 def _env_of_run(spec: str) -> EnvConfig | None:

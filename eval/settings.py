@@ -14,7 +14,7 @@ from jawenv.reality import check_reality
 from jawenv.rollout import DEFAULT_ENV
 from jawenv.seeds import REPORTS
 
-CONTROLS = ("force", "trajectory")
+CONTROLS = ("force", "trajectory", "targets")
 SENSORS = ("pose", "point")
 
 
@@ -26,7 +26,7 @@ class Settings:
         patients: how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`.
         cohort: name of the population they are drawn from.
         seed: of the first patient, >= 0.
-        control: `force` or `trajectory`.
+        control: `force`, `trajectory` or `targets`.
         sensors: `pose` or `point`.
         episode_s: length of every episode, > 0.
         env: id of the environment; as given, also its short name or its model's.

@@ -19,8 +19,8 @@ from scipy.optimize import differential_evolution
 
 import jawenv
 from agents import load_agent, names
-from agents.maneuver import Maneuver
-from agents.player import Player
+from jawenv.maneuvers.maneuver import Maneuver
+from jawenv.maneuvers.player import Player
 from jawenv.seeds import REPORTS, TUNING
 
 PERIOD_S = 30.0

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jawenv.errors import InputError
     from jawenv.estimation.analysis.bound import bound_along
     from jawenv.estimation.analysis.identifiability import identifiability
+    from jawenv.maneuvers import Maneuver, Player, maneuver_names
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.metrics.score import score
     from jawenv.rollout import information_bound, play
@@ -27,13 +28,16 @@ _HOMES = {
     "Device": "jawenv.device",
     "InputError": "jawenv.errors",
     "MUSCLE_NAMES": "jawenv.anatomy",
+    "Maneuver": "jawenv.maneuvers",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
+    "Player": "jawenv.maneuvers",
     "acceleration": "jawenv.mechanics",
     "bound_along": "jawenv.estimation.analysis.bound",
     "cohort": "jawenv.anatomy",
     "identifiability": "jawenv.estimation.analysis.identifiability",
     "information_bound": "jawenv.rollout",
+    "maneuver_names": "jawenv.maneuvers",
     "play": "jawenv.rollout",
     "score": "jawenv.metrics",
 }
@@ -50,12 +54,15 @@ __all__ = [
     "Cohort",
     "Device",
     "InputError",
+    "Maneuver",
     "Patient",
+    "Player",
     "acceleration",
     "bound_along",
     "cohort",
     "identifiability",
     "information_bound",
+    "maneuver_names",
     "play",
     "score",
 ]

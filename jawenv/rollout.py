@@ -272,7 +272,7 @@ def _watch(
     arrays: dict[str, Any] = {key: value[:, : step + 1] for key, value in values.items()}
     prior = env.unwrapped.prior
     return Recording(
-        time=np.arange(step + 1) / configuration.control_hz,
+        time=np.arange(step + 1) / configuration.steps_per_s,
         truth=np.array(info["truth"], dtype=np.float64),
         prior_mean=np.array(prior.mean, dtype=np.float64),
         prior_sd=np.array(prior.sd, dtype=np.float64),

@@ -24,11 +24,11 @@ from eval.chunks import Chunk, finish, folder_for
 from eval.entries import Entry, fingerprint, load_entries
 from eval.settings import Settings
 from eval.tables import read_table, write_table
+from jawenv.envs.configuration import CONTROL_HZ
 from jawenv.errors import InputError
 from jawenv.rollout import play
 
 CHUNK = 8  # patients: few enough to lose little when interrupted, enough for a vector environment to be quick
-CONTROL_HZ = 20.0  # of the environments where nothing else is said
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,8 @@ class Calibration:
         Raises:
             InputError: one is not.
         """
-        step = 1.0 / float(entry.env_kwargs.get("control_hz", CONTROL_HZ))
+        kwargs = entry.env_kwargs
+        step = 1.0 / float(kwargs.get("control_hz") or CONTROL_HZ[kwargs.get("control", "force")])
         for time in self.times:
             if abs(time - round(time / step) * step) > beliefs.LATE:
                 raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {step:g} s")

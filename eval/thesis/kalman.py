@@ -68,7 +68,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
             steps += running & np.isfinite(info["belief_cov"]).all(axis=(1, 2))
             running &= ~(ended | cut_off)
         world = env.unwrapped
-        ends = steps / world.configuration.control_hz
+        ends = steps / world.configuration.steps_per_s
         return [record_of(world.simulation, i).until(float(end)) for i, end in enumerate(ends)]
     finally:
         env.close()

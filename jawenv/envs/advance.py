@@ -6,10 +6,13 @@ import numpy as np
 
 from jawenv.compiled import njit, njit_within, world_kernel
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
+from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import command_motors
 from jawenv.envs.belief import refresh_information
+from jawenv.envs.observation import observation_size, observe_world
 from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
 from jawenv.envs.recording import keep_tick
+from jawenv.envs.tracking import LAW_TICKS, aim, follow, move_targets
 from jawenv.estimation.model.encoders import N_MEASUREMENTS, measure
 from jawenv.estimation.model.load_cell import mean_force, mean_reading
 from jawenv.estimation.model.step import N_NOISE, N_SAMPLES
@@ -37,7 +40,8 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
         ("filter", filter_settings_dtype(n_muscles, n_states)),
-        ("trajectory", "u1"),  # control
+        ("trajectory", "u1"),  # whether servos hold the motors, as in trajectory and targets control
+        ("targets", "u1"),  # whether the action is the channels' targets
         ("bound", "u1"),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("record", "u1"),
@@ -54,6 +58,8 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
     fields = [
         ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
         ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
+        ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
+        ("action", "f8", N_MOTORS),  # of the motors
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
         ("unmodelled", "f8", 6),
@@ -95,14 +101,30 @@ def sense(device, world, scratch, settings):
         scratch.measured[9 + i] += device.encoder_rate * normals[_ENCODERS + 9 + i]
 
 
+@njit_within
+def command(device, model, world, action, settings, scratch):
+    """What the motors are to do in the next tick, into ``scratch.action``: the action, or what follows targets."""
+    if not settings.targets:
+        scratch.action[:] = action
+    elif world.tick % LAW_TICKS == 0:
+        dt = LAW_TICKS * TICK
+        if world.tick % settings.ticks_per_step == 0:
+            aim(world.tracker, action, settings.ticks_per_step * TICK)
+        observe_world(device, model, world, settings, scratch, scratch.observation)
+        parameters = settings.filter.prior_mean.shape[0]
+        follow(device, scratch.observation, parameters, world.tracker, True, True, dt, scratch.action)
+        move_targets(world.tracker, dt)
+
+
 @njit
 def begin_tick(device, model, world, action, settings, scratch):
     """Draw the tick's noise and let the motors take their command."""
+    command(device, model, world, action, settings, scratch)
     fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
     normals = scratch.normals
     q, u = split(world.state)
     lift = lift_of(world)
-    command_motors(device, world.jaw, world.motors, q, u, lift, action, settings.trajectory, TICK)
+    command_motors(device, world.jaw, world.motors, q, u, lift, scratch.action, settings.trajectory, TICK)
     update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
@@ -207,7 +229,7 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches, a
         devices: One record of dtype ``DEVICE``, in an array.
         models: Jaws as the filter believes them, one for each world, dtype ``jaw_dtype``.
         worlds: Worlds, dtype ``world_dtype``; changed in place.
-        actions: (N, 4) in [-1, 1].
+        actions: (N, 4) in [-1, 1], of the motors or, in targets control, the channels.
         active: (N,) bool; a world that is not active stays as it is.
         all_settings: One record of dtype ``settings_dtype``, in an array.
         scratches: Working memory, dtype ``scratch_dtype``, one for each thread.

@@ -237,6 +237,10 @@ def begin_world(device, model, world, settings, scratch, beginning, ticks):
     for k in range(6):
         world.reading[k] = 0.0
     reset_motors(device, world)
+    world.tracker.target[:] = 0.0
+    world.tracker.rate[:] = 0.0
+    world.tracker.size[:] = 1.0
+    world.tracker.begun = 0
     begin_reality(world, settings, scratch)
     reset_belief(device, model, world, settings, scratch, ticks)
     return True

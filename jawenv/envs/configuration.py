@@ -13,15 +13,18 @@ from jawenv.anatomy import Cohort, cohort
 from jawenv.checks import real_number
 from jawenv.device.device import Device, device_of
 from jawenv.envs.plants import TICK
+from jawenv.envs.tracking import LAW_TICKS
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
 from jawenv.ladder import Estimator, model_named
 from jawenv.reality import Reality, check_reality
 
-Control = Literal["force", "trajectory"]
+Control = Literal["force", "trajectory", "targets"]
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score"]
 
+CONTROL_HZ: dict[str, float] = {"force": 20.0, "trajectory": 20.0, "targets": 5.0}
+"""Steps per second where none are given, by control."""
 LARGEST = 1e6  # of the numeric arguments
 
 
@@ -37,7 +40,7 @@ class Configuration:
     reward: Reward = "uncertainty"
     cohort: str | Cohort | Source = "trismus"
     episode_s: float = 30.0
-    control_hz: float = 20.0
+    control_hz: float | None = None
     comfort_weight: float = 0.0
     track_bound: bool = False
     record: bool = False
@@ -57,15 +60,18 @@ class Configuration:
             if not isinstance(value, str) or value not in get_args(kind):
                 raise InputError(f"{name} is {shown(value)}; allowed: {', '.join(get_args(kind))}")
         self._set("episode_s", _checked_number("episode_s", self.episode_s))
-        self._set("control_hz", _checked_number("control_hz", self.control_hz))
+        hz = CONTROL_HZ[self.control] if self.control_hz is None else _checked_number("control_hz", self.control_hz)
+        self._set("control_hz", hz)
         self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
         model = model_named(self.model)
         if self.estimator not in (None, *model.estimators):
             allowed = " or ".join(model.estimators)
             raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
-        ticks = 1.0 / self.control_hz / TICK
-        if not math.isfinite(ticks) or abs(ticks - round(ticks)) > 1e-9 or ticks < 1.0:
-            raise InputError(f"control_hz is {self.control_hz:g}; allowed: 100 divided by a whole number")
+        least = LAW_TICKS if self.control == "targets" else 1
+        periods = 1.0 / hz / TICK / least
+        if not math.isfinite(periods) or abs(periods - round(periods)) > 1e-9 or periods < 1.0:
+            highest = 1.0 / (least * TICK)
+            raise InputError(f"control_hz is {hz:g}; allowed: {highest:g} divided by a whole number")
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
         for name in ("track_bound", "record"):
@@ -85,6 +91,12 @@ class Configuration:
         return self.estimator or model_named(self.model).estimator
 
     @property
+    def steps_per_s(self) -> float:
+        """Control periods per second: ``control_hz`` once it is checked."""
+        assert self.control_hz is not None
+        return self.control_hz
+
+    @property
     def needs_bound(self) -> bool:
         """Whether the bound's recursion runs beside the filter's."""
         return self.track_bound or self.reward == "bound"
@@ -92,12 +104,12 @@ class Configuration:
     @property
     def ticks_per_step(self) -> int:
         """Sensor and filter ticks in one control period."""
-        return round(1.0 / (self.control_hz * TICK))
+        return round(1.0 / (self.steps_per_s * TICK))
 
     @property
     def steps(self) -> int:
         """Control periods in an episode."""
-        return round(self.episode_s * self.control_hz)
+        return round(self.episode_s * self.steps_per_s)
 
     def build_cohort(self) -> Cohort:
         """Whom ``reset`` draws, with the muscles of the model."""

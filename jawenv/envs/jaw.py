@@ -50,7 +50,9 @@ class JawEnv(gym.Env[Observation, Action]):
     ``Box(-1, 1, (4,), float32)``: motors vertical left, vertical right (positive opens), horizontal left, horizontal
     right (positive pushes forward). With ``control="force"`` the action times ``full_scale_N`` of the device is the
     force that the motor is to exert on the mouthpiece; with ``control="trajectory"`` the action times ``max_rate_mm_s``
-    is the rate of its target position, which a servo follows.
+    is the rate of its target position, which a servo follows. With ``control="targets"`` the action is where the jaw is
+    to be at the end of the step: opening (-1 shut, 1 the painless range), side, fore-aft force and roll, as fractions
+    of this patient's comfort; the device's law and guard take it there.
 
     ## Observation Space
     ``Box(-10, 10, (63,), float32)``: belief (mean, sd), filtered motion, excursions, load cell, motors, comfort
@@ -71,10 +73,11 @@ class JawEnv(gym.Env[Observation, Action]):
     observation and flags, reward 0.
 
     ## Arguments
-    * ``control`` "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``.
+    * ``control`` "force" | "trajectory" | "targets"; ``sensors`` "pose" | "point"; ``reward``.
     * ``cohort``: whom ``reset`` draws: a name in ``jawenv.COHORTS``, a ``jawenv.Cohort``, a mapping as
       ``Cohort.from_dict`` takes it, or the path of a JSON, TOML or YAML file with one.
-    * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number; ``comfort_weight``, nats per
+    * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number (targets
+      control: 20 divided by one), 20 where left out and 5 in targets control; ``comfort_weight``, nats per
       second of cost 1.
     * ``track_bound``: compute the bound for ``info`` as well; ``record``: keep what the device measures.
     * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
@@ -88,7 +91,8 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
-    * v1: a gentler device (12 N/s, softer servos), a filter without corrections and with a gate; ``info["gated"]``.
+    * v1: targets control; a gentler device (12 N/s, softer servos), a filter without corrections and with a gate;
+      ``info["gated"]``.
     * v0: first version.
     """
 
@@ -102,7 +106,7 @@ class JawEnv(gym.Env[Observation, Action]):
         reward: Reward = "uncertainty",
         cohort: str | Cohort | Source = "trismus",
         episode_s: float = 30.0,
-        control_hz: float = 20.0,
+        control_hz: float | None = None,
         comfort_weight: float = 0.0,
         track_bound: bool = False,
         record: bool = False,
@@ -141,7 +145,7 @@ class JawEnv(gym.Env[Observation, Action]):
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
         self.action_space: spaces.Space[Action] = action_space()
-        self.metadata = {**self.metadata, "render_fps": self.configuration.control_hz}
+        self.metadata = {**self.metadata, "render_fps": self.configuration.steps_per_s}
         self._seeded = False
         self._potential = 0.0
         self._end: tuple[bool, bool] | None = None
@@ -199,7 +203,7 @@ class JawEnv(gym.Env[Observation, Action]):
         world = simulation.worlds[0]
         now = float(potential(configuration.reward, simulation.worlds)[0])
         info = simulation.info(world)
-        discomfort = configuration.comfort_weight * float(info["cost"]) / configuration.control_hz
+        discomfort = configuration.comfort_weight * float(info["cost"]) / configuration.steps_per_s
         reward = now - self._potential - discomfort
         self._potential = now
         terminated = bool(info["violation"] or not np.isfinite(world["log_det"]))
@@ -221,7 +225,7 @@ class JawEnv(gym.Env[Observation, Action]):
             from jawenv.envs.rendering.renderer import Renderer
 
             self._renderer = Renderer(
-                cast(Literal["human", "rgb_array"], self.render_mode), self.configuration.control_hz
+                cast(Literal["human", "rgb_array"], self.render_mode), self.configuration.steps_per_s
             )
         scene = build_scene(self.simulation)
         return self._renderer.draw(scene) if self.render_mode == "rgb_array" else self._renderer.show(scene)

@@ -27,7 +27,9 @@ _REST_SIZES = {
     "jaw_range": 3,  # soft limits: opening / 30 mm, side / 10 mm, fore-aft / 10 mm
     "force": 6,  # load cell, body axes: force / soft limit, moment / (soft limit x 20 mm)
     "motor_thrust": N_MOTORS,  # / full scale
-    "motor_target": N_MOTORS,  # target less actual position / 10 mm; 0 in force control
+    # Trajectory control: each motor's target less its position / 10 mm. Targets control: the channels' targets now, as
+    # the guard leaves them. Force control: 0.
+    "motor_target": N_MOTORS,
     "comfort_margin": N_LIMITS,  # 1 - used fraction, of the estimate
     "time_left": 1,  # share of the episode
 }
@@ -68,8 +70,9 @@ OBSERVATION_LAYOUT = observation_layout()
 """The layout of ``jawenv/Jaw-v1``, with its 12 parameters."""
 OBSERVATION_SIZE = observation_size()
 
-# What follows the belief, counted from where the belief ends.
-_REST = observation_layout(0)
+OBSERVATION_REST = observation_layout(0)
+"""What follows the belief, counted from where the belief ends."""
+_REST = OBSERVATION_REST
 _POSE = _REST["pose"].start
 _RATES = _REST["rates"].start
 _JAW = _REST["jaw"].start
@@ -125,11 +128,13 @@ def observe_world(device, model, world, settings, scratch, row):
         sensed[_FORCE + 3 + i] = bounded(world.reading[3 + i] / MOMENT_SCALE)
     for i in range(N_MOTORS):
         sensed[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
-        lead = 0.0
-        if settings.trajectory:
+        target = 0.0
+        if settings.targets:
+            target = world.tracker.size[i] * world.tracker.target[i]
+        elif settings.trajectory:
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
-            lead = world.motors.target[i] - position
-        sensed[_TARGET + i] = bounded(lead / TARGET_SCALE)
+            target = (world.motors.target[i] - position) / TARGET_SCALE
+        sensed[_TARGET + i] = bounded(target)
     set_muscles(model, world.belief.mean, 0, scratch.joint.muscles)
     force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
     used_fractions(model, scratch.joint.muscles, limits, q, u, lift, force, scratch.fractions)

@@ -86,7 +86,8 @@ class Simulation:
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
         settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
-        settings["trajectory"] = configuration.control == "trajectory"
+        settings["trajectory"] = configuration.control != "force"
+        settings["targets"] = configuration.control == "targets"
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         settings["bound"] = configuration.needs_bound
         settings["record"] = configuration.record

@@ -58,7 +58,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         reward: Reward = "uncertainty",
         cohort: str | Cohort | Source = "trismus",
         episode_s: float = 30.0,
-        control_hz: float = 20.0,
+        control_hz: float | None = None,
         comfort_weight: float = 0.0,
         track_bound: bool = False,
         record: bool = False,
@@ -193,7 +193,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         worlds = simulation.worlds
         now = potential(configuration.reward, worlds)
         info = simulation.info(worlds)
-        reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.control_hz
+        reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.steps_per_s
         reward[waiting] = 0.0
         self._potential = now
         terminated = info["violation"] | ~np.isfinite(worlds["log_det"])

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from jawenv.device.channels import TRACKER
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.online.state import belief_dtype
@@ -48,6 +49,7 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("tick", "i8"),
         ("limits", limits_dtype(n_lines)),
         ("motors", MOTORS),
+        ("tracker", TRACKER),  # of targets control
         ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
         ("bound", "f8", (n_filter, n_filter)),
         ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step

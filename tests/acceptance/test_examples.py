@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from agents.maneuver import Maneuver
+from jawenv.maneuvers.maneuver import Maneuver
 
 ROOT = Path(__file__).parents[2]
 

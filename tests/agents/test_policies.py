@@ -10,8 +10,8 @@ from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.policies import load_policy
-from agents.protocol import Agent
 from jawenv.errors import InputError
+from jawenv.protocol import Agent
 
 SIZE = 9
 

@@ -6,10 +6,10 @@ import pytest
 
 import agents
 from agents.excitation import Excitation
-from agents.player import Player
-from agents.protocol import Agent
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.maneuvers.player import Player
+from jawenv.protocol import Agent
 
 
 @pytest.mark.parametrize("name", [*agents.names(), "random"])

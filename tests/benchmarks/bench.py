@@ -25,12 +25,12 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from agents.protocol import Agent
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.estimation.recordings.estimate import Estimator
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.extended_kalman import ExtendedKalman
 from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman
+from jawenv.protocol import Agent
 from jawenv.rollout import DEFAULT_ENV
 
 WORLDS = 256

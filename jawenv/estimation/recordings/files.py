@@ -81,7 +81,7 @@ def load_record(
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
-    control: Literal["force", "trajectory"] | None = None,
+    control: Literal["force", "trajectory", "targets"] | None = None,
     truth: Array | None = None,
 ) -> Record:
     """Read a recording. What neither the arguments nor the file says has the default named here.

@@ -41,7 +41,7 @@ class Record:
         prior: belief about the parameters before the record.
         parameter_names: p names.
         device: that measured it, None if unknown; no estimator reads it.
-        control: of its motors, "force" or "trajectory"; no estimator reads it.
+        control: of its motors, "force", "trajectory" or "targets"; no estimator reads it.
         truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
         states: (T + 1, n) true motion; None if unknown. For evaluation only.
         wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
@@ -63,7 +63,7 @@ class Record:
     prior: Prior
     parameter_names: tuple[str, ...]
     device: Device | None = None
-    control: Literal["force", "trajectory"] = "force"
+    control: Literal["force", "trajectory", "targets"] = "force"
     truth: Array | None = None
     states: Array | None = None
     wrenches: Array | None = None
@@ -86,8 +86,8 @@ class Record:
             value = getattr(self, name)
             if value is not None and np.shape(value) != shape:
                 raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
-        if self.control not in ("force", "trajectory"):
-            raise InputError(f"record: control is {self.control!r}, allowed are 'force' and 'trajectory'")
+        if self.control not in ("force", "trajectory", "targets"):
+            raise InputError(f"record: control is {self.control!r}, allowed are 'force', 'trajectory' and 'targets'")
         steps = np.diff(self.time)
         if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")

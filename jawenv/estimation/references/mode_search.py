@@ -105,7 +105,7 @@ def _windows(record: Record, ends: NDArray[np.int_]) -> NDArray[np.int_]:
 def leaves_pose_open(record: Record) -> bool:
     """Whether a tick measures fewer pose components than there are free coordinates: several motions may fit."""
     finite = np.isfinite(record.measured)
-    pose_readings = finite.any(axis=1).mean() * finite.any(axis=0)[: N_MEASUREMENTS // 2].sum()
+    pose_readings = finite.any(axis=1).mean() * finite[:, : N_MEASUREMENTS // 2].any(axis=0).sum()
     return bool(pose_readings < np.sum(record.start_sd[: len(record.start_sd) // 2] > 0.0))
 
 

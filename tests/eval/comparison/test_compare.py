@@ -173,7 +173,7 @@ def test_the_filters_mechanics_go_to_the_environment():
 
 
 def test_entries_with_the_same_name_are_told_apart(tmp_path):
-    from agents.maneuver import FOLDER
+    from jawenv.maneuvers.maneuver import FOLDER
 
     copy = tmp_path / "other.yaml"
     copy.write_text((FOLDER / "hold_still.yaml").read_text())
@@ -182,7 +182,7 @@ def test_entries_with_the_same_name_are_told_apart(tmp_path):
 
 
 def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
-    from agents.maneuver import FOLDER
+    from jawenv.maneuvers.maneuver import FOLDER
 
     text = (FOLDER / "slow_opening.yaml").read_text()
     copy = tmp_path / "slow_opening.yaml"

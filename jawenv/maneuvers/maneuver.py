@@ -7,15 +7,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from agents.protocol import Array
-from agents.signals import AnySignal, KeyframePoint, Keyframes, Signal
+from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
+from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, read_model
+from jawenv.maneuvers.signals import AnySignal, KeyframePoint, Keyframes, Signal
+from jawenv.protocol import Array
 
-FOLDER = Path(__file__).parent / "maneuvers"
-CHANNELS = ("opening", "side", "fore_aft", "roll")
-LOWEST = {"opening": 0.0, "side": -1.0, "fore_aft": -1.0, "roll": -1.0}
-HIGHEST = 1.0
-ROLL_FULL_SCALE_RAD = 0.07
+FOLDER = Path(__file__).parent / "shipped"
+SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 _AT_REST = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0),))
 
 
@@ -35,7 +34,7 @@ class Channels(InputModel):
         fore_aft: fraction of the soft limit of the fore-aft force, -1 to 1, positive forward. The force is
             controlled, not the position, in both control modes.
         roll: fraction of `ROLL_FULL_SCALE_RAD` (four degrees) from the rest pose, -1 to 1, positive lowers the
-            right side. Left out, trajectory control holds the roll and force control leaves it free.
+            right side. Left out, servos hold the roll and force control leaves it free.
     """
 
     opening: AnySignal
@@ -45,12 +44,10 @@ class Channels(InputModel):
 
     @model_validator(mode="after")
     def _within_limits(self) -> "Channels":
-        for name in CHANNELS:
+        for name, lowest in zip(CHANNELS, LOWEST, strict=True):
             low, high = self.signal(name).bounds()
-            if low < LOWEST[name] - 1e-9 or high > HIGHEST + 1e-9:
-                raise ValueError(
-                    f"{name} runs from {low:.3g} to {high:.3g}, allowed is {LOWEST[name]:g} to {HIGHEST:g}"
-                )
+            if low < lowest - 1e-9 or high > HIGHEST + 1e-9:
+                raise ValueError(f"{name} runs from {low:.3g} to {high:.3g}, allowed is {lowest:g} to {HIGHEST:g}")
         return self
 
     def signal(self, name: str) -> Signal:
@@ -91,6 +88,17 @@ class Maneuver(InputModel):
         return Targets(fade[:, None] * value, fade[:, None] * rate + fade_rate[:, None] * value)
 
     @classmethod
+    def named(cls, name: str) -> "Maneuver":
+        """One that comes with jawenv, see ``maneuver_names``.
+
+        Raises:
+            InputError: no maneuver has this name.
+        """
+        if name not in maneuver_names():
+            raise InputError(f"maneuver {shown(name)}: unknown; allowed: {', '.join(maneuver_names())}")
+        return cls.load(FOLDER / f"{name}.yaml")
+
+    @classmethod
     def load(cls, path: str | Path) -> "Maneuver":
         """Read a maneuver file (YAML, JSON or TOML).
 
@@ -98,3 +106,8 @@ class Maneuver(InputModel):
             InputError: one line that names the file, the key, the value and what is allowed.
         """
         return read_model(path, cls)
+
+
+def maneuver_names() -> tuple[str, ...]:
+    """The maneuvers that come with jawenv, in alphabetical order."""
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))

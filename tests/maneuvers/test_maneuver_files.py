@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import yaml
 
-from agents.maneuver import CHANNELS, FOLDER, HIGHEST, LOWEST, Maneuver
 from agents.registry import load_agent, names
+from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
+from jawenv.maneuvers.maneuver import FOLDER, Maneuver
 
 README = Path(__file__).parents[2] / "agents" / "README.md"
 SPEEDS_MM = np.array([25.0, 6.0])  # opening and side range of a typical patient
@@ -29,7 +30,7 @@ def test_every_file_loads_under_its_own_name(name: str) -> None:
     t = np.arange(0.0, 60.0, 0.05)
     targets = maneuver.targets(t)
     assert targets.value.shape == targets.rate.shape == (len(t), 4)
-    low, high = np.array([LOWEST[channel] for channel in CHANNELS]), HIGHEST
+    low, high = np.array(LOWEST), HIGHEST
     assert (targets.value >= low - 1e-9).all() and (targets.value <= high + 1e-9).all()
     np.testing.assert_allclose(targets.value[0], 0.0, atol=1e-12)
     np.testing.assert_allclose(np.diff(targets.value, axis=0) / 0.05, targets.rate[:-1], atol=0.15)

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from agents.maneuver import Maneuver
-from agents.player import Memory, Player
-from agents.protocol import Agent
 from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.maneuvers.maneuver import Maneuver
+from jawenv.maneuvers.player import Memory, Player
+from jawenv.protocol import Agent
 
 DT = 0.05
 OPENING_MM, SIDE_MM = 24.0, 6.0
@@ -162,7 +162,7 @@ def test_a_new_episode_starts_in_its_world_alone() -> None:
     _, state = agent.predict(jaw.observe(), episode_start=np.array([False, True, False]))
     assert state is not None
     np.testing.assert_array_equal(state[0], [41, 1, 41])
-    assert (state[2][1] == agent.predict(jaw.observe()[1:2], None, np.array([True]))[1][2]).all()
+    assert state[1][1] == agent.predict(jaw.observe()[1:2], None, np.array([True]))[1][1]
 
 
 def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
@@ -173,7 +173,7 @@ def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
     assert used.max() < 1.1 and used[-140:].max() < 0.95
     _, state = agent.predict(jaw.observe())
     assert state is not None
-    size = state[1]
+    size = state[1]["size"]
     assert (size[:, 2] < 0.6).all() and (size[:, :2] == 1.0).all()
 
 
@@ -195,7 +195,7 @@ def test_roll_is_the_difference_of_the_vertical_motors() -> None:
 
 
 def test_wrong_input_is_named() -> None:
-    with pytest.raises(InputError, match="control 'position': allowed are force, trajectory"):
+    with pytest.raises(InputError, match="control 'position': allowed are force, trajectory, targets"):
         Player(swings(), control="position")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="control_hz -1"):
         Player(swings(), control_hz=-1)

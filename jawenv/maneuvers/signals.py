@@ -15,8 +15,8 @@ from pydantic import Field, model_validator
 from scipy.interpolate import BPoly
 from scipy.signal import max_len_seq
 
-from agents.protocol import Array
 from jawenv.files import InputModel, Number
+from jawenv.protocol import Array
 
 Positive = Annotated[Number, Field(gt=0)]
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 from scipy.signal import chirp as scipy_chirp
 
-from agents.signals import AnySignal, Chirp, Harmonics, Keyframes, Prbs, Signal
+from jawenv.maneuvers.signals import AnySignal, Chirp, Harmonics, Keyframes, Prbs, Signal
 
 SIGNAL: TypeAdapter[Signal] = TypeAdapter(AnySignal)
 

@@ -11,8 +11,8 @@ import pytest
 
 import jawenv  # noqa: F401  (registers the environment)
 from agents import load_agent, names
-from agents.observed import read
-from agents.player import Player
+from jawenv.envs.observation import OBSERVATION_LAYOUT, POSE_SCALE
+from jawenv.maneuvers.player import Player
 
 PATIENTS, SEED, CONTROL_HZ = 6, 10_000, 20
 CONTROLS = ("trajectory", "force")
@@ -52,10 +52,12 @@ def play(name: str, control: str) -> Episode:
     for step in range(30 * CONTROL_HZ):
         action, state = agent.predict(observation)
         observation, _, _, _, info = env.step(action)
-        seen = read(observation)
-        place = np.column_stack([seen.jaw[:, :2], seen.forward_N / 15.0])
+        part = {name: observation[:, where].astype(float) for name, where in OBSERVATION_LAYOUT.items()}
+        pitch, force = part["pose"][:, 2] * POSE_SCALE[2], part["force"]
+        place = np.column_stack([part["jaw"][:, :2], np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2]])
         target = agent.maneuver.targets(np.array([(step + 1) / CONTROL_HZ])).value[0, :3]
-        rows.append((target * state.size[:, :3], place, action, state.size, info["governor"], info["violation"]))
+        size = state.trackers["size"]
+        rows.append((target * size[:, :3], place, action, size, info["governor"], info["violation"]))
     env.close()
     return Episode(*(np.array(column) for column in zip(*rows, strict=True)), info["information_bound"])
 

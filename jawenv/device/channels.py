@@ -1,0 +1,27 @@
+"""The four channels in which a device is told where to move a jaw, as fractions of this patient's comfort."""
+
+from __future__ import annotations
+
+import numpy as np
+
+CHANNELS = ("opening", "side", "fore_aft", "roll")
+N_CHANNELS = len(CHANNELS)
+OPENING, SIDE, FORE_AFT, ROLL = range(N_CHANNELS)
+LOWEST = (0.0, -1.0, -1.0, -1.0)
+HIGHEST = 1.0
+ROLL_FULL_SCALE_RAD = 0.07
+# 1/s: rate at which the device moves a target, at most. On a typical patient 23 mm/s of opening and 18 mm/s of side.
+FASTEST_TARGET = (0.9, 3.0, 1.5, 3.0)
+
+TRACKER = np.dtype(
+    [
+        ("target", "f8", N_CHANNELS),  # fractions, before the guard
+        ("rate", "f8", N_CHANNELS),  # 1/s, at which they move
+        ("size", "f8", N_CHANNELS),  # what the guard multiplies them by, 0 to 1
+        ("integral", "f8", 3),  # of the force law: N, N m, N m
+        ("rest_roll", "f8"),  # rad, as first seen
+        ("begun", "u1"),
+    ],
+    align=True,
+)
+"""What the device remembers while it follows targets."""

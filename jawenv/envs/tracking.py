@@ -1,0 +1,120 @@
+"""The device follows targets: from an observation and what is wanted to the motors' action.
+
+The law sees what an agent sees and no more. Maneuvers in force and trajectory control use it from outside, through
+``follow``; with ``control="targets"`` the device itself does, every ``LAW_TICKS`` ticks.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from jawenv.anatomy import default_fossa
+from jawenv.compiled import njit
+from jawenv.device.channels import (
+    FASTEST_TARGET,
+    FORE_AFT,
+    HIGHEST,
+    LOWEST,
+    N_CHANNELS,
+    OPENING,
+    ROLL,
+    ROLL_FULL_SCALE_RAD,
+    SIDE,
+)
+from jawenv.device.comfort import SOFT_FORCE
+from jawenv.device.guard import CREST_SHARE, shrink
+from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
+from jawenv.envs.observation import OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+
+LAW_TICKS = 5  # 20 Hz
+_CREST_M = pi / default_fossa().spatial_frequency
+_POSE, _JAW = OBSERVATION_REST["pose"].start, OBSERVATION_REST["jaw"].start
+_RANGE, _FORCE = OBSERVATION_REST["jaw_range"].start, OBSERVATION_REST["force"].start
+_MARGIN, _END = OBSERVATION_REST["comfort_margin"].start, OBSERVATION_REST["comfort_margin"].stop
+
+
+@njit
+def felt_by(sensed, rest_roll):
+    """``Felt`` from an observation's part after the belief; the load cell turns with the mouthpiece."""
+    pitch = sensed[_POSE + 2] * POSE_SCALE[2]
+    ahead, up = sensed[_FORCE] * SOFT_FORCE, sensed[_FORCE + 2] * SOFT_FORCE
+    opened = float(sensed[_JAW])
+    return Felt(
+        opened * sensed[_RANGE] * RANGE_SCALE[0] * 1e3,
+        sensed[_JAW + 1] * sensed[_RANGE + 1] * RANGE_SCALE[1] * 1e3,
+        sensed[_POSE + 4] * POSE_SCALE[4] - rest_roll,
+        pitch,
+        cos(pitch) * ahead + sin(pitch) * up,
+        sin(pitch) * ahead - cos(pitch) * up,
+        opened,
+    )
+
+
+@njit
+def wanted_by(sensed, tracker):
+    """``Wanted`` from the targets of ``tracker``, each times its size."""
+    opening, side = sensed[_RANGE] * RANGE_SCALE[0] * 1e3, sensed[_RANGE + 1] * RANGE_SCALE[1] * 1e3
+    target, rate, size = tracker.target, tracker.rate, tracker.size
+    return Wanted(
+        size[OPENING] * target[OPENING] * opening,
+        size[SIDE] * target[SIDE] * side,
+        size[ROLL] * target[ROLL] * ROLL_FULL_SCALE_RAD,
+        size[FORE_AFT] * target[FORE_AFT] * SOFT_FORCE,
+        size[OPENING] * rate[OPENING] * opening,
+        size[SIDE] * rate[SIDE] * side,
+        size[ROLL] * rate[ROLL] * ROLL_FULL_SCALE_RAD,
+    )
+
+
+@njit
+def follow(device, observation, parameters, tracker, with_servo, holds_roll, dt, action):
+    """One decision of the law.
+
+    Args:
+        device: record of dtype ``DEVICE``.
+        observation: (size,) of one world.
+        parameters: how many the observation's belief has.
+        tracker: record of dtype ``TRACKER``: its target and rate are followed, the rest is remembered.
+        with_servo: rates for trajectory control, else thrusts for force control.
+        holds_roll: whether thrusts hold the roll; equal thrusts of the vertical motors leave it free.
+        dt: s until the next decision.
+        action: (4,) filled.
+    """
+    sensed = observation[2 * parameters :]
+    if not tracker.begun:
+        tracker.size[:] = 1.0
+        tracker.integral[:] = 0.0
+        tracker.rest_roll = sensed[_POSE + 4] * POSE_SCALE[4]
+        tracker.begun = 1
+    shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / _CREST_M / CREST_SHARE, dt)
+    wanted, felt = wanted_by(sensed, tracker), felt_by(sensed, tracker.rest_roll)
+    if with_servo:
+        servo_rates(device, wanted, felt, action)
+    else:
+        thrusts(device, wanted, felt, holds_roll, tracker.integral, dt, action)
+
+
+@njit
+def follow_all(devices, observations, parameters, trackers, with_servo, holds_roll, dt, actions):
+    """``follow`` for N worlds; ``devices`` has one record."""
+    for i in range(observations.shape[0]):
+        follow(devices[0], observations[i], parameters, trackers[i], with_servo, holds_roll, dt, actions[i])
+
+
+@njit
+def aim(tracker, action, period):
+    """Set the rates with which the targets reach ``action`` (4, in [-1, 1]) after ``period`` s, or as far as they may.
+
+    An action of -1 to 1 is the whole of a channel: 0 to 1 for the opening, -1 to 1 for the others.
+    """
+    for k in range(N_CHANNELS):
+        goal = LOWEST[k] + 0.5 * (HIGHEST - LOWEST[k]) * (action[k] + 1.0)
+        rate = (goal - tracker.target[k]) / period
+        tracker.rate[k] = min(max(rate, -FASTEST_TARGET[k]), FASTEST_TARGET[k])
+
+
+@njit
+def move_targets(tracker, dt):
+    """The targets ``dt`` s later."""
+    for k in range(N_CHANNELS):
+        tracker.target[k] += tracker.rate[k] * dt
