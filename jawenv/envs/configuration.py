@@ -21,7 +21,7 @@ from jawenv.reality import Reality, check_reality
 
 Control = Literal["force", "trajectory", "targets"]
 Sensors = Literal["pose", "point"]
-Reward = Literal["uncertainty", "bound", "score"]
+Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 
 CONTROL_HZ: dict[str, float] = {"force": 20.0, "trajectory": 20.0, "targets": 5.0}
 """Steps per second where none are given, by control."""

@@ -60,8 +60,9 @@ class JawEnv(gym.Env[Observation, Action]):
 
     ## Rewards
     ``"uncertainty"``: nats of information that the filter claims to have gained in this step. ``"bound"``: the same for
-    the posterior Cramer-Rao bound. ``"score"``: gain of the log posterior density at the truth. From each,
-    ``comfort_weight`` times the integral of the cost over the step (s) is taken.
+    the posterior Cramer-Rao bound. ``"score"``: gain of the log posterior density at the truth. ``"worst"``: fall of
+    the logarithm of nearly the largest sd, times the number of parameters. ``"mixed"``: mean of the first and this.
+    From each, ``comfort_weight`` times the integral of the cost over the step (s) is taken.
 
     ## Starting State
     A patient drawn from ``cohort``, or ``options={"patient": ...}``: a ``jawenv.Patient``, a mapping of its fields or

@@ -40,6 +40,18 @@ def test_rewards_add_up_to_the_information_at_the_end(reward):
     assert abs(last) > 1.0
 
 
+@pytest.mark.parametrize("reward", ["worst", "mixed"])
+def test_the_reward_for_the_worst_sd_follows_the_sixth_norm(reward):
+    rewards, infos = play(gym.make(ID, reward=reward, episode_s=3.0), 60)
+    norm = [np.mean(info["belief_sd"] ** 6) ** (1.0 / 6.0) for info in (infos[0], infos[-1])]
+    expected = 12.0 * np.log(norm[0] / norm[1])
+    if reward == "mixed":
+        gained = infos[-1]["information_claimed"] - infos[0]["information_claimed"]
+        expected = 0.5 * (expected + gained)
+    assert rewards.sum() == pytest.approx(expected, abs=1e-9)
+    assert expected > 1.0
+
+
 def test_information_is_that_of_the_belief_in_info():
     env = gym.make(ID, episode_s=1.0)
     info, prior = play(env, 20)[1][-1], env.unwrapped.prior
