@@ -2,8 +2,13 @@
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from jawenv.mechanics import build_jaw
+
+# No deadline: the first call compiles, and machines are shared. Always the same examples.
+settings.register_profile("jawenv", deadline=None, derandomize=True)
+settings.load_profile("jawenv")
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.configuration import Configuration
+from jawenv.envs.configuration import CONTROL_HZ, Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,9 @@ def test_arguments() -> None:
     own = {"render_mode"}
     assert {named(row[0])[0] for row in table("Making it")} == {field.name for field in fields(Configuration)} | own
     stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Making it")}
-    for field in fields(Configuration):
+    rates = f"{CONTROL_HZ['force']:g}; in targets control {CONTROL_HZ['targets']:g}"
+    assert stated.pop("control_hz") == rates and CONTROL_HZ["trajectory"] == CONTROL_HZ["force"]
+    for field in (field for field in fields(Configuration) if field.name != "control_hz"):
         assert stated[field.name] == (f"{field.default:g}" if type(field.default) is float else str(field.default))
 
 

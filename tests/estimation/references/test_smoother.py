@@ -97,19 +97,23 @@ def test_readings_that_are_missing_do_not_count(record, rng):
 
 
 def test_the_cost_falls_with_every_step_and_the_start_does_not_matter(monkeypatch):
-    """From the filter's end and from the prior alone: the same minimum."""
+    """From the filter's end and from the prior alone: the same minimum, to what other divisions of the steps change.
+
+    The steps stay divided as finely as any path on the way has asked for. Where both ways ask for the same, the minima
+    agree to 1e-6 sds.
+    """
     for record in opening("healthy").records[:3]:
         record = record.until(10.0)
-        near = IteratedSmoother(tolerance=1e-4).find_path(record)
+        near = IteratedSmoother().find_path(record)
         with monkeypatch.context() as patched:
             prior = Estimate("prior", np.zeros(1), record.prior.mean[None], np.diag(record.prior.sd**2)[None])
             patched.setattr(ExtendedKalman, "estimate", lambda self, record, prior=prior: prior)
-            far = IteratedSmoother(tolerance=1e-4).find_path(record)
+            far = IteratedSmoother().find_path(record)
         for result in (near, far):
             assert result.converged
             assert (np.diff(result.costs) < 0.0).all()
         assert far.costs[0] > near.costs[0]
-        assert (np.abs(far.path.parameters - near.path.parameters) < 1e-2 * np.sqrt(np.diag(near.path_cov))).all()
+        assert (np.abs(far.path.parameters - near.path.parameters) < 2e-2 * np.sqrt(np.diag(near.path_cov))).all()
 
 
 def as_the_model_has_it(record, rng):
