@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from jawenv.errors import InputError
+from training.optimise_command import optimise
 
 app = typer.Typer(
     help="Train agents that identify a patient's closing muscles.",
@@ -19,6 +20,7 @@ app = typer.Typer(
 )
 train_app = typer.Typer(help="Train an agent; one command per algorithm.")
 app.add_typer(train_app, name="train")
+app.command("optimise")(optimise)
 
 ConfigFile = Annotated[
     Path | None,

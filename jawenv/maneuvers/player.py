@@ -92,13 +92,16 @@ class Player:
         time = self._dt * memory.step.astype(np.float64)
         if self._control == "targets":
             # Where the jaw is to be at the end of the step.
-            action = action_of(self.maneuver.targets(time + self._dt).value)
+            action = action_of(self.targets(time + self._dt).value)
         else:
-            targets = self.maneuver.targets(time)
-            action = self._follow(rows, parameters, memory.trackers, targets)
+            action = self._follow(rows, parameters, memory.trackers, self.targets(time))
         self._memory = Memory(memory.step + 1, memory.trackers)
         single_precision = action.astype(np.float32)
         return (single_precision[0] if single else single_precision), self._memory
+
+    def targets(self, time: Array) -> Targets:
+        """Targets of N worlds at times (N,) since their episodes began, s."""
+        return self.maneuver.targets(time)
 
     def _follow(self, rows: Observation, parameters: int, trackers: NDArray[np.void], targets: Targets) -> Array:
         trackers["target"], trackers["rate"] = targets.value, targets.rate

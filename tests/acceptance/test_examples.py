@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-from jawenv.maneuvers.maneuver import Maneuver
-
 ROOT = Path(__file__).parents[2]
 
 
@@ -30,34 +28,6 @@ def test_score_a_maneuver_names_a_file_that_is_not_there() -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("error: ") and "no_such_file.yaml" in done.stderr
     assert len(done.stderr.splitlines()) == 1
-
-
-def test_optimise_maneuver(tmp_path: Path) -> None:
-    file = tmp_path / "mine.yaml"
-    wanted = (
-        "--patients",
-        "1",
-        "--evaluations",
-        "25",
-        "--episode-s",
-        "2",
-        "--test-patients",
-        "0",
-        "--output",
-        str(file),
-    )
-    done = run("examples/optimise_maneuver.py", *wanted)
-    assert done.returncode == 0, done.stderr
-    assert "20 of about 25: best " in done.stderr
-    text = file.read_text(encoding="utf-8")
-    assert "# python examples/optimise_maneuver.py --patients 1 --evaluations 25 --seed 0 --episode-s 2\n" in text
-    assert "multisine" in text and Maneuver.load(file).channels.roll is not None
-
-
-def test_optimise_maneuver_names_a_folder_that_is_not_there() -> None:
-    done = run("examples/optimise_maneuver.py", "--output", "no_such_folder/mine.yaml")
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: output: ") and len(done.stderr.splitlines()) == 1
 
 
 def test_reuse_environment_needs_no_torch() -> None:

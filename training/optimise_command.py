@@ -1,0 +1,109 @@
+"""``python -m training optimise``: search a maneuver and write its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import yaml
+from rich.console import Console
+
+from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.progress import Progress
+
+Output = Annotated[Path, typer.Option(metavar="FILE", help="Maneuver file to write; its stem is the maneuver's name.")]
+CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
+OVER = {
+    "mean": "on average over {patients} patients",
+    "tail": "of those third of {patients} patients who are known least",
+    "nominal": "of the patient with the medians of the cohort",
+}
+
+
+def optimise(
+    output: Output,
+    cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
+    control: Annotated[str, typer.Option(help="force, trajectory or targets.")] = "targets",
+    horizon_s: Annotated[float, typer.Option(help="Length of an episode.", metavar="S")] = 10.0,
+    criterion: Annotated[str, typer.Option(help="worst (the largest sd), D (determinant) or A (trace).")] = "worst",
+    over: Annotated[str, typer.Option(help="mean of the patients, tail (the worst third) or nominal.")] = "mean",
+    patients: Annotated[int, typer.Option(help="Patients that each candidate is played with.", metavar="N")] = 12,
+    generations: Annotated[int, typer.Option(help="Generations of CMA-ES.", metavar="N")] = 120,
+    population: Annotated[int, typer.Option(help="Candidates in a generation.", metavar="N")] = 14,
+    sigma: Annotated[float, typer.Option(help="First step size, of numbers from 0 to 1.")] = 0.12,
+    seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew where a search was left off.")] = False,
+) -> int:
+    """Search the open-loop maneuver after which the parameters are known best, within comfort.
+
+    A search that was stopped goes on when the same command is given again. The losses so far stand beside the file,
+    in NAME.search.txt. Two sines on each of the four channels are searched.
+    """
+    from training.optimise import Design, search
+
+    if output.suffix != ".yaml" or not output.parent.is_dir():
+        raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
+    if not output.stem.isidentifier() or output.stem != output.stem.lower():
+        raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+    settings: dict[str, Any] = {
+        "cohort": cohort,
+        "control": control,
+        "horizon_s": horizon_s,
+        "criterion": criterion,
+        "over": over,
+        "patients": patients,
+        "generations": generations,
+        "population": population,
+        "sigma": sigma,
+        "seed": seed,
+    }
+    design = Design(**settings)
+    log = output.with_suffix(".search.txt")
+    if overwrite:
+        log.unlink(missing_ok=True)
+    console = Console(highlight=False, markup=False, stderr=True)
+    try:
+        with Progress(generations, "generations", console) as progress:
+
+            def report(done: int, found: Any) -> None:
+                progress.note("best", f"best loss {found.judged.loss:.3f}")
+                progress.advance_to(done)
+
+            found = search(design, log, report)
+    except KeyboardInterrupt:
+        console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
+        return 130
+    _write(output, design, found, settings)
+    judged = found.judged
+    console.print(
+        f"{output}: largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
+        f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
+        f"hard limits crossed by {judged.violated:.0%}" + ("" if judged.feasible else "; NOT within comfort"),
+        soft_wrap=True,
+    )
+    return 0
+
+
+def _write(output: Path, design: Any, found: Any, settings: dict[str, Any]) -> None:
+    """The maneuver file, with the command that made it."""
+    from training.waveform import content
+
+    defaults = type(design)().about()
+    options = [f"--{k.replace('_', '-')} {v}" for k, v in settings.items() if v != defaults[k]]
+    command = " ".join(["python -m training optimise", f"--output {output.name}", *options])
+    title = output.stem.replace("_", " ").capitalize()
+    about = {
+        "name": output.stem,
+        "title": title,
+        "description": (
+            f"Two sines on opening, side, fore-aft force and roll, searched by CMA-ES for {CRITERIA[design.criterion]} "
+            f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
+            f"the start, within comfort, in {design.control} control."
+        ),
+        "source": "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)",
+    }
+    text = yaml.safe_dump(content(found.numbers, about), sort_keys=False, width=110, default_flow_style=None)
+    with atomic_write(output) as unfinished:
+        unfinished.write_text(f"# Found, not made by hand, by\n# {command}\n{text}", encoding="utf-8")
