@@ -16,7 +16,7 @@ from jawenv.envs.configuration import Control, Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset import checked_patient, checked_seed
 from jawenv.envs.rewards import potential
-from jawenv.envs.scene import build_scene
+from jawenv.envs.scene import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
@@ -181,8 +181,9 @@ class JawEnv(gym.Env[Observation, Action]):
         self.simulation.reset(_ON, [patient])
         self._end = None
         self._potential = float(potential(self.configuration.reward, self.simulation.worlds)[0])
-        if self._renderer is not None:
-            self._renderer.reset()
+        if self.render_mode is not None:
+            self._renderer_made().reset()
+            self._renderer.note(moment_of(self.simulation))
         if self.render_mode == "human":
             self.render()
         return self.simulation.observation[0].copy(), self.simulation.info(self.simulation.worlds[0])
@@ -211,6 +212,8 @@ class JawEnv(gym.Env[Observation, Action]):
         truncated = bool(world["tick"] >= configuration.steps * configuration.ticks_per_step)
         if terminated or truncated:
             self._end = terminated, truncated
+        if self._renderer is not None:
+            self._renderer.note(moment_of(simulation))
         if self.render_mode == "human":
             self.render()
         return simulation.observation[0].copy(), reward, terminated, truncated, info
@@ -222,14 +225,17 @@ class JawEnv(gym.Env[Observation, Action]):
             return None
         if not self._seeded:
             raise gym.error.ResetNeeded("call reset() before render()")
+        renderer, scene = self._renderer_made(), build_scene(self.simulation)
+        return renderer.draw(scene) if self.render_mode == "rgb_array" else renderer.show(scene)
+
+    def _renderer_made(self) -> Any:
+        """The renderer, which imports pygame when it first draws."""
         if self._renderer is None:
             from jawenv.envs.rendering.renderer import Renderer
 
-            self._renderer = Renderer(
-                cast(Literal["human", "rgb_array"], self.render_mode), self.configuration.steps_per_s
-            )
-        scene = build_scene(self.simulation)
-        return self._renderer.draw(scene) if self.render_mode == "rgb_array" else self._renderer.show(scene)
+            mode = cast(Literal["human", "rgb_array"], self.render_mode)
+            self._renderer = Renderer(mode, self.configuration.steps_per_s)
+        return self._renderer
 
     def close(self) -> None:
         """Close the window, if any."""

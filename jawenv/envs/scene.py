@@ -59,8 +59,20 @@ def build_scene(simulation: Simulation) -> Any:
         excursion_mm=1e3 * np.array([side, fore_aft]),
         excursion_soft_mm=1e3 * np.array([limits["side"], limits["fore_aft"]]),
         information_nats=float(info["information_claimed"]),
-        title=f"{simulation.model.title}, {configuration.cohort} patient, {configuration.control} control",
+        title=f"{simulation.model.title}, {simulation.cohort.name} patient, {configuration.control} control",
     )
+
+
+def moment_of(simulation: Simulation) -> tuple[float, float, float, float]:
+    """``Moment`` of the first world, as that of its scene."""
+    world = simulation.worlds[0]
+    jaw = world["jaw"]
+    q, _ = split(world["state"])
+    mouthpiece = np.array(contact_point(jaw, q)) + np.array(rotation(q)) @ jaw["mouthpiece"]
+    mouthpiece[2] += world["lift"][0]
+    _, side, fore_aft = excursions(world["limits"], jaw, tuple(mouthpiece))
+    opening = float(jaw["mouthpiece"][2] - mouthpiece[2])
+    return float(world["tick"]) * TICK, 1e3 * opening, 1e3 * float(side), 1e3 * float(fore_aft)
 
 
 def _can_be_used(limit: str, simulation: Simulation) -> bool:

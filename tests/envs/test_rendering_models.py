@@ -9,6 +9,7 @@ import jawenv  # noqa: F401  (registers the environments)
 from jawenv.envs.rendering import Renderer, palette
 from jawenv.envs.rendering.frame import CARDS
 from jawenv.envs.rendering.posterior_layout import lay_out
+from jawenv.envs.scene import build_scene, moment_of
 from jawenv.ladder import MODELS
 from tests.envs import jaw_scenes as scenes
 
@@ -116,3 +117,18 @@ def test_every_environment_renders_and_can_be_filmed(model, tmp_path):
     assert rest.shape == opened.shape == (720, 1280, 3) and rest.dtype == np.uint8
     assert scenes.differ(rest, opened, scenes.SIDE) > 2000
     assert [path.suffix for path in (tmp_path / "video").iterdir() if path.stat().st_size > 10_000] == [".mp4"]
+
+
+def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohort():
+    env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array", cohort="severe", episode_s=2.0).unwrapped
+    env.reset(seed=0)
+    for _ in range(7):
+        env.step(OPENING)
+    env.render()
+    renderer = env._renderer
+    times = [moment[0] for moment in renderer._trace]
+    np.testing.assert_allclose(times, 0.05 * np.arange(8), atol=1e-12)
+    assert build_scene(env.simulation).title == "Jaw, severe patient, force control"
+    assert build_scene(env.simulation).moment == pytest.approx(moment_of(env.simulation))
+    env.reset()
+    assert len(renderer._trace) == 1

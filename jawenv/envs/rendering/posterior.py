@@ -22,7 +22,7 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
     layout = lay_out(box, scene)
     columns, worst = layout.columns, float(scene.prior_sd.max())
     heading, end = box[1] + 50, layout.blocks[-1].top + layout.blocks[-1].height
-    quantities = ("force at rest", "stiffness") if layout.headed else ("at rest, N", "stiffness")
+    quantities = ("force, jaw closed", "exponent") if layout.headed else ("closed, N", "exponent")
     for column, (name, quantity) in enumerate(zip(_PARAMETERS, quantities, strict=True)):
         left = columns.value_left[column]
         used = symbol(canvas, name, (left, heading), 12.5, INK)

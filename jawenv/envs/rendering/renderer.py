@@ -54,6 +54,12 @@ class Renderer:
         self._clock: pygame.time.Clock | None = None
         self._dismissed = False
 
+    def note(self, moment: Moment) -> None:
+        """Keep a moment for the trace, whether or not it is drawn."""
+        while self._trace and self._trace[-1][0] >= moment[0]:
+            self._trace.pop()
+        self._trace.append(moment)
+
     def draw(self, scene: Scene) -> NDArray[np.uint8]:
         """Draw a scene off-screen.
 
@@ -105,9 +111,7 @@ class Renderer:
                 from jawenv.envs.rendering.frame import Frame
 
             self._frame = Frame(self.size)
-        while self._trace and self._trace[-1][0] >= scene.time_s:
-            self._trace.pop()
-        self._trace.append(scene.moment)
+        self.note(scene.moment)
         return self._frame.draw(scene, self._trace)
 
     def _open(self) -> pygame.Surface:
