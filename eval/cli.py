@@ -1,4 +1,4 @@
-"""Commands: ``python -m eval compare``, ``report``, ``calibrate`` and ``thesis``."""
+"""Commands: ``python -m eval compare``, ``play``, ``report``, ``calibrate`` and ``thesis``."""
 
 from __future__ import annotations
 
@@ -101,6 +101,41 @@ def compare_command(
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
     _present(study, output, reference, console)
+
+
+@app.command("play")
+def play_command(
+    entry: Annotated[
+        str, typer.Argument(metavar="MANEUVER|FILE|RUN", help="A name, a maneuver file or a training run.")
+    ],
+    video: Annotated[
+        Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
+    ] = None,
+    env: Annotated[
+        str | None, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+    ] = None,
+    cohort: Cohort = "trismus",
+    patient: Annotated[
+        Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
+    ] = None,
+    seed: Seed = REPORTS[0].start,
+    control: Control = "trajectory",
+    sensors: Sensors = "pose",
+    episode_s: Annotated[float, typer.Option(help="Length of the episode, s.", metavar="S")] = 30.0,
+    start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
+    width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
+    every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
+) -> None:
+    """Show one episode in a window, or write it as a film."""
+    from eval import film
+    from eval.entries import env_of_runs, load_entries
+    from eval.settings import Settings
+
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]))
+    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env)
+    wanted, console = film.Film(loaded, seed, patient, start_s, width, every), _console()
+    said = film.show(wanted, console) if video is None else film.write(wanted, video, console)
+    console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
 
 
 @app.command("report")
