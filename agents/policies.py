@@ -23,6 +23,7 @@ class TrainedPolicy:
         name: the run's folder, and the checkpoint within it unless it is the best or final model.
         path: the checkpoint.
         observation_size: how many values the policy wants to see.
+        policy: stable-baselines3's own.
     """
 
     def __init__(self, path: Path, policy: "BasePolicy") -> None:
@@ -31,7 +32,7 @@ class TrainedPolicy:
         self.name = folder if whole_run else f"{folder}/{path.stem}"
         self.path = path
         self.observation_size = int(np.prod(policy.observation_space.shape or (0,)))
-        self._policy = policy
+        self.policy = policy
         self._state: State = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
@@ -60,7 +61,7 @@ class TrainedPolicy:
                 f"{self.path}: the policy was trained on observations of {self.observation_size} values, got {size}"
             )
         memory = self._state if state is None else state
-        action, self._state = self._policy.predict(observation, memory, episode_start, deterministic)
+        action, self._state = self.policy.predict(observation, memory, episode_start, deterministic)
         return action, self._state
 
 

@@ -1,0 +1,201 @@
+"""The model card of an exported policy: what it is, where it fits, how it was made, and what it reached.
+
+::
+
+    FOLDER/card.json            this card
+           policy.safetensors   the weights: layers.0.weight (outputs, inputs), layers.0.bias (outputs), layers.1...
+"""
+
+from __future__ import annotations
+
+from datetime import date
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, Self
+
+from pydantic import Field, JsonValue, model_validator
+
+from jawenv.envs.configuration import Control, Sensors
+from jawenv.errors import InputError, shown
+from jawenv.files import InputModel, Number, read_mapping, validate
+from jawenv.maneuvers import Maneuver
+
+FORMAT_VERSION: Final = 1
+CARD, WEIGHTS = "card.json", "policy.safetensors"
+
+Text = Annotated[str, Field(min_length=1)]
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+PositiveInt = Annotated[int, Field(gt=0, strict=True)]
+PositiveNumber = Annotated[Number, Field(gt=0.0)]
+
+
+class Environment(InputModel):
+    """Where the policy was trained.
+
+    Attributes:
+        id: Gymnasium's id.
+        control: what an action means.
+        control_hz: actions per second.
+        sensors: what is measured.
+        reward: what was rewarded.
+        cohort: the patients, by their name or as a mapping.
+        episode_s: length of an episode, s.
+        others: further arguments of the environment.
+    """
+
+    id: Text
+    control: Control
+    control_hz: PositiveNumber
+    sensors: Sensors
+    reward: Text
+    cohort: Text | dict[str, JsonValue]
+    episode_s: PositiveNumber
+    others: dict[str, JsonValue] = {}
+
+    def kwargs(self) -> dict[str, Any]:
+        """Arguments for `gymnasium.make`."""
+        return self.model_dump(exclude={"id", "others"}) | self.others
+
+
+class Architecture(InputModel):
+    """The network that acts, a multilayer perceptron.
+
+    Attributes:
+        layers: sizes from the observation to the action; the hidden ones lie between.
+        activation: after every layer but the last.
+        squash: how the last layer's output gets into [-1, 1].
+    """
+
+    layers: Annotated[tuple[PositiveInt, ...], Field(min_length=2)]
+    activation: Literal["tanh", "relu", "elu"]
+    squash: Literal["tanh", "clip"]
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the weights by their names."""
+        shapes: dict[str, tuple[int, ...]] = {}
+        for i, (inputs, outputs) in enumerate(zip(self.layers, self.layers[1:], strict=False)):
+            shapes |= {f"layers.{i}.weight": (outputs, inputs), f"layers.{i}.bias": (outputs,)}
+        return shapes
+
+
+class Residual(InputModel):
+    """The policy corrects a maneuver.
+
+    Attributes:
+        maneuver: what is corrected, as a whole.
+        scale: of the policy's action, which is added to the maneuver's.
+    """
+
+    maneuver: Maneuver
+    scale: PositiveNumber
+
+
+class Result(InputModel):
+    """One figure that the policy reached, with its interval.
+
+    Attributes:
+        cohort: whom it was tried on.
+        patients: how many.
+        seeds: of the first and the last patient.
+        metric: what was measured, with its unit.
+        mean: over the patients; or
+        median: over the patients.
+        low: lower end of the interval.
+        high: upper end of the interval.
+        level: of confidence of the interval.
+    """
+
+    cohort: Text
+    patients: PositiveInt
+    seeds: tuple[int, int]
+    metric: Text
+    mean: Number | None = None
+    median: Number | None = None
+    low: Number
+    high: Number
+    level: Annotated[Number, Field(gt=0.0, lt=1.0)] = 0.95
+
+    @model_validator(mode="after")
+    def _one_figure(self) -> Self:
+        if (self.mean is None) == (self.median is None):
+            raise ValueError(f"{self.metric}: give either mean or median")
+        if self.low > self.high:
+            raise ValueError(f"{self.metric}: low {self.low:g} must not be above high {self.high:g}")
+        return self
+
+
+class ModelCard(InputModel):
+    """All that is known of an exported policy.
+
+    Attributes:
+        format_version: of card and weights.
+        environment: where it was trained, its cohort with it.
+        observation_size: values that the network sees.
+        action_size: values that it gives.
+        architecture: of the network.
+        algorithm: that trained it.
+        seed: of the training.
+        steps: of the environment that the policy had learned from.
+        residual: the maneuver that it corrects, if it does.
+        results: what it reached.
+        jawenv_version: that exported it.
+        config_sha256: of the run's config.yaml, as JSON without spaces and with sorted keys.
+        weights_sha256: of the file of weights.
+        licence: under which the weights are given.
+        date: of the export.
+        commands: that made it, from the training to the export.
+    """
+
+    format_version: Literal[1] = FORMAT_VERSION
+    environment: Environment
+    observation_size: PositiveInt
+    action_size: Literal[4] = 4
+    architecture: Architecture
+    algorithm: Text
+    seed: Annotated[int, Field(ge=0, strict=True)]
+    steps: Annotated[int, Field(ge=0, strict=True)]
+    residual: Residual | None = None
+    results: tuple[Result, ...] = ()
+    jawenv_version: Text
+    config_sha256: Sha256
+    weights_sha256: Sha256
+    licence: Text
+    date: date
+    commands: tuple[str, ...]
+
+    @model_validator(mode="after")
+    def _layers_fit(self) -> Self:
+        ends, layers = (self.observation_size, self.action_size), self.architecture.layers
+        if ends != (layers[0], layers[-1]):
+            raise ValueError(
+                f"architecture.layers run from {layers[0]} to {layers[-1]}, "
+                f"allowed: from observation_size {ends[0]} to action_size {ends[1]}"
+            )
+        return self
+
+
+class ResultsFile(InputModel):
+    """A file of results for a card."""
+
+    results: tuple[Result, ...]
+
+
+def is_exported(path: Path) -> bool:
+    """Whether a path stands for an exported policy: its folder, whole or not, or its card."""
+    return path.name == CARD or (path / CARD).is_file() or (path / WEIGHTS).is_file()
+
+
+def read_card(path: Path) -> ModelCard:
+    """Read the card of an exported policy.
+
+    Args:
+        path: its folder, or the card itself.
+
+    Raises:
+        InputError: no card, a damaged one, one of a format that is not known, or a value that is not allowed.
+    """
+    file = path if path.name == CARD else path / CARD
+    data = read_mapping(file)
+    version = data.get("format_version")
+    if version != FORMAT_VERSION:
+        raise InputError(f"{file}: format_version is {shown(version)}; this jawenv reads {FORMAT_VERSION}")
+    return validate(ModelCard, data, str(file))

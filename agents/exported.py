@@ -1,0 +1,153 @@
+"""Exported policies as agents: a card and plain weights, played in NumPy; nothing in them can run code."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from agents.card import WEIGHTS, Architecture, ModelCard, Residual, read_card
+from jawenv.envs.observation import observation_size
+from jawenv.errors import InputError
+from jawenv.extras import needs
+from jawenv.ladder import model_of_env
+from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
+
+RESIDUAL_VALUES = 12
+"""What a policy that corrects a maneuver sees beside the observation: the maneuver's targets."""
+
+
+def elu(x: Array) -> Array:
+    """Exponential linear unit."""
+    return np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
+
+
+ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
+    {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0), "elu": elu}
+)
+
+
+class ExportedPolicy:
+    """A multilayer perceptron that acts as its policy does without chance.
+
+    Args:
+        name: what tables call it.
+        card: what it is.
+        weights: its parameters, by the names and with the shapes of `Architecture.shapes`.
+
+    Attributes:
+        name: what tables call it.
+        card: what it is; ``card.environment`` says where it plays.
+    """
+
+    def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
+        self.name, self.card = name, card
+        # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
+        exact = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
+        last = len(card.architecture.layers) - 1
+        self._layers = [(exact[f"layers.{i}.weight"].T, exact[f"layers.{i}.bias"]) for i in range(last)]
+        self._activation = ACTIVATIONS[card.architecture.activation]
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Nothing: there is no memory and no chance."""
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See `jawenv.protocol.Agent.predict`; what the training explored with is not exported.
+
+        Raises:
+            InputError: the observation has not the size that the policy was trained on.
+        """
+        size = np.shape(observation)[-1]
+        if size != self.card.observation_size:
+            raise InputError(
+                f"{self.name}: the policy was trained on observations of {self.card.observation_size} values, "
+                f"got {size}"
+            )
+        values: Array = np.asarray(observation, dtype=np.float64)
+        for weight, bias in self._layers[:-1]:
+            values = self._activation(values @ weight + bias)
+        weight, bias = self._layers[-1]
+        values = values @ weight + bias
+        squashed = np.tanh(values) if self.card.architecture.squash == "tanh" else np.clip(values, -1.0, 1.0)
+        return squashed.astype(np.float32), None
+
+
+def load_exported(path: str | Path, *, env_id: str | None = None) -> Agent:
+    """Load an exported policy; nothing is unpickled, and PyTorch is not needed.
+
+    Args:
+        path: its folder, or the card.json in it.
+        env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
+
+    Raises:
+        InputError: a card or weights that are missing, damaged or do not fit each other, or a policy of another
+            environment.
+    """
+    path = Path(path)
+    card = read_card(path)
+    folder = path if path.is_dir() else path.parent
+    trained_in = model_of_env(card.environment.id)
+    if env_id is not None and model_of_env(env_id) != trained_in:
+        raise InputError(f"{path}: the policy was trained in {trained_in.env_id}, not in {model_of_env(env_id).env_id}")
+    seen = observation_size(len(trained_in.muscles.parameter_names)) + (RESIDUAL_VALUES if card.residual else 0)
+    if card.observation_size != seen:
+        raise InputError(
+            f"{path}: the policy was trained on observations of {card.observation_size} values, "
+            f"{trained_in.env_id} gives {seen}"
+        )
+    weights = _read_weights(folder / WEIGHTS, card)
+    return _on_maneuver(ExportedPolicy(folder.resolve().name, card, weights), card.residual)
+
+
+def _on_maneuver(policy: ExportedPolicy, residual: Residual | None) -> Agent:
+    """The policy itself, or the maneuver that it corrects."""
+    if residual is None:
+        return policy
+    raise InputError(f"{policy.name}: residual is given, but this jawenv plays no policy on top of a maneuver")
+
+
+def _read_weights(path: Path, card: ModelCard) -> dict[str, np.ndarray]:
+    """The weights that belong to a card, checked."""
+    with needs("an exported policy", "safetensors", "train"):
+        from safetensors import SafetensorError
+        from safetensors.numpy import load
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file, but a card without its weights is no policy") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    found = hashlib.sha256(content).hexdigest()
+    if found != card.weights_sha256:
+        raise InputError(f"{path}: sha256 is {found}, the card's weights_sha256 is {card.weights_sha256}")
+    try:
+        weights = load(content)
+    except (SafetensorError, KeyError, ValueError) as error:
+        raise InputError(f"{path}: damaged safetensors: {' '.join(str(error).split())[:120]}") from None
+    _check_weights(path, card.architecture, weights)
+    return weights
+
+
+def _check_weights(path: Path, architecture: Architecture, weights: Mapping[str, np.ndarray]) -> None:
+    shapes = architecture.shapes()
+    if set(weights) != set(shapes):
+        odd = sorted(set(weights) ^ set(shapes))
+        raise InputError(f"{path}: {odd[0]} is in the weights or in the card's architecture, but not in both")
+    for name, shape in shapes.items():
+        values = weights[name]
+        if values.shape != shape or values.dtype != np.float32:
+            raise InputError(
+                f"{path}: {name} has shape {values.shape} and type {values.dtype}, "
+                f"the card's architecture asks for {shape} and float32"
+            )
+        if not np.isfinite(values).all():
+            raise InputError(f"{path}: {name} holds a value that is not finite")

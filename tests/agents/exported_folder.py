@@ -1,0 +1,60 @@
+"""An exported policy of random weights."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+from safetensors.numpy import save
+
+from agents.card import CARD, WEIGHTS, ModelCard
+from jawenv.envs.observation import OBSERVATION_SIZE
+from jawenv.files import validate, write_json
+
+LAYERS = (OBSERVATION_SIZE, 5, 4)
+
+
+def random_weights(layers: tuple[int, ...] = LAYERS) -> dict[str, np.ndarray]:
+    stream = np.random.default_rng(3)
+    weights = {}
+    for i, (inputs, outputs) in enumerate(zip(layers, layers[1:], strict=False)):
+        weights[f"layers.{i}.weight"] = stream.normal(size=(outputs, inputs)).astype(np.float32)
+        weights[f"layers.{i}.bias"] = stream.normal(size=outputs).astype(np.float32)
+    return weights
+
+
+def fields(content: bytes = b"", **changed: object) -> dict:
+    """The fields of a card for these weights."""
+    environment = {
+        "id": "jawenv/Jaw-v1",
+        "control": "trajectory",
+        "control_hz": 10.0,
+        "sensors": "pose",
+        "reward": "bound",
+        "cohort": "trismus",
+        "episode_s": 12.0,
+    }
+    return {
+        "format_version": 1,
+        "environment": environment,
+        "observation_size": OBSERVATION_SIZE,
+        "action_size": 4,
+        "architecture": {"layers": LAYERS, "activation": "tanh", "squash": "clip"},
+        "algorithm": "ppo",
+        "seed": 3,
+        "steps": 1000,
+        "jawenv_version": "0.1.0",
+        "config_sha256": "0" * 64,
+        "weights_sha256": hashlib.sha256(content).hexdigest(),
+        "licence": "MIT",
+        "date": "2030-01-02",
+        "commands": ["python -m training train ppo"],
+    } | changed
+
+
+def write_exported(folder: Path, weights: dict[str, np.ndarray] | None = None, **changed: object) -> Path:
+    """Write card and weights that belong together."""
+    content = save(random_weights() if weights is None else weights)
+    folder.mkdir(parents=True)
+    (folder / WEIGHTS).write_bytes(content)
+    write_json(folder / CARD, validate(ModelCard, fields(content, **changed), "card"))
+    return folder
