@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
+from agents.card import is_exported
 from agents.excitation import EXCITATIONS
+from agents.exported import load_exported
+from agents.own import load_own, names_own
 from agents.policies import load_policy
 from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.errors import InputError
@@ -29,7 +32,8 @@ def load_agent(
 
     Args:
         spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a maneuver file, a training
-            run's folder or a stable-baselines3 checkpoint.
+            run's folder, a stable-baselines3 checkpoint, an exported policy's folder, or a class or function of one's
+            own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
@@ -39,17 +43,26 @@ def load_agent(
     """
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in EXCITATIONS:
-        return EXCITATIONS[str(spec)](CONTROL_HZ[control] if control_hz is None else control_hz)
+        return EXCITATIONS[str(spec)](_steps_per_s(control, control_hz))
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
+    if is_exported(path):
+        return load_exported(path, env_id=model.env_id)
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.exists() or path.suffix == ".zip":
         from jawenv.envs.observation import observation_size
 
         return load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
+    if names_own(str(spec)):
+        return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
     known = ", ".join((*names(), *EXCITATIONS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
-        "a run folder or a checkpoint .zip"
+        "a run folder, a checkpoint .zip, an exported policy's folder, or package.module:Name of an agent of your own"
     )
+
+
+def _steps_per_s(control: Control, control_hz: float | None) -> float:
+    """Control steps per second, the control's own where none are given."""
+    return CONTROL_HZ[control] if control_hz is None else control_hz

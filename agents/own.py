@@ -1,0 +1,108 @@
+"""Agents of one's own, named as ``package.module:Name``."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+import re
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from jawenv.errors import InputError
+from jawenv.protocol import Agent
+
+_SPEC = re.compile(r"(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
+_MEMBERS = ("name", "reset", "predict")
+
+
+def names_own(spec: str) -> bool:
+    """Whether a text has the form ``package.module:Name``."""
+    return _SPEC.fullmatch(spec) is not None
+
+
+def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
+    """Import a class or function, from what is installed or the current folder, and make an agent with it.
+
+    This runs the module: name only code whose origin you trust.
+
+    Args:
+        spec: ``package.module:Name``.
+        settings: keyword arguments; those are given that its signature takes.
+
+    Raises:
+        InputError: no such module or name, an error in either, or what comes out is no agent.
+    """
+    make = _named(spec)
+    try:
+        agent = make(**_taken(make, settings))
+    except Exception as error:  # code of the user's can raise anything
+        raise InputError(f"agent '{spec}': cannot be made: {_reason(error)}") from error
+    missing = [member for member in _MEMBERS if not hasattr(agent, member)]
+    if missing or not isinstance(agent, Agent):
+        raise InputError(
+            f"agent '{spec}': makes a {type(agent).__name__} without {', '.join(missing)}; "
+            f"an agent has {', '.join(_MEMBERS)}"
+        )
+    if not isinstance(agent.name, str) or not agent.name:
+        raise InputError(f"agent '{spec}': its name is {agent.name!r}; allowed: a text")
+    return agent
+
+
+def source_of(spec: str) -> Path | None:
+    """The file that an agent of one's own stands in; None if the text names none, or no file has it.
+
+    Raises:
+        InputError: no such module.
+    """
+    if not names_own(spec):
+        return None
+    file = getattr(_module(spec), "__file__", None)
+    return None if file is None else Path(file)
+
+
+def _module(spec: str) -> Any:
+    """Import the module of a spec."""
+    name = spec.partition(":")[0]
+    if not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())  # last: no file here shall stand in for an installed package
+    try:
+        return importlib.import_module(name)
+    except Exception as error:  # a module of the user's can raise anything
+        absent = error.name if isinstance(error, ModuleNotFoundError) else None
+        if absent is not None and (name == absent or name.startswith(f"{absent}.")):
+            raise InputError(
+                f"agent '{spec}': no module '{absent}'; allowed: one in the current folder, or an installed one"
+            ) from None
+        raise InputError(f"agent '{spec}': module '{name}' cannot be imported: {_reason(error)}") from error
+
+
+def _named(spec: str) -> Callable[..., Any]:
+    """The class or function that a spec names."""
+    module, name = _module(spec), spec.partition(":")[2]
+    if not hasattr(module, name):
+        raise InputError(f"agent '{spec}': module '{module.__name__}' has no '{name}'")
+    make = getattr(module, name)
+    if not callable(make):
+        raise InputError(
+            f"agent '{spec}': is of type {type(make).__name__}; allowed: a class or function that makes an agent"
+        )
+    return make  # type: ignore[no-any-return]
+
+
+def _taken(make: Callable[..., Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings that a signature takes."""
+    try:
+        parameters = inspect.signature(make).parameters.values()
+    except (TypeError, ValueError):  # some classes written in C have none
+        return {}
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
+        return dict(settings)
+    by_name = {p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    return {key: value for key, value in settings.items() if key in by_name}
+
+
+def _reason(error: BaseException) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())[:160]}".removesuffix(": ")
