@@ -1,7 +1,8 @@
-"""Commands: ``python -m training train ppo``."""
+"""Commands: ``python -m training train ppo`` and ``export``."""
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -101,6 +102,32 @@ def ppo(
         run.check_settings(wanted)
         return train.resume(run, console, wanted.steps)
     return train.start(wanted, run, console, overwrite)
+
+
+@app.command("export")
+def export_command(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of the run.")],
+    output: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the exported policy.")],
+    results: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="YAML, JSON or TOML file with what the policy reached, for the card."),
+    ] = None,
+    licence: Annotated[str, typer.Option(metavar="NAME", help="Licence of the weights.")] = "MIT",
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an exported policy in the folder.")] = False,
+) -> None:
+    """Write a run's best policy as plain weights with a model card, to be shared.
+
+    FOLDER holds policy.safetensors and card.json. It can be given wherever a run can, needs no PyTorch, and unlike a
+    checkpoint runs no code when it is loaded.
+    """
+    from training.export import export
+    from training.run import RunFolder
+
+    command = shlex.join(["python", "-m", "training", *sys.argv[1:]])
+    card = export(RunFolder(run), output, results=results, licence=licence, command=command, overwrite=overwrite)
+    Console(highlight=False, markup=False).print(
+        f"exported the {card.algorithm} policy of {run} after {card.steps:,} steps: {output}", soft_wrap=True
+    )
 
 
 def main(arguments: list[str] | None = None) -> int:
