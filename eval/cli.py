@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
+_ENTRIES_HELP = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
 app = typer.Typer(
     name="python -m eval",
@@ -53,7 +54,7 @@ def _root() -> None:
 def compare_command(
     entries: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MANEUVER|FILE|RUN]...", help="Names, maneuver files or training runs."),
+        typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=_ENTRIES_HELP),
     ] = None,
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
@@ -84,7 +85,7 @@ def compare_command(
     same command goes on from there.
     """
     from eval.comparison.compare import compare
-    from eval.entries import env_of_runs, load_entries, maneuver_names
+    from eval.entries import env_of_runs, load_entries, maneuver_names, warn_of_pickles
     from eval.settings import Settings
 
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
@@ -93,6 +94,7 @@ def compare_command(
     settings = Settings(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
     )
+    warn_of_pickles(wanted)
     loaded = load_entries(wanted, settings.env_kwargs, settings.env)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
@@ -152,7 +154,7 @@ def report_command(
 @app.command("calibrate")
 def calibrate_command(
     entries: Annotated[
-        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN...", help="Names, maneuver files or training runs.")
+        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=_ENTRIES_HELP)
     ] = None,
     filters: Annotated[
         str,
@@ -186,6 +188,7 @@ def calibrate_command(
     """
     from eval.calibration import summary
     from eval.calibration.calibrate import Calibration, calibrate
+    from eval.entries import warn_of_pickles
     from eval.settings import Settings
     from eval.tables import made_with, write_table
 
@@ -196,6 +199,7 @@ def calibrate_command(
     settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), _console()
+    warn_of_pickles(specs)
     rows = calibrate(specs, wanted, output, fresh=fresh, console=console)
     table, about = summary.summarise(rows), made_with(command, calibration=asdict(wanted))
     write_table(rows, output / "beliefs.parquet", about)

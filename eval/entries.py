@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import jawenv
 from agents import registry
+from agents.card import CARD, WEIGHTS, is_exported, read_card
+from agents.own import source_of
 from agents.policies import TrainedPolicy
 from jawenv.envs.configuration import CONTROL_HZ
 from jawenv.errors import InputError
@@ -36,7 +39,8 @@ class Entry:
 
     Attributes:
         label: unique within the study.
-        spec: what the user typed: a maneuver's name, a file or a run's folder.
+        spec: what the user typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of
+            one's own.
         env_id: the environment it is played in.
         env_kwargs: its arguments.
         note: in which settings it differs from those asked for; empty if in none.
@@ -86,7 +90,7 @@ def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str =
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
     Args:
-        specs: maneuvers, files or runs; one named twice counts once.
+        specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         env_kwargs: settings asked for.
         env_id: the environment of the study.
 
@@ -124,7 +128,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         env_id=env_id,
         env_kwargs=env_kwargs | own,
         note=", ".join(notes),
-        trained=isinstance(agent, TrainedPolicy),
+        trained=run is not None or isinstance(agent, TrainedPolicy),
         description=getattr(maneuver, "description", ""),
         agent=agent,
     )
@@ -137,18 +141,41 @@ def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:
 
 
 def _env_of_run(spec: str) -> EnvConfig | None:
-    """The environment that a run was trained in; None if `spec` is not a run or a checkpoint of one."""
-    path = Path(spec)
+    """The environment that a run or an exported policy was trained in; None if `spec` is none of them.
+
+    A checkpoint of a run counts as the run.
+    """
+    if is_exported(Path(spec)):
+        from training.config import EnvConfig
+
+        trained_in = read_card(Path(spec)).environment
+        return EnvConfig(id=trained_in.id, kwargs=trained_in.kwargs())
+    config_file = _config_of_run(Path(spec))
+    if config_file is None:
+        return None
+    from training.config import TrainingConfig
+
+    return TrainingConfig.load(config_file).env
+
+
+def _config_of_run(path: Path) -> Path | None:
+    """The configuration of a run, given by its folder or a checkpoint in it; None if there is none."""
     if path.is_dir():
         folders = [path]
     else:
         folders = [path.parent, path.parent.parent] if path.suffix == ".zip" and path.exists() else []
-    for folder in folders:
-        if (folder / "config.yaml").is_file():
-            from training.config import TrainingConfig
+    return next((folder / "config.yaml" for folder in folders if (folder / "config.yaml").is_file()), None)
 
-            return TrainingConfig.load(folder / "config.yaml").env
-    return None
+
+def warn_of_pickles(specs: Iterable[str]) -> None:
+    """Say on stderr what loading a checkpoint risks, once for each that lies in no run's folder."""
+    for spec in dict.fromkeys(specs):
+        path = Path(spec)
+        if path.suffix == ".zip" and path.is_file() and _config_of_run(path) is None:
+            print(
+                f"warning: {spec}: a checkpoint may run code when it is loaded; load only files whose origin you trust",
+                file=sys.stderr,
+            )
 
 
 def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
@@ -159,15 +186,21 @@ def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
         settings: of the study.
     """
     content = hashlib.sha256(json.dumps([entry.about(), settings], sort_keys=True).encode())
-    path = Path(entry.spec)
-    if path.is_dir():
-        files: Iterable[Path] = sorted(path.glob("*.zip"))
-    else:
-        files = [path] if path.is_file() else []
-    for file in (*files, *_program()):
+    for file in (*_files_of(entry.spec), *_program()):
         content.update(file.name.encode())
         content.update(file.read_bytes())
     return content.hexdigest()[:16]
+
+
+def _files_of(spec: str) -> list[Path]:
+    """The files that say what an entry does; of an agent of one's own its module, but not what that imports."""
+    path = Path(spec)
+    if path.is_dir():
+        return sorted(file for pattern in ("*.zip", CARD, WEIGHTS) for file in path.glob(pattern))
+    if path.is_file():  # a card holds the hash of its weights
+        return [path]
+    own = source_of(spec)
+    return [] if own is None else [own]
 
 
 def _program() -> list[Path]:

@@ -1,0 +1,144 @@
+"""Entries from outside the project: exported policies, checkpoints of unknown origin, agents of one's own."""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import save
+
+from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
+from eval.cli import main
+from eval.entries import env_of_runs, fingerprint, load_entries, warn_of_pickles
+from eval.settings import Settings
+from jawenv.envs.observation import observation_size
+from jawenv.errors import InputError
+from jawenv.files import write_json
+from jawenv.ladder import model_of_env
+
+OWN = """
+import numpy as np
+class Mine:
+    name = "mine"
+    def __init__(self, control): self.control = control
+    def reset(self, num_envs, seed=None): pass
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        return np.zeros((*np.shape(observation)[:-1], 4), np.float32), None
+"""
+
+
+def exported(folder: Path, env: str = "jaw", gain: float = 0.0) -> Path:
+    """An exported policy that gives the same action at any time."""
+    import hashlib
+
+    model = model_of_env(env)
+    size = observation_size(len(model.muscles.parameter_names))
+    weights = {"layers.0.weight": np.zeros((4, size), np.float32), "layers.0.bias": np.full(4, gain, np.float32)}
+    environment = Environment(
+        id=model.env_id,
+        control="trajectory",
+        control_hz=10.0,
+        sensors="pose",
+        reward="bound",
+        cohort="trismus",
+        episode_s=20.0,
+    )
+    card = ModelCard(
+        environment=environment,
+        observation_size=size,
+        architecture=Architecture(layers=(size, 4), activation="tanh", squash="clip"),
+        algorithm="ppo",
+        seed=0,
+        steps=0,
+        jawenv_version="0.1.0",
+        config_sha256="0" * 64,
+        weights_sha256=hashlib.sha256(save(weights)).hexdigest(),
+        licence="MIT",
+        date="2030-01-02",
+        commands=(),
+    )
+    folder.mkdir(exist_ok=True)
+    (folder / WEIGHTS).write_bytes(save(weights))
+    write_json(folder / CARD, card)
+    return folder
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The module of an agent in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "entry_of_mine.py").write_text(OWN)
+    yield tmp_path / "entry_of_mine.py"
+    sys.modules.pop("entry_of_mine", None)
+
+
+def test_an_exported_policy_plays_with_the_control_and_rate_of_its_card(tmp_path: Path) -> None:
+    folder = exported(tmp_path / "shared")
+    for spec in (folder, folder / CARD):
+        (entry,) = load_entries([str(spec)], Settings().env_kwargs)
+        assert entry.trained and entry.label == "shared"
+        assert (entry.env_kwargs["control"], entry.env_kwargs["control_hz"]) == ("trajectory", 10.0)
+        assert entry.env_kwargs["episode_s"] == 30.0
+        assert "played with control trajectory" in entry.note and "trained with episode_s 20.0" in entry.note
+
+
+def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
+    folder = exported(tmp_path / "shared", env="sides")
+    assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v1"
+    with pytest.raises(InputError, match="shared was trained in jawenv/JawSides-v1, but this comparison is in jawenv/"):
+        load_entries([str(folder)], Settings().env_kwargs)
+
+
+def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_path: Path, own: Path) -> None:
+    specs = [str(exported(tmp_path / "shared")), str(tmp_path / "shared" / CARD), "entry_of_mine:Mine"]
+    before = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
+    assert before == [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
+    exported(tmp_path / "shared", gain=0.1)
+    own.write_text(OWN + "# changed\n")
+    after = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
+    assert all(new != old for new, old in zip(after, before, strict=True))
+
+
+def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
+    (entry,) = load_entries(["entry_of_mine:Mine"], Settings(control="trajectory").env_kwargs)
+    assert entry.label == "mine" and not entry.trained
+    assert entry.agent.control == "trajectory"  # type: ignore[attr-defined]
+
+
+def test_only_checkpoints_outside_runs_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = tmp_path / "run"
+    (run / "checkpoints").mkdir(parents=True)
+    (run / "config.yaml").write_text("")
+    for path in (tmp_path / "got.zip", run / "best_model.zip", run / "checkpoints" / "step_1.zip"):
+        path.write_bytes(b"")
+    specs = ["chirp", run, run / "best_model.zip", run / "checkpoints" / "step_1.zip", tmp_path / "gone.zip"]
+    warn_of_pickles(map(str, specs))
+    assert capsys.readouterr().err == ""
+    warn_of_pickles([str(tmp_path / "got.zip")] * 2)
+    warning = capsys.readouterr().err
+    assert warning.count("\n") == 1 and "got.zip: a checkpoint may run code when it is loaded" in warning
+
+
+@pytest.mark.parametrize("command", ["compare", "calibrate"])
+def test_commands_warn_before_they_load(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "got.zip").write_bytes(b"")
+    assert main([command, str(tmp_path / "got.zip"), "--output", str(tmp_path / "out")]) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert told[0].startswith("warning: ") and told[1].startswith("error: ") and len(told) == 2
+
+
+def test_they_are_compared(
+    tmp_path: Path, own: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    specs = [str(exported(tmp_path / "shared", gain=0.2)), "entry_of_mine:Mine"]
+    assert main(["compare", *specs, "--patients", "2", "--episode-s", "0.5", "--output", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().out
+    assert "shared: done" in told and "mine: done" in told
+    card = json.loads((tmp_path / "shared" / CARD).read_text())
+    (tmp_path / "shared" / CARD).write_text(json.dumps(card | {"format_version": 9}))
+    assert main(["compare", *specs, "--output", str(tmp_path / "other")]) == 2
+    assert "format_version is 9" in capsys.readouterr().err
