@@ -181,9 +181,12 @@ def _check_same_actions(exported: ExportedPolicy, policy: BasePolicy, source: st
 
 def _check_free(output: Path, overwrite: bool) -> None:
     """Make sure that the folder is new, empty, or an exported policy that may be replaced."""
-    if output.exists() and not output.is_dir():
-        raise InputError(f"output {output} is a file; name a folder")
-    present = {path.name for path in output.iterdir()} if output.exists() else set()
+    try:
+        if output.exists() and not output.is_dir():
+            raise InputError(f"output {output} is a file; name a folder")
+        present = {path.name for path in output.iterdir()} if output.exists() else set()
+    except OSError as error:
+        raise InputError(f"output {output}: cannot be read: {error.strerror}") from None
     if present - {CARD, WEIGHTS}:
         raise InputError(f"output {output} is a folder that holds something other than an exported policy")
     if present and not overwrite:
