@@ -36,7 +36,7 @@ class Running:
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
     def update(self, k, used=ALL):
-        """Whether the gate lets the readings of row ``k`` pass."""
+        """What explains the readings of row ``k``."""
         return self.take(self.record.measured[k], used)
 
     def take(self, measured, used=ALL):

@@ -7,9 +7,10 @@ reading that is not used has a row of zeros, no innovation and the variance 1.
 
 The gate. The normalised innovation squared (NIS) follows chi-squared if the parameters are at their mean (Bar-Shalom,
 Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the innovation covariance
-S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. An innovation that fails this test
-too adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows
-the readings.
+S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. One that passes only this test says
+that the parameters are far from their mean, and the belief has to be renewed at once (``tick``). One that fails it too
+adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows the
+readings.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from jawenv.estimation.online.state import lose_motion, tension_columns
 from jawenv.estimation.online.step import multiply, padded
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
+# What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
+EXPECTED, SURPRISING, REFUSED = 0, 1, 2
 
 
 def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
@@ -146,11 +149,11 @@ def add_muscles(belief, scratch):
 
 
 @njit
-def passes_gate(belief, start_sd, scratch):
-    """Whether motion, muscles and noise explain the innovation; if not, widens the motion. Leaves ``factor``."""
+def judge_innovation(belief, start_sd, scratch):
+    """What explains the innovation: ``EXPECTED`` and so on; widens the motion if nothing does. Leaves ``factor``."""
     nis = normalised_innovation(belief, scratch)
     if nis <= GATE:
-        return True
+        return EXPECTED
     explained = False
     if nis < inf:
         set_factor(belief.motion_cov, scratch)
@@ -162,13 +165,13 @@ def passes_gate(belief, start_sd, scratch):
         lose_motion(belief, start_sd)
         scratch.by_tension_rows[:, :] = 0.0
         normalised_innovation(belief, scratch)
-        return False
-    return explained
+        return REFUSED
+    return SURPRISING if explained else REFUSED
 
 
 @njit_within
 def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
-    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); False where the gate rejects them.
+    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
         jaw: The filter's model.
@@ -182,11 +185,11 @@ def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
     set_innovation(jaw, belief.motion, measured, variances, used, scratch)
     scratch.by_tension[:, :] = belief.by_tension
     multiply(scratch.rows, scratch.by_tension, scratch.by_tension_rows)
-    passes = passes_gate(belief, start_sd, scratch)
+    verdict = judge_innovation(belief, start_sd, scratch)
     correct_motion(belief, scratch)
-    if passes:
+    if verdict != REFUSED:
         add_information(belief, scratch)
-    return passes
+    return verdict
 
 
 @njit

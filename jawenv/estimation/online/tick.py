@@ -13,7 +13,13 @@ from jawenv.estimation.model.load_cell import follow_trend
 from jawenv.estimation.model.step import N_SAMPLES
 from jawenv.estimation.online.basis import basis_dtype, build_basis
 from jawenv.estimation.online.belief import belief_fields, learn
-from jawenv.estimation.online.measurement_update import measurement_update_fields, update_motion
+from jawenv.estimation.online.measurement_update import (
+    EXPECTED,
+    REFUSED,
+    SURPRISING,
+    measurement_update_fields,
+    update_motion,
+)
 from jawenv.estimation.online.screening import mark_usable, repair_samples
 from jawenv.estimation.online.state import begin_belief, begin_motion, forget_readings
 from jawenv.estimation.online.time_update import predict_motion, time_update_fields
@@ -74,6 +80,7 @@ def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtyp
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
         ("wrench_variance", "f8", N_WRENCH),
         ("used", "u1", N_MEASUREMENTS),  # readings, screened
+        ("verdict", "i8"),  # what explains them, see ``measurement_update``
     ]
     return np.dtype(fields, align=True)
 
@@ -107,10 +114,12 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
         )
         follow_trend(belief.trend, scratch.samples, settings.dt)
     left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
+    scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += 1
         variances, start_sd = settings.measurement_variance, settings.start_sd
-        if not update_motion(jaw, belief, measured, variances, scratch.used, start_sd, scratch.update):
+        scratch.verdict = update_motion(jaw, belief, measured, variances, scratch.used, start_sd, scratch.update)
+        if scratch.verdict == REFUSED:
             belief.gated += 1
     if jaw.condyles == 2 and tick < SETTLING_TICKS:
         belief.score[:] = 0.0
@@ -154,7 +163,10 @@ def replay(jaw, belief, rows, tick, settings, scratch):
 
 @njit_within
 def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
-    """One tick of the filter; ends of windows update the belief. Returns how many readings were left out.
+    """One tick of the filter. Returns how many readings were left out.
+
+    The belief is renewed where a window of readings ends, and where the parameters' uncertainty alone explains what was
+    read: the motion is linearised about a belief that is far from the truth.
 
     Args:
         jaw: The filter's model.
@@ -172,4 +184,6 @@ def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
         if has_moved(belief):
             replay(jaw, belief, rows, tick, settings, scratch)
             learn(belief, settings, scratch.belief)
+    elif scratch.verdict == SURPRISING:
+        learn(belief, settings, scratch.belief)
     return left_out

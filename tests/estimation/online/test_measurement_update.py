@@ -11,12 +11,15 @@ from running import ALL, Running, rows_of
 from jawenv.anatomy import cohort
 from jawenv.estimation.online.basis import build_basis, set_derivatives
 from jawenv.estimation.online.measurement_update import (
+    EXPECTED,
     GATE,
+    REFUSED,
+    SURPRISING,
     add_information,
     correct_motion,
+    judge_innovation,
     measurement_update_fields,
     normalised_innovation,
-    passes_gate,
 )
 from jawenv.estimation.online.state import begin_belief, belief_dtype
 from jawenv.mechanics import build_jaw
@@ -64,14 +67,14 @@ class Linear:
 
     def gate(self, innovation, order=None):
         self.set(innovation, order)
-        return passes_gate(self.belief, START_SD, self.scratch)
+        return judge_innovation(self.belief, START_SD, self.scratch)
 
     def update(self, innovation, order=None):
-        passes = self.gate(innovation, order)
+        verdict = self.gate(innovation, order)
         correct_motion(self.belief, self.scratch)
-        if passes:
+        if verdict != REFUSED:
             add_information(self.belief, self.scratch)
-        return passes
+        return verdict
 
 
 def agree(actual, expected, tolerance=1e-9):
@@ -104,7 +107,7 @@ def textbook(belief, rows, variance, innovation):
 def test_a_linear_update_is_the_textbooks(seed):
     linear = Linear(seed)
     innovation = linear.honest()
-    assert linear.update(innovation)
+    assert linear.update(innovation) == EXPECTED
     agree(linear.belief, textbook(linear.start, linear.rows, linear.variance, innovation))
 
 
@@ -128,9 +131,9 @@ def test_readings_of_the_jaw_are_taken_as_the_textbook_does(used):
     before, measured, chosen = running.belief.copy(), running.record.measured[31], used.astype(bool)
     innovation = (measured - running.expected())[chosen]
     rows = rows_of(running.record.jaw, before["motion"])[chosen]
-    assert running.take(measured, used)
+    assert running.take(measured, used) == EXPECTED
     agree(running.belief, textbook(before, rows, running.settings["measurement_variance"][chosen], innovation), 1e-8)
-    assert other.take(np.where(chosen, measured, np.nan), used)
+    assert other.take(np.where(chosen, measured, np.nan), used) == EXPECTED
     for name in CARRIED:
         np.testing.assert_array_equal(other.belief[name], running.belief[name])
 
@@ -178,7 +181,7 @@ def test_an_honest_reading_passes_and_the_gate_changes_nothing(seed):
     """To the bit: the same as without it."""
     gated, plain = Linear(seed), Linear(seed)
     innovation = gated.honest()
-    assert gated.update(innovation)
+    assert gated.update(innovation) == EXPECTED
     plain.set(innovation)
     assert normalised_innovation(plain.belief, plain.scratch) == pytest.approx(plain.nis(innovation), rel=1e-9)
     correct_motion(plain.belief, plain.scratch)
@@ -195,7 +198,7 @@ def test_a_reading_that_nothing_explains_is_refused(seed, excess):
     innovation = linear.honest()
     innovation *= np.sqrt(GATE * (1.0 + excess) / linear.nis(innovation))
     nis = linear.nis(innovation)
-    assert not linear.gate(innovation)
+    assert linear.gate(innovation) == REFUSED
     np.testing.assert_allclose(linear.belief["motion_cov"], linear.start["motion_cov"] * nis / 12.0, rtol=1e-9)
     widened = normalised_innovation(linear.belief, linear.scratch)
     assert widened < nis
@@ -218,7 +221,7 @@ def test_an_innovation_that_the_muscles_explain_passes(seed):
     innovation = linear.honest() + C @ (2.0 * PRIOR.sd * linear.rng.choice([-1.0, 1.0], 12))
     whole = linear.S + C @ np.diag(PRIOR.sd**2) @ C.T
     assume(linear.nis(innovation) > GATE > innovation @ np.linalg.solve(whole, innovation))
-    assert linear.update(innovation)
+    assert linear.update(innovation) == SURPRISING
     agree(linear.belief, textbook(linear.start, linear.rows, linear.variance, innovation), 1e-8)
 
 
@@ -230,7 +233,7 @@ def test_the_gate_is_at_the_stated_length(seed, share):
     wanted = GATE * (0.5 + share)
     innovation *= np.sqrt(wanted / linear.nis(innovation))
     if abs(wanted / GATE - 1.0) > 1e-9:
-        assert linear.gate(innovation) == (wanted < GATE)
+        assert linear.gate(innovation) == (EXPECTED if wanted < GATE else REFUSED)
 
 
 @pytest.mark.parametrize("broken", ["negative", "nan", "inf"])
@@ -240,7 +243,7 @@ def test_a_covariance_that_is_none_is_forgotten(broken):
     bad = {"negative": -np.eye(N), "nan": np.full((N, N), np.nan), "inf": np.full((N, N), np.inf)}[broken]
     linear.belief["motion_cov"] = bad
     innovation = linear.rng.normal(size=12)
-    assert not linear.update(innovation)
+    assert linear.update(innovation) == REFUSED
     known = linear.start.copy()
     known["motion_cov"], known["by_tension"] = np.diag(START_SD**2), 0.0
     expected = textbook(known, linear.rows, linear.variance, innovation)
@@ -252,7 +255,7 @@ def test_a_covariance_that_is_none_is_forgotten(broken):
 def test_a_reading_of_any_size_leaves_numbers(size):
     """The square of the largest is no number."""
     linear = Linear(5001)
-    assert not linear.update(size * linear.honest())
+    assert linear.update(size * linear.honest()) == REFUSED
     for name in CARRIED:
         assert np.isfinite(linear.belief[name]).all()
     assert np.linalg.eigvalsh(linear.belief["motion_cov"]).min() > 0.0

@@ -11,6 +11,7 @@ from agents import load_agent
 from jawenv.envs.configuration import configure
 from jawenv.envs.simulation import Simulation
 from jawenv.estimation.online.belief import learn
+from jawenv.estimation.online.measurement_update import SURPRISING
 from jawenv.estimation.online.record_filter import FilterRun, TensionFilter
 from jawenv.estimation.online.state import begin_belief, begin_motion
 from jawenv.estimation.online.tick import (
@@ -99,18 +100,21 @@ def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
     assert belief["readings"] == 40
 
 
-def test_only_ends_of_windows_renew_the_belief(record):
+def test_ends_of_windows_and_surprises_renew_the_belief(record):
     """The others leave it to the end of the control period."""
     jaw, belief, rows, settings, scratch = FilterRun(record).arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
     begin_motion(belief, rows[0]["believed"], settings["start_sd"])
-    renewed = []
+    renewed, surprising = [], []
     for tick in range(100):
         before = belief["mean"].copy()
         filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
         if (belief["mean"] != before).any():
             renewed.append(tick)
-    assert renewed == [19, 39, 79]
+        if scratch["verdict"] == SURPRISING:
+            surprising.append(tick)
+    assert surprising
+    assert renewed == sorted({19, 39, 79, *surprising})
 
 
 @pytest.mark.parametrize(("moved", "expected"), [(0.99 * MOVED, False), (1.01 * MOVED, True)])
