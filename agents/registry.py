@@ -6,7 +6,9 @@ from agents.card import is_exported
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
 from agents.own import load_own, names_own
+from agents.planning import PLANNERS, Planner
 from agents.policies import load_policy
+from agents.replay import Replay
 from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
@@ -31,9 +33,10 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a maneuver file, a training
-            run's folder, a stable-baselines3 checkpoint, an exported policy's folder, or a class or function of one's
-            own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
+        spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a
+            maneuver file, recorded actions (.npz), a training run's folder, a stable-baselines3 checkpoint, an exported
+            policy's folder, or a class or function of one's own, as ``package.module:Name``, which gets control and
+            control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
@@ -44,19 +47,25 @@ def load_agent(
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in EXCITATIONS:
         return EXCITATIONS[str(spec)](_steps_per_s(control, control_hz))
+    if str(spec) in PLANNERS:
+        return Planner(PLANNERS[str(spec)], control=control)
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     if is_exported(path):
         return load_exported(path, env_id=model.env_id)
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
+    if path.suffix == ".npz":
+        if control != "targets":
+            raise InputError(f"agent '{spec}': control is {control!r}; allowed for recorded actions: targets")
+        return Replay.load(path)
     if path.exists() or path.suffix == ".zip":
         from jawenv.envs.observation import observation_size
 
         return load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
     if names_own(str(spec)):
         return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
-    known = ", ".join((*names(), *EXCITATIONS))
+    known = ", ".join((*names(), *EXCITATIONS, *PLANNERS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
         "a run folder, a checkpoint .zip, an exported policy's folder, or package.module:Name of an agent of your own"

@@ -1,4 +1,4 @@
-"""Commands: ``python -m eval compare``, ``play``, ``report``, ``calibrate`` and ``thesis``."""
+"""Commands: ``python -m eval compare``, ``play``, ``replay``, ``report``, ``calibrate`` and ``thesis``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from eval.options import (
 )
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.seeds import REPORTS
+from jawenv.seeds import REPLAYS, REPORTS
 
 if TYPE_CHECKING:
     from eval.comparison.results import Results
@@ -76,6 +76,14 @@ def compare_command(
     device: Changes = None,
     estimator: Believed = None,
     reference: Reference = None,
+    with_replay: Annotated[
+        bool,
+        typer.Option(
+            "--with-replay",
+            help="Add what each trained or planned entry does on average over other patients, replayed without "
+            "looking: an entry that adapts to its patient does better.",
+        ),
+    ] = False,
     output: Output = Path("runs/compare"),
     fresh: Fresh = False,
 ) -> None:
@@ -100,6 +108,10 @@ def compare_command(
         allowed = ", ".join(entry.label for entry in loaded)
         raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
     console = _console()
+    if with_replay:
+        from eval.replays import add_replays
+
+        loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
     _present(study, output, reference, console)
@@ -138,6 +150,33 @@ def play_command(
     wanted, console = film.Film(loaded, seed, patient, start_s, width, every), _console()
     said = film.show(wanted, console) if video is None else film.write(wanted, video, console)
     console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
+
+
+@app.command("replay")
+def replay_command(
+    agent: Annotated[str, typer.Argument(metavar="AGENT", help="A planner, a training run or any other entry.")],
+    output: Annotated[Path, typer.Option(help="Maneuver file to write.", metavar="FILE.yaml")],
+    patients: Patients = 64,
+    cohort: Cohort = "trismus",
+    seed: Seed = REPLAYS.start,
+    sensors: Sensors = "pose",
+    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    env: Annotated[
+        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+    ] = "Jaw",
+) -> None:
+    """Write what an agent does in targets control, averaged over patients, as a maneuver file.
+
+    The maneuver is the agent without its eyes: what the agent does better on other patients, it owes to adapting.
+    """
+    from eval.entries import load_entries
+    from eval.replays import replay_of_entry
+    from eval.settings import Settings
+
+    settings = Settings(patients, cohort, seed, "targets", sensors, episode_s, env)
+    entry = load_entries([agent], settings.env_kwargs, settings.env)[0]
+    replay_of_entry(entry, settings, output)
+    print(f"maneuver: {output}")
 
 
 @app.command("report")
@@ -246,11 +285,13 @@ def thesis_command(
 
 
 def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
+    from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
     from eval.report import page, table
 
     ranking = rank(study, reference)
     table.show(ranking, console)
+    table.show_adaptations(adaptations(study), console)
     if not console.is_terminal:
         console.print("drawing the report")
     with console.status("drawing the report"):

@@ -14,6 +14,7 @@ import jawenv
 from agents import registry
 from agents.card import CARD, WEIGHTS, is_exported, read_card
 from agents.own import source_of
+from agents.planning import Planner
 from agents.policies import TrainedPolicy
 from jawenv.envs.configuration import CONTROL_HZ
 from jawenv.errors import InputError
@@ -45,6 +46,8 @@ class Entry:
         env_kwargs: its arguments.
         note: in which settings it differs from those asked for; empty if in none.
         trained: whether it comes from a training run.
+        planned: whether it is a planner.
+        replay_of: label of the entry whose averaged targets it replays; empty if of none.
         description: what it does, in a sentence; empty if unknown.
         agent: plays it.
     """
@@ -57,6 +60,8 @@ class Entry:
     trained: bool
     description: str
     agent: Agent = field(repr=False)
+    planned: bool = False
+    replay_of: str = ""
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
@@ -68,6 +73,8 @@ class Entry:
             "note": self.note,
             "trained": self.trained,
             "description": self.description,
+            "planned": self.planned,
+            "replay_of": self.replay_of,
         }
 
 
@@ -129,8 +136,9 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         env_kwargs=env_kwargs | own,
         note=", ".join(notes),
         trained=run is not None or isinstance(agent, TrainedPolicy),
-        description=getattr(maneuver, "description", ""),
+        description=getattr(maneuver or agent, "description", ""),
         agent=agent,
+        planned=isinstance(agent, Planner),
     )
 
 

@@ -1,9 +1,12 @@
 """What every agent is: something that answers an observation with an action."""
 
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from gymnasium.vector import VectorEnv
 
 Array = NDArray[np.float64]
 Observation = NDArray[np.float32]
@@ -48,5 +51,25 @@ class Agent(Protocol):
         Returns:
             action: (N, 4) or (4,), in [-1, 1].
             state: to be handed to the next call; None for an agent without memory.
+        """
+        ...
+
+
+@runtime_checkable
+class Planning(Protocol):
+    """What an agent has besides ``Agent`` if an observation is not enough for it, as a planner.
+
+    ``jawenv.play`` calls ``attach`` where an agent has it, after ``Agent.reset`` and before the first ``predict``.
+    """
+
+    def attach(self, env: "VectorEnv[Any, Any, Any]") -> None:
+        """Get to know the worlds that are to be played.
+
+        Args:
+            env: a vector environment of jawenv after its ``reset``. The agent reads its simulation, and changes nothing
+                of it.
+
+        Raises:
+            InputError: an environment that the agent cannot play.
         """
         ...

@@ -180,7 +180,8 @@ def play(
 
     Args:
         agent: anything with stable-baselines3's `predict(observation, state, episode_start, deterministic)`;
-            a `reset(num_envs, seed)` is called first where the agent has one.
+            `reset(num_envs, seed)` is called first where the agent has one, and then `attach(env)`
+            (`jawenv.protocol.Planning`).
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise, 0 to 2**32 - 1.
@@ -214,6 +215,8 @@ def play(
         observation, info = env.reset(seed=first, options=options)
         if hasattr(agent, "reset"):
             agent.reset(number, first)
+        if hasattr(agent, "attach"):
+            agent.attach(env)
         recording = _watch(agent, env, observation, info, progress)
         world: Any = env.unwrapped
         if not world.configuration.record:

@@ -11,5 +11,7 @@ TUNING = range(5_000, 20_000)
 """Choices made by hand or by a search: of the filter, of maneuvers, of an agent's settings."""
 VALIDATION = range(30_000, 40_000)
 """Choices made during a training: which of an agent's policies is the best."""
+REPLAYS = range(35_000, 40_000)
+"""The part of ``VALIDATION`` over which an agent's targets are averaged, to be replayed on others."""
 TRAINING = range(2**31, 2**32)
 """Patients that agents learn on."""

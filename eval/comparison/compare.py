@@ -96,5 +96,6 @@ def _results_of(entry: Entry, settings: Settings, folder: Path | None, fresh: bo
     part = play_entry(entry, settings, lambda step, steps: progress.advance_to(before + step / steps, name))
     if folder is not None:
         results.save(part, folder, stem)
-    progress.say(f"{place}: done")
+    spent = getattr(entry.agent, "ms_per_decision", None)
+    progress.say(f"{place}: done" + ("" if spent is None else f", {spent:.0f} ms per decision"))
     return part

@@ -1,10 +1,10 @@
 """The two tables of a study: one row per patient and entry, and one per entry, time and quantity.
 
-`patients`: entry, patient, seed, and every metric of `jawenv.metrics.Score` at the end of the episode, with
-`truth/`, `error/`, `sd/` and `bound_sd/` of every parameter. `curves`: entry, time_s, quantity, and over the
-patients `low` (10 %), `centre` (median) and `high` (90 %); `bound` is the median of the posterior Cramer-Rao
-bound. Quantities are `sd/<parameter>`, `worst_sd`, and as means over the patients (no low or high) `nees`,
-`information_claimed` and `information_true`. All sd are of natural logs: 0.05 is 5 %.
+`patients`: entry, patient, seed, and every metric of `jawenv.metrics.Score` at the end of the episode, with `truth/`,
+`error/`, `sd/` and `bound_sd/` of every parameter, and `early_worst_sd` after `EARLY_S`. `curves`: entry, time_s,
+quantity, and over the patients `low` (10 %), `centre` (median) and `high` (90 %); `bound` is the median of the
+posterior Cramer-Rao bound. Quantities are `sd/<parameter>`, `worst_sd`, and as means over the patients (no low or
+high) `nees`, `information_claimed` and `information_true`. All sd are of natural logs: 0.05 is 5 %.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from jawenv.rollout import DEFAULT_ENV, Recording
 
 Array = npt.NDArray[np.float64]
 _CURVE_INTERVAL_S = 0.1
+EARLY_S = 10.0
+"""When the worst sd is kept besides at the end; in shorter episodes it is NaN."""
 
 PATIENT_METRICS = (
     "worst_sd",
@@ -99,6 +101,7 @@ def from_recording(recording: Recording, entry: str, seed: int, about: dict[str,
         "seed": seed + np.arange(number),
     }
     columns |= {name: getattr(judged, name) for name in PATIENT_METRICS}
+    columns["early_worst_sd"] = _early_worst_sd(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     for prefix, values in (
@@ -109,6 +112,13 @@ def from_recording(recording: Recording, entry: str, seed: int, about: dict[str,
     ):
         columns |= {f"{prefix}/{name}": values[:, i] for i, name in enumerate(recording.parameter_names)}
     return Results(pd.DataFrame(columns), _curves(recording, entry), about)
+
+
+def _early_worst_sd(recording: Recording) -> Array:
+    """(N,) worst sd after ``EARLY_S``; NaN where all episodes are shorter."""
+    if recording.time[-1] < EARLY_S - 1e-9:
+        return np.full(recording.num_worlds, np.nan)
+    return worst_sd(recording.belief_sd[:, np.argmin(np.abs(recording.time - EARLY_S))])
 
 
 def _curves(recording: Recording, entry: str) -> pd.DataFrame:

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from eval.comparison.adaptation import adaptations
 from eval.comparison.ranking import Ranking
-from eval.comparison.results import Results
+from eval.comparison.results import EARLY_S, Results
 from eval.report import drawing, figures, panels, template, verdict, words
 from eval.report.template import picture
 from eval.statistics import RESAMPLES
@@ -49,6 +50,8 @@ def render(study: Results, ranking: Ranking) -> str:
     return template.render(
         "report.html.j2",
         ranking=ranking,
+        adaptations=adaptations(study),
+        early_s=EARLY_S,
         about=study.about,
         headline=verdict.headline(ranking),
         remarks=verdict.remarks(ranking),

@@ -7,7 +7,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import Ranking, Row
+from eval.comparison.results import EARLY_S
 from eval.report import words
 from eval.statistics import Interval
 
@@ -33,6 +35,29 @@ def show(ranking: Ranking, console: Console) -> None:
             style="dim",
         )
     )
+
+
+def show_adaptations(found: tuple[Adaptation, ...], console: Console) -> None:
+    """Print how much better entries are than their replays; nothing where none was replayed."""
+    if not found:
+        return
+    table = _table(
+        "Against the own targets, replayed without looking: mean difference of the log of the worst sd",
+        f"after {EARLY_S:g} s",
+        "",
+        "at the end",
+        "",
+    )
+    for place, each in enumerate(found, 1):
+        table.add_row(
+            str(place),
+            f"{words.label(each.entry)}\nagainst {words.label(each.replay)}",
+            _both(each.early, 2),
+            each.verdict(each.early),
+            _both(each.end, 2),
+            each.verdict(each.end),
+        )
+    console.print(table)
 
 
 def _table(title: str, *columns: str) -> Table:
@@ -121,7 +146,7 @@ def _name(row: Row) -> Text:
     return name
 
 
-def _both(estimate: Interval) -> Text:
-    text = Text(words.number(estimate.value))
-    text.append(f"\n{words.interval(estimate)}", style="dim")
+def _both(estimate: Interval, digits: int = 1) -> Text:
+    text = Text(words.number(estimate.value, digits))
+    text.append(f"\n{words.interval(estimate, digits)}", style="dim")
     return text

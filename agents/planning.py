@@ -1,0 +1,256 @@
+"""Planners: agents that play candidates ahead from the filter's belief and begin the best of them.
+
+Both sample sequences of targets, predict what each would teach and cost (``agents.prediction``), and plan again after a
+second. They are certainty-equivalent: the belief's mean is taken for the truth, so that they do not probe on purpose,
+but what they do follows from what was learnt of this patient. A clairvoyant one takes the truth for the truth. It is no
+contestant, but a yardstick of what adapting to the patient can be worth.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import VectorEnv
+
+from agents.prediction import Outcome, Prediction
+from jawenv.device.channels import N_CHANNELS
+from jawenv.envs.configuration import Control
+from jawenv.errors import InputError, shown
+from jawenv.maneuvers import Maneuver
+from jawenv.maneuvers.player import action_of
+from jawenv.protocol import Action, Array, Mask, Observation, State
+
+LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
+"""Targets that are sampled lie in this box, fractions of the patient's comfort."""
+SPREAD = np.array([0.25, 0.4, 0.1, 0.4])
+"""Sd of the first variations of a sequence; each round halves it."""
+KNOT_S = 1.0  # between knots of a variation
+FORBIDDEN = 1e6  # nats off the score of what crosses a hard limit
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a planner searches.
+
+    Attributes:
+        name: its name.
+        description: what it does, in a sentence.
+        horizon_s: how far it looks ahead.
+        candidates: sequences that are tried in a round.
+        rounds: how often sequences are varied about the best ones.
+        elites: how many are the best ones.
+        maneuvers: whose continuations are tried in the first round.
+        clairvoyant: whether candidates are tried on the true patient.
+        replan_s: how long it follows a plan.
+        comfort_weight: nats that a second of discomfort is worth.
+    """
+
+    name: str
+    description: str
+    horizon_s: float
+    candidates: int
+    rounds: int = 1
+    elites: int = 1
+    maneuvers: tuple[str, ...] = ()
+    clairvoyant: bool = False
+    replan_s: float = 1.0
+    comfort_weight: float = 20.0
+
+
+class Planner:
+    """An agent that searches for the next targets in copies of the worlds.
+
+    World i draws from streams seeded by ``seed + i`` and the number of the step, so that its plans do not depend on the
+    other worlds.
+
+    Args:
+        plan: how it searches.
+        control: control mode of the environment.
+
+    Attributes:
+        name: that of the plan.
+        description: that of the plan.
+        decisions: plans made since ``reset``, over all worlds.
+        seconds: time that they took in all.
+
+    Raises:
+        InputError: another control mode than targets.
+    """
+
+    def __init__(self, plan: Plan, *, control: Control = "targets") -> None:
+        _check_control(plan.name, control)
+        self.plan, self.name, self.description = plan, plan.name, plan.description
+        self._continuations = [Maneuver.named(name) for name in plan.maneuvers]
+        self.reset(0)
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Forget the worlds; without a seed the plans differ from run to run."""
+        self._seed = int(np.random.default_rng().integers(2**31)) if seed is None else seed
+        self._env: Any = None
+        self.decisions, self.seconds = 0, 0.0
+
+    @property
+    def ms_per_decision(self) -> float:
+        """Milliseconds that the plan of one world took on average; NaN before the first."""
+        return 1e3 * self.seconds / self.decisions if self.decisions else float("nan")
+
+    def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
+        """See ``jawenv.protocol.Planning.attach``.
+
+        Raises:
+            InputError: an environment with another control mode than targets, or one that cannot be copied.
+        """
+        self._env = env.unwrapped
+        simulation = self._env.simulation
+        configuration = simulation.configuration
+        _check_control(self.name, configuration.control)
+        self._hz = configuration.steps_per_s
+        self._horizon = max(1, round(self.plan.horizon_s * self._hz))
+        self._follow = min(self._horizon, max(1, round(self.plan.replan_s * self._hz)))
+        self._prediction = Prediction(simulation, self.plan.candidates, clairvoyant=self.plan.clairvoyant)
+        number = len(simulation.worlds)
+        self._planned = np.zeros((number, self._horizon, N_CHANNELS))
+        self._planned_at = np.full(number, -1)
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.protocol.Agent.predict``; observation and state are not read, but the attached environment.
+
+        Raises:
+            InputError: no environment is attached, or one of another number of worlds.
+        """
+        if self._env is None:
+            raise InputError(f"agent {self.name!r}: no environment; allowed: attach(env) before predict, as play does")
+        rows, worlds = np.atleast_2d(observation), self._env.simulation.worlds
+        if len(rows) != len(worlds):
+            raise InputError(f"observation has {len(rows)} worlds; allowed: the {len(worlds)} of the environment")
+        configuration = self._env.configuration
+        step = (worlds["tick"] // configuration.ticks_per_step).astype(np.intp)
+        running = (step < configuration.steps) & (worlds["violated"] == 0) & np.isfinite(worlds["log_det"])
+        since = step - self._planned_at
+        due = running & ((self._planned_at < 0) | (since < 0) | (since >= self._follow) | (step == 0))
+        if due.any():
+            began = time.perf_counter()
+            self._search(step, due)
+            self.decisions, self.seconds = self.decisions + int(due.sum()), self.seconds + time.perf_counter() - began
+        place = np.clip(step - self._planned_at, 0, self._horizon - 1)
+        action = action_of(self._planned[np.arange(len(rows)), place]).astype(np.float32)
+        return action.reshape(*np.shape(observation)[:-1], N_CHANNELS), None
+
+    def _search(self, step: Array, due: Mask) -> None:
+        """Plan anew for the worlds that are due."""
+        number, plan = len(due), self.plan
+        streams = [np.random.default_rng([self._seed + i, int(step[i])]) for i in range(number)]
+        keys = np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
+        tried = np.zeros((number, plan.candidates, self._horizon, N_CHANNELS))
+        best, best_score = self._planned.copy(), np.full(number, -np.inf)
+        for i in np.flatnonzero(due):
+            tried[i] = self._first(int(i), int(step[i]), streams[i])
+        for size in 0.5 ** np.arange(1, plan.rounds + 1):
+            score = _score(self._prediction.try_out(action_of(tried), due, keys), plan.comfort_weight)
+            for i in np.flatnonzero(due):
+                order = np.argsort(-score[i], kind="stable")
+                if score[i, order[0]] > best_score[i]:
+                    best[i], best_score[i] = tried[i, order[0]], score[i, order[0]]
+                elites = tried[i, order[: plan.elites]]
+                tried[i] = self._vary(elites, plan.candidates, size, streams[i])
+        self._planned[due] = best[due]
+        self._planned_at[due] = step[due]
+
+    def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
+        """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""
+        start = self._env.simulation.worlds["tracker"]["target"][world].copy()
+        known = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
+        ahead = np.arange(1, self._horizon + 1) / self._hz
+        for maneuver in self._continuations:
+            known.append(_approach(start, maneuver.targets(step / self._hz + ahead).value, ahead))
+        if self._continuations and 0 <= self._planned_at[world] < step:
+            left = np.minimum(np.arange(self._horizon) + step - self._planned_at[world], self._horizon - 1)
+            known.append(self._planned[world, left])
+        rest = self.plan.candidates - len(known)
+        varied = self._vary(np.array(known), rest // 2 if self._continuations else 0, 1.0, stream)
+        goals = stream.uniform(LOW, HIGH, (rest - len(varied), len(self._knots), N_CHANNELS))
+        anywhere = start + np.einsum("hk,ckj->chj", self._between, goals - start)
+        return np.concatenate([known, varied, anywhere])
+
+    def _vary(self, sequences: Array, number: int, size: float, stream: np.random.Generator) -> Array:
+        """Variations (number, H, 4) of sequences (E, H, 4), each in turn, none of them at the start."""
+        noise = size * SPREAD * stream.standard_normal((number, len(self._knots), N_CHANNELS))
+        shifted = sequences[np.arange(number) % len(sequences)] + np.einsum("hk,ckj->chj", self._between, noise)
+        within: Array = np.clip(shifted, LOW, HIGH)
+        return within
+
+    @property
+    def _knots(self) -> Array:
+        """(knots,) s after the start of a plan; the last is at its end."""
+        number = max(1, round(self._horizon / self._hz / KNOT_S))
+        return np.linspace(0.0, self._horizon / self._hz, number + 1)[1:]
+
+    @property
+    def _between(self) -> Array:
+        """(H, knots) straight lines from 0 at the start through the values at the knots."""
+        ahead, times = np.arange(1, self._horizon + 1) / self._hz, np.append(0.0, self._knots)
+        unit = np.eye(len(times))[1:]
+        return np.stack([np.interp(ahead, times, row) for row in unit], axis=-1)
+
+
+def _approach(start: Array, targets: Array, ahead: Array) -> Array:
+    """Targets (H, 4) ``ahead`` s, reached from ``start`` (4) within a second."""
+    share = np.minimum(ahead, 1.0)[:, None]
+    return start + share * (targets - start)
+
+
+def _score(outcome: Outcome, comfort_weight: float) -> Array:
+    """What (N, K) a candidate is worth, nats."""
+    worth = outcome.gain - comfort_weight * outcome.cost
+    return np.where(outcome.lost, -FORBIDDEN, worth)
+
+
+def _check_control(name: str, control: object) -> None:
+    if control != "targets":
+        raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")
+
+
+_KNOWN = ("opening_with_swings_and_fore_aft", "information_optimal")
+_MYOPIC = Plan(
+    name="myopic",
+    description="Of sampled targets for the next second, the one of the largest predicted gain less discomfort.",
+    horizon_s=1.0,
+    candidates=64,
+)
+_RECEDING = Plan(
+    name="receding_horizon",
+    description="Searches for the targets of the next two seconds of the largest predicted gain less discomfort, from "
+    "two maneuvers and the last plan on; follows the first second.",
+    horizon_s=2.0,
+    candidates=24,
+    rounds=3,
+    elites=4,
+    maneuvers=_KNOWN,
+)
+
+
+def _clairvoyant(plan: Plan) -> Plan:
+    return replace(
+        plan,
+        name=f"clairvoyant_{plan.name}",
+        description=f"No contestant: knows the true patient, a yardstick of what adapting can be worth. "
+        f"{plan.description}",
+        clairvoyant=True,
+    )
+
+
+PLANNERS: Mapping[str, Plan] = MappingProxyType(
+    {plan.name: plan for plan in (_MYOPIC, _RECEDING, _clairvoyant(_MYOPIC), _clairvoyant(_RECEDING))}
+)
+"""Each by its name."""

@@ -1,0 +1,206 @@
+"""What an agent does on average over patients, as a maneuver: the control that tells whether it adapts.
+
+An agent that adapts to the patient does better than its own averaged targets, replayed without looking. An average
+smooths out what an agent does with each patient at another moment, so there is a harder control: what it did with
+another patient (yoked replay).
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
+from jawenv.errors import InputError, shown
+from jawenv.files import atomic_write
+from jawenv.maneuvers import Maneuver
+from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.rollout import DEFAULT_ENV, play
+
+FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target
+DIGITS = 5
+
+
+class Recorder:
+    """An agent that remembers its actions.
+
+    Args:
+        agent: that plays.
+
+    Attributes:
+        name: that of the agent.
+        actions: one (N, 4) for each step since ``reset``.
+    """
+
+    def __init__(self, agent: Agent) -> None:
+        self._agent, self.name = agent, agent.name
+        self.actions: list[Action] = []
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """See ``jawenv.protocol.Agent.reset``; agents without memory may have none."""
+        self.actions = []
+        if hasattr(self._agent, "reset"):
+            self._agent.reset(num_envs, seed)
+
+    def attach(self, env: Any) -> None:
+        """See ``jawenv.protocol.Planning.attach``."""
+        if hasattr(self._agent, "attach"):
+            self._agent.attach(env)
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.protocol.Agent.predict``."""
+        action, state = self._agent.predict(observation, state, episode_start, deterministic)
+        self.actions.append(np.array(action))
+        return action, state
+
+
+class Replay:
+    """Actions of targets control that were recorded on other patients: world i gets those of patient i there.
+
+    Args:
+        name: what tables call it.
+        actions: (N, T, 4) in [-1, 1]; more worlds begin again at the first patient, and after T steps the last action
+            holds.
+    """
+
+    def __init__(self, name: str, actions: Array) -> None:
+        self.name, self._actions, self._step = name, actions, 0
+
+    @classmethod
+    def load(cls, path: Path) -> Replay:
+        """Read what ``save`` has written.
+
+        Raises:
+            InputError: no such file, or one that holds no actions.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as held:
+                name, actions = str(held["name"]), np.asarray(held["actions"], dtype=np.float64)
+        except (OSError, KeyError, ValueError) as error:
+            raise InputError(f"{path}: no recorded actions: {error}") from None
+        if actions.ndim != 3 or actions.shape[2] != len(CHANNELS) or not (np.abs(actions) <= 1.0).all():
+            raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
+        return cls(name, actions)
+
+    def save(self, path: Path) -> None:
+        """Write name and actions (.npz), wholly or not at all."""
+        with atomic_write(path) as unfinished, unfinished.open("wb") as file:
+            np.savez_compressed(file, name=self.name, actions=self._actions)
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Begin again."""
+        self._step = 0
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.protocol.Agent.predict``; all worlds begin at once."""
+        if episode_start is not None and np.all(episode_start):
+            self._step = 0
+        worlds = np.arange(1 if np.ndim(observation) == 1 else len(observation)) % len(self._actions)
+        action = self._actions[worlds, min(self._step, self._actions.shape[1] - 1)].astype(np.float32)
+        self._step += 1
+        return action.reshape(*np.shape(observation)[:-1], len(CHANNELS)), None
+
+
+def replay_of(
+    agent: Agent, *, patients: int, seed: int, env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV
+) -> Maneuver:
+    """The maneuver of an agent's targets, averaged over patients.
+
+    Args:
+        agent: plays targets control.
+        patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
+        seed: of the first patient.
+        env_kwargs: arguments of the environment.
+        env_id: its id.
+
+    Raises:
+        InputError: another control mode than targets, or what ``jawenv.play`` refuses.
+    """
+    return replays_of(agent, patients=patients, seed=seed, env_kwargs=env_kwargs, env_id=env_id)[0]
+
+
+def replays_of(
+    agent: Agent, *, patients: int, seed: int, env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV
+) -> tuple[Maneuver, Replay]:
+    """The averaged maneuver of ``replay_of``, and what the agent did with each patient."""
+    control = env_kwargs.get("control", "force")
+    if control != "targets":
+        raise InputError(f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets")
+    recorder = Recorder(agent)
+    kwargs = {"track_bound": False, **env_kwargs}
+    recording = play(recorder, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id)
+    period = float(recording.time[1])
+    actions = np.stack(recorder.actions, axis=1).astype(np.float64)
+    targets = targets_of(actions, period)
+    running = recording.valid[:, :-1, None]  # at the beginning of the step
+    mean = np.sum(targets * running, axis=0) / np.maximum(running.sum(axis=0), 1)
+    name = re.sub(r"[^a-z0-9]+", "_", agent.name.lower()).strip("_")
+    maneuver = Maneuver.model_validate(
+        {
+            "name": f"replay_of_{name}",
+            "title": f"Replay of {agent.name}",
+            "description": f"The targets of {agent.name}, averaged over {patients} patients, replayed without looking.",
+            "source": f"python -m eval replay, seeds {seed} to {seed + patients - 1} of cohort "
+            f"{env_kwargs.get('cohort', 'trismus')}",
+            "fade_in_s": FADE_IN_S,
+            "channels": {channel: _keyframes(mean[:, k], period) for k, channel in enumerate(CHANNELS)},
+        }
+    )
+    return maneuver, Replay(f"yoked_replay_of_{name}", actions)
+
+
+def targets_of(actions: Array, period: float) -> Array:
+    """Where the targets are at the end of each step, as fast as the device lets them.
+
+    Args:
+        actions: (N, T, 4) of targets control, in [-1, 1].
+        period: length of a step, s.
+
+    Returns:
+        (N, T, 4) fractions of the patient's comfort.
+    """
+    low, fastest = np.array(LOWEST), np.array(FASTEST_TARGET) * period
+    goals = low + 0.5 * (HIGHEST - low) * (np.asarray(actions, dtype=np.float64) + 1.0)
+    targets, last = np.empty_like(goals), np.zeros_like(goals[:, 0])
+    for step in range(goals.shape[1]):
+        last = last + np.clip(goals[:, step] - last, -fastest, fastest)
+        targets[:, step] = last
+    return targets
+
+
+def _keyframes(values: Array, period: float) -> dict[str, Any]:
+    """A channel that begins at rest and reaches ``values`` (T,) at the ends of the steps."""
+    rounded = np.round(np.append(0.0, values), DIGITS)
+    points = [{"t_s": round(k * period, 6), "value": float(value)} for k, value in enumerate(rounded)]
+    return {"kind": "keyframes", "interpolation": "linear", "points": points}
+
+
+def save_maneuver(maneuver: Maneuver, path: Path) -> Path:
+    """Write a maneuver file (YAML), either whole or not at all; returns its path.
+
+    Raises:
+        InputError: another ending than .yaml, or a place that cannot be written.
+    """
+    import yaml
+
+    if path.suffix != ".yaml":
+        raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
+    text = yaml.safe_dump(maneuver.model_dump(mode="json"), sort_keys=False, default_flow_style=None, width=120)
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return path

@@ -1,0 +1,93 @@
+"""Replays of entries: their targets averaged over patients that no comparison is about, as maneuver files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from rich.console import Console
+
+from agents.replay import replays_of, save_maneuver
+from eval.entries import Entry, fingerprint, load_entries
+from eval.report import words
+from eval.settings import Settings
+from jawenv.errors import InputError, shown
+from jawenv.seeds import REPLAYS
+
+
+def replay_of_entry(entry: Entry, settings: Settings, path: Path) -> Path:
+    """Play an entry and write its averaged targets as a maneuver file, and beside it all its actions as .npz.
+
+    Args:
+        entry: plays targets control.
+        settings: how many patients, and from which seed on.
+        path: of the file, which ends in .yaml.
+
+    Raises:
+        InputError: an entry of another control mode, or a file that cannot be written.
+    """
+    if path.suffix != ".yaml":
+        raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
+    maneuver, yoked = replays_of(
+        entry.agent,
+        patients=settings.patients,
+        seed=settings.seed,
+        env_kwargs=entry.env_kwargs,
+        env_id=entry.env_id,
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    yoked.save(path.with_suffix(".npz"))
+    return save_maneuver(maneuver, path)
+
+
+def add_replays(
+    entries: Sequence[Entry], settings: Settings, folder: Path, *, fresh: bool = False, console: Console | None = None
+) -> list[Entry]:
+    """The entries, and after each that is trained or planned its replay and its yoked replay.
+
+    Replays are averaged over as many patients as are compared, of the same cohort, by the seeds of ``REPLAYS``.
+
+    Args:
+        entries: of a comparison.
+        settings: of the comparison.
+        folder: where the maneuver files are kept, and found again when nothing that decides them has changed.
+        fresh: compute every replay again.
+        console: where progress is shown; nowhere by default.
+
+    Raises:
+        InputError: no entry is trained or planned, one plays another control mode than targets, or the comparison is
+            on the patients of the replays.
+    """
+    averaged = replace(settings, seed=REPLAYS.start)
+    if settings.seed + settings.patients > REPLAYS.start and settings.seed < REPLAYS.start + settings.patients:
+        raise InputError(
+            f"seed: {settings.seed} with {settings.patients} patients given; allowed with replays: none of the seeds "
+            f"{REPLAYS.start} to {REPLAYS.start + settings.patients - 1}"
+        )
+    adapting = [entry for entry in entries if entry.trained or entry.planned]
+    if not adapting:
+        raise InputError("with-replay: no entry is trained or planned; allowed: at least one")
+    for entry in adapting:
+        control = entry.env_kwargs.get("control", "force")
+        if control != "targets":
+            raise InputError(f"with-replay: {entry.label} plays control {shown(control)}; allowed: targets")
+    replays: dict[str, tuple[Entry, ...]] = {}
+    for entry in adapting:
+        key = fingerprint(entry, asdict(averaged))
+        path = folder / f"{key}.yaml"
+        if fresh or not path.exists():
+            if console is not None:
+                console.print(f"averaging the targets of {words.label(entry.label)}")
+            replay_of_entry(entry, averaged, path)
+        replays[entry.label] = (
+            _entry_of(path, entry, "replay"),
+            _entry_of(path.with_suffix(".npz"), entry, "yoked replay"),
+        )
+    return [each for entry in entries for each in (entry, *replays.get(entry.label, ()))]
+
+
+def _entry_of(path: Path, entry: Entry, kind: str) -> Entry:
+    """The replay of ``entry`` in ``path``, played with the entry's own settings."""
+    loaded = load_entries([str(path)], entry.env_kwargs, entry.env_id)[0]
+    return replace(loaded, label=f"{kind} of {entry.label}", replay_of=entry.label, note=entry.note)

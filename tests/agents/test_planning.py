@@ -1,0 +1,112 @@
+"""Planners: what they need, that they are better for it, and that planning changes nothing of what is real."""
+
+from dataclasses import replace
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import agents
+import jawenv
+from agents.planning import PLANNERS, Planner
+from jawenv.errors import InputError
+from jawenv.protocol import Agent, Planning
+
+KWARGS = {"control": "targets", "episode_s": 2.0}
+QUICK = {
+    "myopic": replace(PLANNERS["myopic"], candidates=6),
+    "receding_horizon": replace(PLANNERS["receding_horizon"], candidates=8, rounds=2, elites=2, horizon_s=2.0),
+    "clairvoyant_myopic": replace(PLANNERS["clairvoyant_myopic"], candidates=6),
+}
+
+
+def vector(number=2, **kwargs):
+    return gym.make_vec("jawenv/Jaw-v1", num_envs=number, autoreset_mode="disabled", **{**KWARGS, **kwargs})
+
+
+class Replayed:
+    """Plays given actions (T, N, 4)."""
+
+    name = "replayed"
+
+    def __init__(self, actions):
+        self.actions = iter(actions)
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        return next(self.actions), None
+
+
+class Kept(Planner):
+    """A planner that keeps its actions."""
+
+    def reset(self, num_envs, seed=None):
+        super().reset(num_envs, seed)
+        self.actions = []
+
+    def predict(self, *arguments, **named):
+        action, state = super().predict(*arguments, **named)
+        self.actions.append(action)
+        return action, state
+
+
+def test_every_planner_has_a_name_and_says_what_it_does():
+    for name in PLANNERS:
+        agent = agents.load_agent(name, control="targets")
+        assert isinstance(agent, Agent) and isinstance(agent, Planning) and agent.name == name
+        assert agent.description.startswith("No contestant") == name.startswith("clairvoyant_")
+
+
+def test_what_a_planner_cannot_do_without_is_named():
+    with pytest.raises(InputError, match="^agent 'myopic': control is 'force'; allowed for a planner: targets$"):
+        agents.load_agent("myopic", control="force")
+    agent = Planner(QUICK["myopic"])
+    with pytest.raises(InputError, match=r"^agent 'myopic': no environment; allowed: attach\(env\) before predict"):
+        agent.predict(np.zeros((2, 59), np.float32))
+    with pytest.raises(InputError, match="control is 'trajectory'; allowed for a planner: targets"):
+        jawenv.play(agent, patients=1, seed=5000, env_kwargs={"control": "trajectory", "episode_s": 1.0})
+    env = vector(1)
+    env.reset(seed=5000)
+    agent.attach(env)
+    with pytest.raises(InputError, match="^observation has 2 worlds; allowed: the 1 of the environment$"):
+        agent.predict(np.zeros((2, 59), np.float32))
+
+
+@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("options", [{"track_bound": True, "record": True, "reward": "bound", "cohort": "wide"}, {}])
+def test_planning_changes_nothing_of_the_real_worlds(name, options):
+    agent, kwargs = Kept(QUICK[name]), {"track_bound": False, **KWARGS, **options}
+    planned = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs)
+    replayed = jawenv.play(Replayed(agent.actions), patients=2, seed=5000, env_kwargs=kwargs)
+    np.testing.assert_array_equal(planned.belief_cov, replayed.belief_cov)
+    np.testing.assert_array_equal(planned.belief_mean, replayed.belief_mean)
+    np.testing.assert_array_equal(planned.bound_sd, replayed.bound_sd)
+    assert agent.decisions == 4 and agent.ms_per_decision > 0.0
+    assert np.ptp(agent.actions, axis=0).max() > 0.1
+
+
+def test_a_world_s_plan_depends_on_no_other_world():
+    both, one = Kept(QUICK["receding_horizon"]), Kept(QUICK["receding_horizon"])
+    jawenv.play(both, patients=2, seed=5000, env_kwargs=KWARGS)
+    jawenv.play(one, patients=1, seed=5001, env_kwargs=KWARGS)
+    np.testing.assert_array_equal(np.array(both.actions)[:, 1], np.array(one.actions)[:, 0])
+
+
+def test_a_new_episode_is_planned_from_its_start():
+    agent, env = Planner(QUICK["myopic"]), vector(1)
+    first, _ = env.reset(seed=5000)
+    agent.reset(1, 3)
+    agent.attach(env)
+    begun, _ = agent.predict(first)
+    for _ in range(3):
+        env.step(begun)
+    again, _ = env.reset(seed=5000)
+    np.testing.assert_array_equal(agent.predict(again)[0], begun)
+    assert agent.decisions == 2
+
+
+def test_a_planner_learns_more_than_holding_still():
+    kwargs = {**KWARGS, "episode_s": 3.0}
+    worst = {}
+    for agent in (Planner(QUICK["myopic"]), agents.load_agent("hold_still", control="targets")):
+        worst[agent.name] = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs).belief_sd[:, -1].max(axis=1)
+    assert (worst["myopic"] < 0.6 * worst["hold_still"]).all()

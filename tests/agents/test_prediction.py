@@ -1,0 +1,76 @@
+"""Copies of worlds in which actions are tried out: what they have of the truth, and what they foretell."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from agents.prediction import GOAL, Prediction, believe
+from jawenv.envs.rewards import potential
+
+
+@pytest.fixture
+def env():
+    made = gym.make_vec("jawenv/Jaw-v1", num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
+    made.reset(seed=5000)
+    for _ in range(5):
+        made.step(np.full((2, 4), 0.3, np.float32))
+    return made
+
+
+def actions_for(number, candidates=3, steps=5):
+    levels = np.linspace(-0.5, 0.5, candidates)[:, None, None]
+    return np.broadcast_to(levels, (number, candidates, steps, 4)).copy()
+
+
+def keys(number):
+    return np.arange(2 * number, dtype=np.uint64).reshape(number, 2)
+
+
+ALL = np.ones(2, dtype=bool)
+
+
+def test_the_believed_world_has_nothing_of_the_truth(env):
+    simulation = env.unwrapped.simulation
+    hidden = simulation.worlds.copy()
+    for name in ("log_parameters", "muscles", "cell_gain", "state", "lift", "jaw"):
+        hidden[name] = np.zeros_like(hidden[name])
+    seen = simulation.worlds.copy()
+    believe(hidden, simulation.models)
+    believe(seen, simulation.models)
+    for name in seen.dtype.names:
+        np.testing.assert_equal(hidden[name].tolist(), seen[name].tolist())
+    np.testing.assert_array_equal(seen["state"], simulation.worlds["belief"]["motion"])
+    muscles = np.exp(simulation.worlds["belief"]["mean"]).reshape(2, -1, 2)
+    np.testing.assert_allclose(np.unique(seen["muscles"][0, :, 0]), np.unique(muscles[0, :, 0]))
+
+
+@pytest.mark.parametrize("clairvoyant", [False, True])
+def test_the_future_is_foretold(env, clairvoyant):
+    simulation = env.unwrapped.simulation
+    prediction = Prediction(simulation, 3, clairvoyant=clairvoyant)
+    tried = actions_for(2)
+    before = potential(GOAL, simulation.worlds)
+    outcome = prediction.try_out(tried, ALL, keys(2))
+    for step in range(tried.shape[2]):
+        env.step(tried[:, 2, step].astype(np.float32))
+    gained = potential(GOAL, simulation.worlds) - before
+    assert not outcome.lost.any()
+    np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=0.25)
+    assert np.ptp(outcome.gain, axis=1).min() > 0.5
+
+
+def test_candidates_with_the_same_actions_have_the_same_future(env):
+    prediction = Prediction(env.unwrapped.simulation, 3, clairvoyant=False)
+    tried = actions_for(2)
+    tried[:, 1] = tried[:, 0]
+    gain = prediction.try_out(tried, ALL, keys(2)).gain
+    np.testing.assert_array_equal(gain[:, 0], gain[:, 1])
+    assert (gain[:, 0] != gain[:, 2]).all()
+
+
+def test_what_crosses_a_hard_limit_is_lost(env):
+    simulation = env.unwrapped.simulation
+    simulation.worlds["limits"]["side"][0] = 1e-4
+    outcome = Prediction(simulation, 3, clairvoyant=False).try_out(actions_for(2), ALL, keys(2))
+    assert outcome.lost[0].any() and not outcome.lost[1].any()
+    assert outcome.cost[0].max() > outcome.cost[1].max()

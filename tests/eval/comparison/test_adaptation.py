@@ -1,0 +1,45 @@
+"""Entries against their own replays."""
+
+import io
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from eval.comparison.adaptation import adaptations
+from eval.report import table
+from tests.eval.studies import GOOD, IDLE, TRAINED, study
+
+
+@pytest.fixture(scope="module")
+def paired():
+    """The good one replays the trained one, and the trained one the idle one."""
+    made = study()
+    for each in made.about["entries"]:
+        each["replay_of"] = {GOOD: TRAINED, IDLE: GOOD}.get(each["label"], "")
+    return made
+
+
+def test_a_study_without_replays_has_nothing_to_say():
+    assert adaptations(study(4)) == ()
+
+
+def test_the_difference_is_paired_and_of_logs(paired):
+    found = {each.entry: each for each in adaptations(paired)}
+    assert {entry: each.replay for entry, each in found.items()} == {TRAINED: GOOD, GOOD: IDLE}
+    own, other = (paired.of(entry)["worst_sd"].to_numpy() for entry in (GOOD, IDLE))
+    assert found[GOOD].end.value == pytest.approx(np.mean(np.log(own / other)))
+    assert found[GOOD].verdict(found[GOOD].end) == "adapts" and found[GOOD].end.high < 0.0
+    assert found[TRAINED].verdict(found[TRAINED].end) == "does worse"
+    same = np.array(paired.of(GOOD)["early_worst_sd"])
+    assert np.isfinite(same).all() and found[GOOD].early.value < 0.0
+
+
+def test_the_table_says_who_adapts(paired):
+    console = Console(file=io.StringIO(), width=120)
+    table.show_adaptations(adaptations(paired), console)
+    written = console.file.getvalue()
+    assert "good one" in written and "adapts" in written and "does worse" in written
+    empty = Console(file=io.StringIO(), width=120)
+    table.show_adaptations((), empty)
+    assert empty.file.getvalue() == ""
