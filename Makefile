@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-DEMO_TRAIN := train ppo --config training/configs/demo.yaml --output $(DEMO)/ppo --continue
+DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control trajectory --seed 500 --output $(DEMO)
 
 export PYTHON

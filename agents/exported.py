@@ -9,15 +9,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from agents.card import WEIGHTS, Architecture, ModelCard, Residual, read_card
+from agents.card import WEIGHTS, Architecture, ModelCard, read_card
+from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
 from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
-
-RESIDUAL_VALUES = 12
-"""What a policy that corrects a maneuver sees beside the observation: the maneuver's targets."""
 
 
 def elu(x: Array) -> Array:
@@ -98,21 +96,23 @@ def load_exported(path: str | Path, *, env_id: str | None = None) -> Agent:
     trained_in = model_of_env(card.environment.id)
     if env_id is not None and model_of_env(env_id) != trained_in:
         raise InputError(f"{path}: the policy was trained in {trained_in.env_id}, not in {model_of_env(env_id).env_id}")
-    seen = observation_size(len(trained_in.muscles.parameter_names)) + (RESIDUAL_VALUES if card.residual else 0)
+    seen = observation_size(len(trained_in.muscles.parameter_names)) + (N_FEATURES if card.residual else 0)
     if card.observation_size != seen:
         raise InputError(
             f"{path}: the policy was trained on observations of {card.observation_size} values, "
             f"{trained_in.env_id} gives {seen}"
         )
     weights = _read_weights(folder / WEIGHTS, card)
-    return _on_maneuver(ExportedPolicy(folder.resolve().name, card, weights), card.residual)
+    return _on_maneuver(ExportedPolicy(folder.resolve().name, card, weights), folder)
 
 
-def _on_maneuver(policy: ExportedPolicy, residual: Residual | None) -> Agent:
-    """The policy itself, or the maneuver that it corrects."""
-    if residual is None:
+def _on_maneuver(policy: ExportedPolicy, folder: Path) -> Agent:
+    """The policy itself, or with the maneuver that it corrects."""
+    card = policy.card
+    if card.residual is None:
         return policy
-    raise InputError(f"{policy.name}: residual is given, but this jawenv plays no policy on top of a maneuver")
+    base = BaseTargets(card.residual.maneuver, card.residual.scale, card.environment.control_hz)
+    return ResidualPolicy(policy, base, folder, card.observation_size - N_FEATURES)
 
 
 def _read_weights(path: Path, card: ModelCard) -> dict[str, np.ndarray]:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy, check_control
 from jawenv.errors import InputError
+from jawenv.files import read_mapping, validate
 from jawenv.protocol import Action, Mask, Observation, State
 
 if TYPE_CHECKING:
@@ -65,9 +67,10 @@ class TrainedPolicy:
         return action, self._state
 
 
-def load_policy(path: str | Path, *, observation_size: int | None = None) -> TrainedPolicy:
+def load_policy(path: str | Path, *, observation_size: int | None = None) -> TrainedPolicy | ResidualPolicy:
     """Load a run folder (its best model, else its final one) or a checkpoint file.
 
+    A policy of a run that was trained as a residual comes with its maneuver, by the run's config.yaml.
     A checkpoint holds pickled Python objects: load only files whose origin you trust.
 
     Args:
@@ -83,12 +86,34 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
     if shape != (4,):
         raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
     trained = TrainedPolicy(checkpoint, policy)
-    if observation_size is not None and trained.observation_size != observation_size:
+    base = _base_targets(checkpoint)
+    agent = trained if base is None else _on_base(trained, base)
+    if observation_size is not None and agent.observation_size != observation_size:
         raise InputError(
-            f"{checkpoint}: the policy was trained on observations of {trained.observation_size} values, "
+            f"{checkpoint}: the policy was trained on observations of {agent.observation_size} values, "
             f"the environment gives {observation_size}"
         )
-    return trained
+    return agent
+
+
+def _on_base(trained: TrainedPolicy, base: BaseTargets) -> ResidualPolicy:
+    return ResidualPolicy(trained, base, trained.path, trained.observation_size - N_FEATURES)
+
+
+def _base_targets(checkpoint: Path) -> BaseTargets | None:
+    """The maneuver that the run of a checkpoint corrects, None if it corrects none or belongs to no run."""
+    folders = [folder for folder in checkpoint.resolve().parents[:2] if (folder / "config.yaml").is_file()]
+    if not folders:
+        return None
+    config = read_mapping(folders[0] / "config.yaml")
+    if config.get("residual") is None:
+        return None
+    source = f"{folders[0] / 'config.yaml'}: residual"
+    residual = validate(Residual, config["residual"], source)
+    env = config.get("env")
+    kwargs = env.get("kwargs", {}) if isinstance(env, dict) else {}
+    check_control(kwargs.get("control"))
+    return BaseTargets(residual.load_maneuver(folders[0]), residual.scale, kwargs.get("control_hz"))
 
 
 def _checkpoint(path: Path) -> Path:

@@ -9,6 +9,7 @@ from agents.own import load_own, names_own
 from agents.planning import PLANNERS, Planner
 from agents.policies import load_policy
 from agents.replay import Replay
+from agents.residual import ResidualPolicy, check_control
 from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
@@ -62,7 +63,10 @@ def load_agent(
     if path.exists() or path.suffix == ".zip":
         from jawenv.envs.observation import observation_size
 
-        return load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
+        policy = load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
+        if isinstance(policy, ResidualPolicy):
+            _check_settings(policy, control, control_hz)
+        return policy
     if names_own(str(spec)):
         return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
     known = ", ".join((*names(), *EXCITATIONS, *PLANNERS))
@@ -75,3 +79,15 @@ def load_agent(
 def _steps_per_s(control: Control, control_hz: float | None) -> float:
     """Control steps per second, the control's own where none are given."""
     return CONTROL_HZ[control] if control_hz is None else control_hz
+
+
+def _check_settings(policy: ResidualPolicy, control: Control, control_hz: float | None) -> None:
+    """Make sure that the environment's steps are those that the maneuver under the policy is read at.
+
+    Raises:
+        InputError: another control mode, or another rate than the policy was trained at.
+    """
+    check_control(control)
+    hz = _steps_per_s(control, control_hz)
+    if hz != policy.base.control_hz:
+        raise InputError(f"control_hz {hz:g}: {policy.path} was trained at {policy.base.control_hz:g}")

@@ -16,6 +16,7 @@ from agents.card import CARD, WEIGHTS, is_exported, read_card
 from agents.own import source_of
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
+from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import CONTROL_HZ
 from jawenv.errors import InputError
 from jawenv.protocol import Agent
@@ -135,7 +136,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         env_id=env_id,
         env_kwargs=env_kwargs | own,
         note=", ".join(notes),
-        trained=run is not None or isinstance(agent, TrainedPolicy),
+        trained=run is not None or isinstance(agent, TrainedPolicy | ResidualPolicy),
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
         planned=isinstance(agent, Planner),

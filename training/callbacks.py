@@ -1,12 +1,11 @@
-"""What happens beside learning: stopping on a signal, logging episodes, checkpoints, evaluations, progress.
+"""What happens beside learning: stopping on a signal, logging episodes, checkpoints, noise that falls, progress.
 
-Checkpoints and evaluations take place between a policy update and the next rollout, so that a saved model,
-its number of steps and its score always belong together.
+Checkpoints and evaluations (`training.evaluations`) take place between a policy update and the next rollout, so that a
+saved model, its number of steps and its score always belong together.
 """
 
 from __future__ import annotations
 
-import csv
 import signal
 import threading
 from types import FrameType, TracebackType
@@ -15,12 +14,10 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
-from jawenv.errors import InputError
 from jawenv.progress import Progress
-from training.config import CheckpointConfig, EvaluationConfig
-from training.evaluate import evaluate
+from training.algorithm_configs import NetworkConfig
+from training.config import CheckpointConfig
 from training.run import RunFolder
-from training.vec_env import NativeVecEnv
 
 
 class Interrupt:
@@ -120,96 +117,25 @@ class Checkpoints(BaseCallback):
         return True
 
 
-class Evaluations(BaseCallback):
-    """Tries the deterministic policy on the validation cohort every so many steps, and saves the best model.
-
-    The first row of ``evaluations.csv`` is the untrained policy, the last the final one.
+class FallingNoise(BaseCallback):
+    """Sets the logarithm of the actions' sd, which falls linearly over the run and is not learned.
 
     Args:
-        run: where the table and the best model go.
-        config: how often, and on whom.
-        worlds: one world per patient, for evaluation only.
-        interrupt: an evaluation is given up when the training is to stop.
-        progress: shows the best so far.
-
-    Raises:
-        InputError: the table of a resumed run is damaged.
+        network: says from where to where.
+        steps: of the whole run.
     """
 
-    def __init__(
-        self,
-        run: RunFolder,
-        config: EvaluationConfig,
-        worlds: NativeVecEnv,
-        interrupt: Interrupt,
-        progress: Progress,
-    ) -> None:
+    def __init__(self, network: NetworkConfig, steps: int) -> None:
         super().__init__()
-        self._run = run
-        self._config = config
-        self._worlds = worlds
-        self._interrupt = interrupt
-        self._progress = progress
-        self.best: tuple[float, int] | None = None
-        self._last: int | None = None
-        for steps, mean_return in _read_evaluations(run):
-            self._last = steps
-            if self.best is None or mean_return > self.best[0]:
-                self.best = (mean_return, steps)
-        self._show_best()
+        assert network.final_log_std is not None
+        self._first, self._last = network.initial_log_std, network.final_log_std
+        self._steps = steps
 
     def _on_rollout_start(self) -> None:
-        if self._last is None or self.model.num_timesteps - self._last >= self._config.every_steps:
-            self._evaluate()
+        share = min(1.0, self.model.num_timesteps / self._steps)
+        log_std: Any = self.model.policy.log_std
+        log_std.requires_grad_(False)
+        log_std.fill_(self._first + share * (self._last - self._first))
 
     def _on_step(self) -> bool:
         return True
-
-    def _on_training_end(self) -> None:
-        if self._last != self.model.num_timesteps and not self._interrupt.wanted():
-            self._evaluate()
-
-    def _evaluate(self) -> None:
-        self._progress.note("activity", "evaluating")
-        outcome = evaluate(self._act, self._worlds, self._config.seed, self._interrupt.wanted)
-        self._progress.note("activity", "")
-        if outcome is None:
-            return
-        steps, score = self.model.num_timesteps, outcome.mean_return
-        self._last = steps
-        if self.best is None or score > self.best[0]:
-            self.best = (score, steps)
-            self._run.save_model(self.model, self._run.best_model)
-            self._show_best()
-        row = outcome.means() | {"return_sd": float(outcome.figures["return"].std())}
-        _append(self._run, steps, row)
-        for name, value in row.items():
-            self.logger.record(f"evaluation/{name}", value)
-        self.logger.dump(steps)
-
-    def _show_best(self) -> None:
-        if self.best is not None:
-            self._progress.note("best", f"best evaluation {self.best[0]:.4g} at {self.best[1]:,}")
-
-    def _act(self, observation: np.ndarray) -> np.ndarray:
-        return self.model.predict(observation, deterministic=True)[0]
-
-
-def _append(run: RunFolder, steps: int, row: dict[str, float]) -> None:
-    new = not run.evaluations.exists()
-    with run.evaluations.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        if new:
-            writer.writerow(["steps", *row])
-        writer.writerow([steps, *(f"{value:.6g}" for value in row.values())])
-
-
-def _read_evaluations(run: RunFolder) -> list[tuple[int, float]]:
-    """Steps and mean return of the evaluations so far."""
-    if not run.evaluations.exists():
-        return []
-    try:
-        with run.evaluations.open(newline="", encoding="utf-8") as file:
-            return [(int(row["steps"]), float(row["return"])) for row in csv.DictReader(file)]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())}") from error

@@ -1,11 +1,11 @@
-"""Commands: ``python -m training train ppo`` and ``export``."""
+"""Commands: ``python -m training train CONFIG``, ``plot``, ``tune``, ``optimise`` and ``export``."""
 
 from __future__ import annotations
 
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -13,23 +13,28 @@ from rich.console import Console
 from jawenv.errors import InputError
 from training.optimise_command import optimise
 
+if TYPE_CHECKING:
+    from training.config import TrainingConfig
+
 app = typer.Typer(
     help="Train agents that identify a patient's closing muscles.",
     add_completion=False,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
 )
-train_app = typer.Typer(help="Train an agent; one command per algorithm.")
-app.add_typer(train_app, name="train")
 app.command("optimise")(optimise)
 
-ConfigFile = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="YAML file of settings; default training/configs/ppo.yaml."),
+Config = Annotated[
+    str | None,
+    typer.Argument(metavar="CONFIG", help="A shipped configuration (ppo, sac, tqc, ...) or a YAML file."),
 ]
 Environment = Annotated[
     str | None,
     typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v1, or JawSides, or sides."),
+]
+ResidualOn = Annotated[
+    str | None,
+    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file), in targets control."),
 ]
 Output = Annotated[
     Path | None,
@@ -40,6 +45,10 @@ Steps = Annotated[
     typer.Option(metavar="N", help="Environment steps to train for, over all worlds."),
 ]
 Seed = Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")]
+Seeds = Annotated[
+    str | None,
+    typer.Option(metavar="LIST", help="Several seeds, 0-4 or 0,1,2, each into OUTPUT-seedK; finished ones are left."),
+]
 Worlds = Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")]
 Device = Annotated[str | None, typer.Option(metavar="NAME", help="Where the network runs: cpu, cuda, ...")]
 Resume = Annotated[
@@ -51,6 +60,14 @@ Continue = Annotated[
     typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the output folder.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; those of several seeds are averaged.")]
+Figure = Annotated[Path, typer.Option(metavar="FILE", help="The picture to write, a .png.")]
+Trials = Annotated[int, typer.Option(metavar="N", help="Trials that the study shall have in the end.")]
+Storage = Annotated[
+    str,
+    typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
+]
+Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
 
 
 @app.callback()
@@ -58,50 +75,101 @@ def _root() -> None:
     """Train agents that identify a patient's closing muscles."""
 
 
-@train_app.command("ppo")
-def ppo(
-    config: ConfigFile = None,
+@app.command("train")
+def train(
+    config: Config = None,
     env: Environment = None,
+    residual_on: ResidualOn = None,
     output: Output = None,
     steps: Steps = None,
     seed: Seed = None,
+    seeds: Seeds = None,
     n_envs: Worlds = None,
     device: Device = None,
     resume: Resume = None,
     continue_: Continue = False,
     overwrite: Overwrite = False,
 ) -> int:
-    """Train a PPO policy; Ctrl-C saves a checkpoint that --resume goes on from.
+    """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
     The run folder holds best_model.zip (by evaluation on a validation cohort), final_model.zip, checkpoints,
     evaluations.csv, a TensorBoard log, and all that is needed to repeat the run. Options given here win over
     the settings file.
     """
-    from jawenv.ladder import model_of_env
-    from training import train
-    from training.config import DEFAULT_CONFIG, TrainingConfig
+    from training import several
+    from training import train as training
     from training.run import RunFolder
 
     console = Console(highlight=False, markup=False)
+    changes = {"env": env, "residual-on": residual_on, "seed": seed, "n-envs": n_envs, "device": device}
+    flags = {"continue": continue_, "overwrite": overwrite}
+    if resume is not None:
+        others = {"seeds": seeds, "output": output, **changes, **flags}
+        if config is not None:
+            raise InputError("CONFIG cannot be combined with --resume, which keeps the settings of the run")
+        for name in (name for name, value in others.items() if value not in (None, False)):
+            raise InputError(f"--{name} cannot be combined with --resume, which keeps the settings of the run")
+        return training.resume(RunFolder(resume), console, steps)
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    if resume is not None:
-        settings = {"config": config, "env": env, "output": output, "seed": seed, "n-envs": n_envs, "device": device}
-        flags = {"continue": continue_, "overwrite": overwrite}
-        for name in (name for name, value in (settings | flags).items() if value not in (None, False)):
-            raise InputError(f"--{name} cannot be combined with --resume, which keeps the settings of the run")
-        return train.resume(RunFolder(resume), console, steps)
-    source = config or DEFAULT_CONFIG
+    wanted, stem = _wanted(config, env, residual_on)
+    wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
+    if seeds is not None:
+        for name, value in {"seed": seed, **flags}.items():
+            if value not in (None, False):
+                raise InputError(f"--{name} cannot be combined with --seeds, which begins or continues each run")
+        return several.train_seeds(wanted, several.parse_seeds(seeds), output or Path("runs") / stem, console)
+    run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
+    if continue_ and run.exists():
+        run.check_settings(wanted)
+        return training.resume(run, console, wanted.steps)
+    return training.start(wanted, run, console, overwrite)
+
+
+def _wanted(config: str | None, env: str | None, residual_on: str | None) -> tuple[TrainingConfig, str]:
+    """The configuration that a command line asks for, and the stem of its runs' names."""
+    from jawenv.ladder import model_of_env
+    from training.config import TrainingConfig, config_file
+
+    if config is None:
+        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
+    source = config_file(config)
     wanted, stem = TrainingConfig.load(source), source.stem
     if env is not None:
         model = model_of_env(env)
         wanted, stem = wanted.in_env(model.env_id), f"{stem}-{model.title}"
-    wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
-    if continue_ and run.exists():
-        run.check_settings(wanted)
-        return train.resume(run, console, wanted.steps)
-    return train.start(wanted, run, console, overwrite)
+    if residual_on is not None:
+        wanted = wanted.on_maneuver(residual_on)
+    return wanted, stem
+
+
+@app.command("plot")
+def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
+    """Draw learning curves: worst sd and discomfort over steps, mean and 95 % interval over seeds."""
+    from training.plot import draw
+
+    print(draw(runs, output))
+    return 0
+
+
+@app.command("tune")
+def tune(
+    config: Config = None,
+    trials: Trials = 20,
+    storage: Storage = "sqlite:///runs/tune.db",
+    study: Study = None,
+    env: Environment = None,
+    residual_on: ResidualOn = None,
+    steps: Steps = None,
+    output: Output = None,
+) -> int:
+    """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
+    from training.tune import search
+
+    wanted, stem = _wanted(config, env, residual_on)
+    name = study or stem
+    folder = output or Path("runs") / f"tune-{name}"
+    return search(wanted.changed(steps=steps), name, trials, storage, folder, Console(highlight=False, markup=False))
 
 
 @app.command("export")

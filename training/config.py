@@ -3,20 +3,45 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import yaml
 from pydantic import Field, JsonValue, model_validator
 
-from jawenv.files import InputModel, Number, atomic_write, read_model, validate
+from agents.residual import Residual
+from jawenv.errors import InputError
+from jawenv.files import InputModel, atomic_write, read_model, validate
 from jawenv.seeds import VALIDATION
+from training.algorithm_configs import (
+    PositiveInt,
+    PositiveNumber,
+    PPOConfig,
+    RecurrentPPOConfig,
+    SACConfig,
+    TQCConfig,
+)
 
-DEFAULT_CONFIG = Path(__file__).parent / "configs" / "ppo.yaml"
+CONFIGS = Path(__file__).parent / "configs"
+DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
+SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 
-Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
-PositiveInt = Annotated[int, Field(gt=0, strict=True)]
-PositiveNumber = Annotated[Number, Field(gt=0.0)]
-NotNegative = Annotated[Number, Field(ge=0.0)]
+Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc"]
+
+
+def config_file(name: str) -> Path:
+    """The file of a configuration that comes with the project, or the file that a path names.
+
+    Raises:
+        InputError: neither.
+    """
+    if Path(name).suffix in SUFFIXES:
+        return Path(name)
+    names = sorted(path.stem for path in CONFIGS.glob("*.yaml"))
+    if name not in names:
+        raise InputError(
+            f"configuration {name!r}: unknown; allowed: {', '.join(names)}, a file ({', '.join(SUFFIXES)})"
+        )
+    return CONFIGS / f"{name}.yaml"
 
 
 class EnvConfig(InputModel):
@@ -33,39 +58,6 @@ class EnvConfig(InputModel):
         if "model" in self.kwargs:
             raise ValueError("'model' follows from env.id and cannot stand here")
         return self
-
-
-class LearningRate(InputModel):
-    """Adam's step size, falling linearly from ``initial`` to ``final`` over the whole run."""
-
-    initial: PositiveNumber = 3e-4
-    final: NotNegative = 0.0
-
-
-class NetworkConfig(InputModel):
-    """Two separate perceptrons: the policy and its value function."""
-
-    policy: tuple[PositiveInt, ...] = (64, 64)
-    value: tuple[PositiveInt, ...] = (64, 64)
-    activation: Literal["tanh", "relu", "elu"] = "tanh"
-    initial_log_std: Number = -0.5
-
-
-class PPOConfig(InputModel):
-    """Proximal policy optimisation (Schulman et al. 2017, arXiv:1707.06347), as in stable-baselines3."""
-
-    n_steps: PositiveInt = 64
-    batch_size: Annotated[int, Field(gt=1, strict=True)] = 2048
-    n_epochs: PositiveInt = 4
-    learning_rate: LearningRate = LearningRate()
-    gamma: Fraction = 0.995
-    gae_lambda: Fraction = 0.95
-    clip_range: PositiveNumber = 0.2
-    ent_coef: NotNegative = 0.0
-    vf_coef: NotNegative = 0.5
-    max_grad_norm: PositiveNumber = 0.5
-    target_kl: PositiveNumber | None = None
-    network: NetworkConfig = NetworkConfig()
 
 
 class EvaluationConfig(InputModel):
@@ -93,29 +85,89 @@ class CheckpointConfig(InputModel):
     keep: PositiveInt = 5
 
 
-class TrainingConfig(InputModel):
-    """One training run. The defaults are those of ``configs/ppo.yaml``, which gives the reasons for them."""
+class ComfortConfig(InputModel):
+    """A limit on discomfort in place of its price: the price (Lagrange's multiplier) is learned.
 
-    algorithm: Literal["ppo"] = "ppo"
+    After every so many episodes its logarithm grows by ``rate`` x (discomfort / target - 1).
+
+    Attributes:
+        target_discomfort_s: integral of ``info["cost"]`` over 30 s that is allowed on average, s.
+        initial_multiplier: nats per s of cost 1, as ``comfort_weight``.
+        largest_multiplier: where the growth ends.
+        rate: step of the logarithm.
+        episodes: finished between two updates.
+    """
+
+    target_discomfort_s: PositiveNumber = 0.05
+    initial_multiplier: PositiveNumber = 10.0
+    largest_multiplier: PositiveNumber = 1e4
+    rate: PositiveNumber = 0.1
+    episodes: PositiveInt = 64
+
+
+class TrainingConfig(InputModel):
+    """One training run. The defaults are those of ``configs/plain_ppo.yaml``, which gives the reasons for them.
+
+    Only the section of the algorithm that is chosen counts, and only that one may be given.
+    """
+
+    algorithm: Algorithm = "ppo"
     seed: Annotated[int, Field(ge=0, lt=2**31, strict=True)] = 0
     steps: PositiveInt = 3_000_000
     n_envs: PositiveInt = 128
     device: str = "cpu"
     torch_threads: PositiveInt = 1
     env: EnvConfig = EnvConfig()
+    residual: Residual | None = None
+    comfort: ComfortConfig | None = None
     ppo: PPOConfig = PPOConfig()
+    recurrent_ppo: RecurrentPPOConfig = RecurrentPPOConfig()
+    sac: SACConfig = SACConfig()
+    tqc: TQCConfig = TQCConfig()
     evaluation: EvaluationConfig = EvaluationConfig()
     checkpoints: CheckpointConfig = CheckpointConfig()
 
     @model_validator(mode="after")
+    def _one_section(self) -> Self:
+        for name in get_args(Algorithm):
+            if name != self.algorithm and name in self.model_fields_set:
+                raise ValueError(f"section {name!r} does not belong to algorithm {self.algorithm!r}")
+        return self
+
+    @model_validator(mode="after")
     def _whole_batches(self) -> Self:
-        rollout = self.n_envs * self.ppo.n_steps
-        if rollout % self.ppo.batch_size:
+        section = self.section
+        if isinstance(section, PPOConfig) and self.n_envs * section.n_steps % section.batch_size:
+            name = self.algorithm
             raise ValueError(
-                f"n_envs {self.n_envs} x ppo.n_steps {self.ppo.n_steps} = {rollout} steps per update "
-                f"must be a multiple of ppo.batch_size {self.ppo.batch_size}"
+                f"n_envs {self.n_envs} x {name}.n_steps {section.n_steps} = {self.n_envs * section.n_steps} steps "
+                f"per update must be a multiple of {name}.batch_size {section.batch_size}"
             )
         return self
+
+    @model_validator(mode="after")
+    def _residual_has_targets(self) -> Self:
+        if self.residual is not None:
+            control = self.env.kwargs.get("control", "force")
+            if control != "targets":
+                raise ValueError(f"residual needs env.kwargs.control 'targets', not {control!r}")
+        return self
+
+    @model_validator(mode="after")
+    def _one_price(self) -> Self:
+        if self.comfort is not None and self.env.kwargs.get("comfort_weight", 0.0) != 0.0:
+            raise ValueError("comfort learns the price of discomfort: env.kwargs.comfort_weight must be 0 or left out")
+        return self
+
+    @property
+    def section(self) -> PPOConfig | SACConfig:
+        """The settings of the algorithm."""
+        section: PPOConfig | SACConfig = getattr(self, self.algorithm)
+        return section
+
+    def as_mapping(self) -> dict[str, Any]:
+        """All values, defaults included, as plain types; without the sections of other algorithms."""
+        return self.model_dump(mode="json", exclude=set(get_args(Algorithm)) - {self.algorithm})
 
     def changed(self, **values: Any) -> TrainingConfig:
         """The same run with some top-level values replaced; values that are None are left as they are.
@@ -124,7 +176,16 @@ class TrainingConfig(InputModel):
             InputError: a value is not allowed.
         """
         given = {key: value for key, value in values.items() if value is not None}
-        return validate(TrainingConfig, self.model_dump(mode="json") | given, "command line")
+        return validate(TrainingConfig, self.as_mapping() | given, "command line")
+
+    def on_maneuver(self, maneuver: str) -> TrainingConfig:
+        """The same run as a residual on a maneuver.
+
+        Raises:
+            InputError: no such maneuver, or the environment's control is not targets.
+        """
+        scale = {} if self.residual is None else {"scale": self.residual.scale}
+        return self.changed(residual={"maneuver": maneuver, **scale})
 
     def in_env(self, env_id: str) -> TrainingConfig:
         """The same run in another environment, with the same arguments."""
@@ -133,7 +194,7 @@ class TrainingConfig(InputModel):
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""
         with atomic_write(path) as unfinished:
-            unfinished.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+            unfinished.write_text(yaml.safe_dump(self.as_mapping(), sort_keys=False), encoding="utf-8")
 
     @classmethod
     def load(cls, path: Path) -> TrainingConfig:

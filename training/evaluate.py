@@ -4,13 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from training.vec_env import NativeVecEnv
+MEDIANS = ("worst_sd", "worst_sd_10s")
+"""Figures of which the median over patients counts, since a few stiff patients would rule the mean."""
 
-Act = Callable[[np.ndarray], np.ndarray]
-"""Observations (N, n_obs) to actions (N, n_actions)."""
+
+class Predicts(Protocol):
+    """A model of stable-baselines3, or an agent."""
+
+    def predict(
+        self,
+        observation: Any,
+        state: tuple[Any, ...] | None = None,
+        episode_start: Any = None,
+        deterministic: bool = False,
+    ) -> tuple[Any, Any]:
+        """Actions (N, n_actions) for observations (N, n_obs), and what to hand to the next call."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -24,22 +38,30 @@ class Evaluation:
         """Mean over the patients of the undiscounted sum of rewards."""
         return float(self.figures["return"].mean())
 
-    def means(self) -> dict[str, float]:
-        """Mean of every figure over the patients."""
-        return {name: float(values.mean()) for name, values in self.figures.items()}
+    def averages(self) -> dict[str, float]:
+        """Mean of every figure over the patients; of `MEDIANS` the median."""
+        return {
+            name: float(np.median(values) if name in MEDIANS else values.mean())
+            for name, values in self.figures.items()
+        }
 
 
 def evaluate(
-    act: Act, worlds: NativeVecEnv, seed: int, stopped: Callable[[], bool] = lambda: False
+    policy: Predicts,
+    worlds: VecEnv,
+    seed: int,
+    deterministic: bool = True,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> Evaluation | None:
     """Play one episode in each of the N worlds, started from seed, seed + 1, ..., seed + N - 1.
 
     A world that ends early starts another episode, which is not counted.
 
     Args:
-        act: the policy.
+        policy: chooses the actions.
         worlds: N worlds used for nothing else, so that the training's own are left alone.
         seed: of the first world.
+        deterministic: whether the policy's most likely actions are taken, or drawn ones.
         stopped: asked at every step; the evaluation is given up when it says True.
 
     Returns:
@@ -47,13 +69,15 @@ def evaluate(
     """
     worlds.seed(seed)
     observation = worlds.reset()
+    memory, starts = None, np.ones(worlds.num_envs, dtype=bool)
     episodes: list[dict[str, float] | None] = [None] * worlds.num_envs
     unfinished = worlds.num_envs
     while unfinished:
         if stopped():
             return None
-        observation, _, done, infos = worlds.step(act(np.asarray(observation)))
-        for i in np.flatnonzero(done):
+        actions, memory = policy.predict(np.asarray(observation), memory, starts, deterministic)
+        observation, _, starts, infos = worlds.step(actions)
+        for i in np.flatnonzero(starts):
             if episodes[i] is None:
                 episodes[i] = infos[i]["episode"]
                 unfinished -= 1

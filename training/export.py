@@ -26,12 +26,12 @@ from agents.card import (
 )
 from agents.exported import ExportedPolicy
 from agents.policies import TrainedPolicy, load_policy
+from agents.residual import Residual as ResidualSetting
+from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.errors import InputError
 from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json
 from jawenv.ladder import model_of_env
-from jawenv.maneuvers import Maneuver
-from jawenv.maneuvers.maneuver import SUFFIXES
 from training.config import EnvConfig, TrainingConfig
 from training.network import Network, network_of
 from training.run import RunFolder
@@ -73,7 +73,9 @@ def export(
     environment = _environment(config.env)
     reached = () if results is None else read_model(results, ResultsFile).results
     _check_free(output, overwrite)
-    trained = load_policy(run.path)
+    loaded = load_policy(run.path)
+    trained = loaded.policy if isinstance(loaded, ResidualPolicy) else loaded
+    assert isinstance(trained, TrainedPolicy)
     network = network_of(trained.policy, str(trained.path))
     weights = save(network.weights)
     card = _card(run, config, environment, network, trained, weights, reached, licence, command)
@@ -101,7 +103,7 @@ def _card(
         algorithm=config.algorithm,
         seed=config.seed,
         steps=_steps(trained.path),
-        residual=_residual(getattr(config, "residual", None)),
+        residual=_residual(config.residual, run.path),
         results=results,
         jawenv_version=jawenv.__version__,
         config_sha256=config_sha256(run.config_file),
@@ -141,13 +143,11 @@ def _content(value: Any) -> Any:
     return read_mapping(value) if is_file_name else value
 
 
-def _residual(setting: Any) -> Residual | None:
-    """The maneuver that a run's policies correct: ``on`` names it, ``scale`` is how much they may."""
-    if setting is None or setting.on is None:
+def _residual(setting: ResidualSetting | None, folder: Path) -> Residual | None:
+    """The maneuver that a run's policies correct, whole."""
+    if setting is None:
         return None
-    named = str(setting.on)
-    maneuver = Maneuver.load(named) if Path(named).suffix in SUFFIXES else Maneuver.named(named)
-    return Residual(maneuver=maneuver, scale=setting.scale)
+    return Residual(maneuver=setting.load_maneuver(folder), scale=setting.scale)
 
 
 def _steps(checkpoint: Path) -> int:

@@ -5,6 +5,7 @@
     runs/<name>/config.yaml        every setting, defaults included
                 repeat.json        command lines, versions, git commit, seeds
                 env.json           specification of the environment
+                base_maneuver.json the maneuver that the policy corrects, if it is a residual
                 best_model.zip     policy with the best evaluation
                 final_model.zip    policy at the end
                 checkpoints/       step_<steps>.zip, the latest few
@@ -28,14 +29,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from agents.residual import BASE_FILE
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import atomic_write, write_json
+from jawenv.maneuvers import Maneuver
 from training.config import TrainingConfig
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
-PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "torch")
+PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "sb3-contrib", "torch")
 _CHECKPOINT = re.compile(r"step_(\d+)\.zip")
 
 
@@ -103,6 +106,10 @@ class RunFolder:
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
         }
         _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+
+    def save_base(self, maneuver: Maneuver) -> None:
+        """Keep a copy of the maneuver that the policy corrects: its file may change or go."""
+        write_json(self.path / BASE_FILE, maneuver)
 
     def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:
         """Note that the run was resumed, and with which number of steps as its new end."""

@@ -1,4 +1,4 @@
-"""One training run from start to end: PPO of stable-baselines3 on the native vector environment."""
+"""One training run from start to end: an algorithm of stable-baselines3 on the native vector environment."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import json
 import pickle
 import time
 import zipfile
+from collections.abc import Callable
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +16,22 @@ import numpy as np
 import torch
 from gymnasium.vector import VectorEnv
 from rich.console import Console
-from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
-from stable_baselines3.common.utils import LinearSchedule
+from stable_baselines3.common.save_util import load_from_zip_file
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+from agents.residual import BaseTargets
 from jawenv.errors import InputError
 from jawenv.progress import Progress
 from jawenv.seeds import TRAINING
-from training.callbacks import Checkpoints, EpisodeLog, Evaluations, Interrupt, StopOnSignal
-from training.config import EnvConfig, PPOConfig, TrainingConfig
+from training.algorithm_configs import PPOConfig, SACConfig
+from training.algorithms import make_model
+from training.callbacks import Checkpoints, EpisodeLog, FallingNoise, Interrupt, StopOnSignal
+from training.comfort import Multiplier, MultiplierUpdates, PricedVecEnv
+from training.config import EnvConfig, TrainingConfig
+from training.evaluations import Evaluations
+from training.residual_env import ResidualVecEnv
 from training.run import RunFolder
 from training.vec_env import NativeVecEnv
 
@@ -42,28 +50,35 @@ _DAMAGE = (
 )
 """What reading a damaged checkpoint can raise."""
 
-ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
+Report = Callable[[int, dict[str, float]], None]
+"""Is told steps and row of each evaluation."""
 
 
-def start(config: TrainingConfig, run: RunFolder, console: Console, overwrite: bool = False) -> int:
+def start(
+    config: TrainingConfig, run: RunFolder, console: Console, overwrite: bool = False, report: Report | None = None
+) -> int:
     """Train from the beginning and leave everything in the run folder.
 
     Returns:
         The exit code: 0, or `INTERRUPTED`.
 
     Raises:
-        InputError: the folder is taken, or the environment refuses its arguments.
+        InputError: the folder is taken, there is no such maneuver, or the environment refuses its arguments.
     """
     run.check_free(overwrite)
-    with _Session(config, console, from_step=0) as session:
+    base = base_targets(config)
+    with _Session(config, console, 0, base) as session:
         run.create(config, session.env_spec, session.world_seed)
-        return session.learn(run)
+        if base is not None:
+            run.save_base(base.maneuver)
+        return session.learn(run, report)
 
 
 def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
-    """Continue a run from its latest checkpoint: model, optimiser and number of steps.
+    """Continue a run from its latest checkpoint: model, optimisers, multiplier and number of steps.
 
-    The patients that follow are new ones, so a resumed run is not bit for bit the uninterrupted one.
+    The patients that follow are new ones, so a resumed run is not bit for bit the uninterrupted one. A replay buffer is
+    not kept: it is filled by ``learning_starts`` random actions, as at the start, before the learning goes on.
 
     Args:
         run: the folder.
@@ -78,24 +93,36 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
     """
     config = run.open().changed(steps=steps)
     checkpoint = run.latest_checkpoint()
-    from_step = 0 if checkpoint is None else _steps_of(checkpoint)
-    if from_step >= config.steps:
+    from_step = 0 if checkpoint is None else int(_saved(checkpoint)["num_timesteps"])
+    if from_step >= config.steps and run.final_model.exists():
         console.print(
             f"{run.path} already has {from_step:,} of {config.steps:,} steps; nothing to do "
             "(--steps with a larger number goes on)"
         )
         return 0
-    with _Session(config, console, from_step) as session:
+    with _Session(config, console, from_step, base_targets(config, run.path)) as session:
         if checkpoint is not None:
             session.restore(checkpoint)
         run.add_session(config, from_step, session.world_seed)
         return session.learn(run)
 
 
+def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTargets | None:
+    """The maneuver that the policy corrects, None if it corrects none; a run's folder holds a copy of it.
+
+    Raises:
+        InputError: no such maneuver.
+    """
+    if config.residual is None:
+        return None
+    control_hz: Any = config.env.kwargs.get("control_hz")
+    return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, control_hz)
+
+
 class _Session:
     """Environments and model of one process that trains, from ``from_step`` to ``config.steps``."""
 
-    def __init__(self, config: TrainingConfig, console: Console, from_step: int) -> None:
+    def __init__(self, config: TrainingConfig, console: Console, from_step: int, base: BaseTargets | None) -> None:
         self._config = config
         self._console = console
         self._from_step = from_step
@@ -104,8 +131,9 @@ class _Session:
         console.print(f"preparing {config.n_envs} worlds of {config.env.id}")
         env = make_worlds(config.env, config.n_envs)
         self.env_spec = _spec_json(env, config.env)
-        self._worlds = NativeVecEnv(env)
-        self._validation = NativeVecEnv(make_worlds(config.env, config.evaluation.patients))
+        self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
+        self._worlds = wrapped(env, base, self._multiplier)
+        self._validation = wrapped(make_worlds(config.env, config.evaluation.patients), base)
         self._model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
 
@@ -117,15 +145,25 @@ class _Session:
         self._validation.close()
 
     def restore(self, checkpoint: Path) -> None:
-        """Take over weights, optimiser state and counters of a checkpoint."""
+        """Take over weights, optimiser state, counters and multiplier of a checkpoint."""
+        model: Any = self._model
         try:
-            self._model.set_parameters(str(checkpoint), device=self._config.device)
-            counters = _saved_counters(checkpoint)
+            model.set_parameters(str(checkpoint), device=self._config.device)
+            _, _, variables = load_from_zip_file(str(checkpoint), device=self._config.device, load_data=False)
+            for name, value in (variables or {}).items():
+                if value is not None:
+                    attrgetter(name)(model).data.copy_(value.data)
+            saved = _saved(checkpoint)
+            model.num_timesteps, model._n_updates = int(saved["num_timesteps"]), int(saved["_n_updates"])
+            if self._multiplier is not None:
+                self._multiplier.value = float(saved["comfort_multiplier"])
         except _DAMAGE as error:
             raise _damaged(checkpoint, error) from error
-        self._model.num_timesteps, self._model._n_updates = counters
+        section = self._config.section
+        if isinstance(section, SACConfig):
+            model.learning_starts = model.num_timesteps + section.learning_starts
 
-    def learn(self, run: RunFolder) -> int:
+    def learn(self, run: RunFolder, report: Report | None = None) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
         config, model = self._config, self._model
         model.set_logger(configure(str(run.tensorboard), ["tensorboard"]))
@@ -133,10 +171,17 @@ class _Session:
         interrupt = Interrupt()
         try:
             with interrupt, Progress(config.steps, "steps", self._console, self._from_step) as progress:
-                evaluations = Evaluations(run, config.evaluation, self._validation, interrupt, progress)
-                callbacks: list[BaseCallback] = [StopOnSignal(interrupt), EpisodeLog(progress)]
+                evaluations = self._evaluations(run, interrupt, progress, report)
+                callbacks = [StopOnSignal(interrupt), EpisodeLog(progress), *self._special_callbacks()]
                 callbacks += [Checkpoints(run, config.checkpoints), evaluations]
-                model.learn(config.steps - self._from_step, CallbackList(callbacks), reset_num_timesteps=False)
+                # On-policy algorithms log every rollout, the others after so many episodes.
+                log_interval = config.n_envs if isinstance(config.section, SACConfig) else 1
+                model.learn(
+                    config.steps - self._from_step,
+                    CallbackList(callbacks),
+                    log_interval=log_interval,
+                    reset_num_timesteps=False,
+                )
                 checkpoint = run.save_checkpoint(model, config.checkpoints.keep)
         except KeyboardInterrupt:
             self._console.print(f"stopped at once; --resume {run.path} goes on from the latest checkpoint")
@@ -146,7 +191,7 @@ class _Session:
         if model.num_timesteps < config.steps:
             self._console.print(
                 f"stopped by {interrupt.signal_name}, {model.num_timesteps:,} of {config.steps:,} steps; "
-                f"saved {checkpoint}; go on with python -m training train ppo --resume {run.path}",
+                f"saved {checkpoint}; go on with python -m training train --resume {run.path}",
                 soft_wrap=True,
             )
             return INTERRUPTED
@@ -154,17 +199,44 @@ class _Session:
         self._report(run, evaluations, time.monotonic() - begun)
         return 0
 
+    def _special_callbacks(self) -> list[BaseCallback]:
+        """What only some configurations ask for."""
+        config = self._config
+        callbacks: list[BaseCallback] = []
+        if isinstance(config.section, PPOConfig) and config.section.network.final_log_std is not None:
+            callbacks.append(FallingNoise(config.section.network, config.steps))
+        if self._multiplier is not None and config.comfort is not None:
+            callbacks.append(MultiplierUpdates(self._multiplier, config.comfort.episodes))
+        return callbacks
+
+    def _evaluations(
+        self, run: RunFolder, interrupt: Interrupt, progress: Progress, report: Report | None
+    ) -> Evaluations:
+        comfort = self._config.comfort
+        limit = None if comfort is None else comfort.target_discomfort_s
+        return Evaluations(run, self._config.evaluation, self._validation, interrupt.wanted, progress, limit, report)
+
     def _report(self, run: RunFolder, evaluations: Evaluations, seconds: float) -> None:
         steps = self._model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
         score, best_steps = evaluations.best
-        patients = self._config.evaluation.patients
+        kind = "mean return" if score.comfortable else "negative discomfort"
         self._console.print(
-            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best mean return on "
-            f"{patients} validation patients {score:.4g} after {best_steps:,} steps: {run.best_model}",
+            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best {kind} on "
+            f"{self._config.evaluation.patients} validation patients {score.value:.4g} "
+            f"after {best_steps:,} steps: {run.best_model}",
             soft_wrap=True,
         )
+
+
+def wrapped(env: VectorEnv, base: BaseTargets | None, multiplier: Multiplier | None = None) -> VecEnv:
+    """Worlds for stable-baselines3: with the maneuver that is corrected, and with the price of discomfort."""
+    native = NativeVecEnv(env)
+    worlds: VecEnv = native
+    if multiplier is not None:
+        worlds = PricedVecEnv(worlds, native, multiplier)
+    return worlds if base is None else ResidualVecEnv(worlds, base)
 
 
 def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
@@ -184,51 +256,9 @@ def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
         raise InputError(f"env.kwargs {config.kwargs} of {config.id}: {error}") from error
 
 
-def make_model(config: TrainingConfig, worlds: NativeVecEnv) -> PPO:
-    """The untrained model that the configuration describes.
-
-    Raises:
-        InputError: the device does not exist.
-    """
-    ppo: PPOConfig = config.ppo
-    return PPO(
-        "MlpPolicy",
-        worlds,
-        learning_rate=LinearSchedule(ppo.learning_rate.initial, ppo.learning_rate.final, 1.0),
-        n_steps=ppo.n_steps,
-        batch_size=ppo.batch_size,
-        n_epochs=ppo.n_epochs,
-        gamma=ppo.gamma,
-        gae_lambda=ppo.gae_lambda,
-        clip_range=ppo.clip_range,
-        ent_coef=ppo.ent_coef,
-        vf_coef=ppo.vf_coef,
-        max_grad_norm=ppo.max_grad_norm,
-        target_kl=ppo.target_kl,
-        stats_window_size=worlds.num_envs,
-        policy_kwargs={
-            "net_arch": {"pi": list(ppo.network.policy), "vf": list(ppo.network.value)},
-            "activation_fn": ACTIVATIONS[ppo.network.activation],
-            "log_std_init": ppo.network.initial_log_std,
-        },
-        device=_device(config.device),
-        seed=config.seed,
-    )
-
-
 def world_seed(seed: int, from_step: int) -> int:
     """Seed of the first training world; a resumed run gets another one, and so new patients."""
     return TRAINING.start + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
-
-
-def _device(name: str) -> torch.device:
-    try:
-        device = torch.device(name)
-        torch.zeros(1, device=device)
-    except (RuntimeError, AssertionError, NotImplementedError) as error:
-        reason = str(error).splitlines()[0]
-        raise InputError(f"device {name!r} cannot be used: {reason}; 'cpu' always can") from error
-    return device
 
 
 def _spec_json(env: VectorEnv, config: EnvConfig) -> str:
@@ -240,18 +270,19 @@ def _spec_json(env: VectorEnv, config: EnvConfig) -> str:
     return json.dumps({"id": config.id, "kwargs": config.kwargs})
 
 
-def _saved_counters(checkpoint: Path) -> tuple[int, int]:
-    """Steps and updates that a checkpoint has behind it."""
-    with zipfile.ZipFile(checkpoint) as archive:
-        data = json.loads(archive.read("data"))
-    return int(data["num_timesteps"]), int(data["_n_updates"])
+def _saved(checkpoint: Path) -> dict[str, Any]:
+    """What a checkpoint says in plain text, among it its steps and updates.
 
-
-def _steps_of(checkpoint: Path) -> int:
+    Raises:
+        InputError: the checkpoint is damaged.
+    """
     try:
-        return _saved_counters(checkpoint)[0]
+        with zipfile.ZipFile(checkpoint) as archive:
+            data: dict[str, Any] = json.loads(archive.read("data"))
+        int(data["num_timesteps"]), int(data["_n_updates"])
     except _DAMAGE as error:
         raise _damaged(checkpoint, error) from error
+    return data
 
 
 def _damaged(checkpoint: Path, error: Exception) -> InputError:

@@ -20,6 +20,10 @@ from jawenv.errors import InputError
 
 EPISODE_FIGURES = ("information_claimed", "information_true", "violation")
 """Keys of ``final_info`` that are copied into the ``episode`` record of a finished world, where present."""
+DISCOMFORT_PER_S = 30.0
+"""Discomfort is the integral of the cost over so many seconds."""
+EARLY_S = 10.0
+"""When the worst sd is noted for the first time; the second is the end of the episode."""
 
 
 class NativeVecEnv(VecEnv):
@@ -27,8 +31,13 @@ class NativeVecEnv(VecEnv):
 
     ``infos[i]`` is empty while world i's episode goes on. At its end it holds ``terminal_observation``,
     ``TimeLimit.truncated`` and ``episode``: return ``r``, length ``l``, seconds ``t`` since the adapter was
-    made, the `EPISODE_FIGURES` of the last step, and ``cost``, the sum of ``info["cost"]`` over the episode's
-    steps (safety-gymnasium's episode cost).
+    made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
+    steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
+    time and sds, there is the largest sd at the end (``worst_sd``) and `EARLY_S` after the start, or at the end of a
+    shorter episode (``worst_sd_10s``).
+
+    Attributes:
+        discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
 
     Args:
         env: its metadata must say ``autoreset_mode`` same_step; seeded with s, world i must start from s + i.
@@ -54,6 +63,8 @@ class NativeVecEnv(VecEnv):
     def _clear(self) -> None:
         self._returns = np.zeros(self.num_envs)
         self._costs = np.zeros(self.num_envs)
+        self._early_sd = np.full(self.num_envs, np.nan)
+        self.discomfort_s = np.zeros(self.num_envs)
         self._lengths = np.zeros(self.num_envs, dtype=np.int64)
 
     def reset(self) -> VecEnvObs:
@@ -80,11 +91,24 @@ class NativeVecEnv(VecEnv):
         if "cost" in info:
             self._costs += info["cost"]
         done = np.logical_or(terminated, truncated)
+        self._note_step(info, done)
         # One empty dict for all worlds that go on; a new one each step, so that nothing written to it stays.
         infos: list[dict[str, Any]] = [{}] * self.num_envs
         if done.any():
             self._finish(np.flatnonzero(done), terminated, info, infos)
         return np.asarray(observation), self._checked(reward), done, infos
+
+    def _note_step(self, info: dict[str, Any], done: np.ndarray) -> None:
+        """Discomfort of the step, and the worst sd of the worlds that are `EARLY_S` old."""
+        time_s = _last(info, "time", done)
+        if time_s is None:
+            return
+        cost, sd = _last(info, "cost", done), _last(info, "belief_sd", done)
+        if cost is not None:
+            self.discomfort_s = cost * time_s / self._lengths
+        if sd is not None:
+            early = np.isnan(self._early_sd) & ((time_s >= EARLY_S - 1e-9) | done)
+            self._early_sd[early] = sd[early].max(axis=1)
 
     def _checked(self, reward: np.ndarray) -> np.ndarray:
         """Rewards (N,) in single precision; one that is not finite would silently ruin the whole network."""
@@ -110,6 +134,10 @@ class NativeVecEnv(VecEnv):
             episode.update({key: float(final_info[key][i]) for key in figures})
             if "cost" in info:
                 episode["cost"] = float(self._costs[i])
+                episode["discomfort_s"] = DISCOMFORT_PER_S * float(self._costs[i] / self._lengths[i])
+            if "time" in final_info and "belief_sd" in final_info:
+                episode["worst_sd"] = float(np.max(final_info["belief_sd"][i]))
+                episode["worst_sd_10s"] = float(self._early_sd[i])
             infos[i] = {
                 "terminal_observation": np.asarray(info["final_obs"][i]),
                 "TimeLimit.truncated": not terminated[i],
@@ -117,6 +145,7 @@ class NativeVecEnv(VecEnv):
             }
         self._returns[worlds] = 0.0
         self._costs[worlds] = 0.0
+        self._early_sd[worlds] = np.nan
         self._lengths[worlds] = 0
 
     def close(self) -> None:
@@ -146,6 +175,17 @@ class NativeVecEnv(VecEnv):
         """The frame (height, width, 3) of every world."""
         frames = self.env.render()
         return [None] * self.num_envs if frames is None else [np.asarray(frame) for frame in frames]
+
+
+def _last(info: dict[str, Any], key: str, done: np.ndarray) -> np.ndarray | None:
+    """What the step just done says (N, ...), also of worlds that it ended; None where the environment does not say."""
+    if key not in info:
+        return None
+    values = np.array(info[key], dtype=np.float64)
+    final = info.get("final_info", {})
+    if done.any() and key in final:
+        values[done] = np.asarray(final[key])[done]
+    return values
 
 
 def _name(env: VectorEnv[Any, Any, Any]) -> str:

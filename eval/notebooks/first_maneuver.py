@@ -134,4 +134,4 @@ pd.Series(100 * bound[-1], index=recording.parameter_names, name="bound, %").rou
 # - `python -m eval compare --all-maneuvers` ranks all hand-made maneuvers and writes a report.
 # - A maneuver is a short text file: copy one from `jawenv/maneuvers/shipped`, change it, and put its path into
 #   `MANEUVER`.
-# - `python -m training train ppo` trains an agent; its run folder goes where a maneuver's name goes.
+# - `python -m training train sac` trains an agent; its run folder goes where a maneuver's name goes.

@@ -23,7 +23,7 @@ def test_an_agent_is_trained_and_compared(env: str, tmp_path: Path, monkeypatch:
     model = model_of_env(env)
     monkeypatch.chdir(tmp_path)
     Path("tiny.yaml").write_text(CONFIG)
-    assert train(["train", "ppo", "--config", "tiny.yaml", "--env", env, "--steps", "64"]) == 0
+    assert train(["train", "tiny.yaml", "--env", env, "--steps", "64"]) == 0
     run = f"runs/tiny-{model.title}-seed0"
     study = ["compare", run, "opening_with_swings", "--patients", "2", "--episode-s", "0.5", "--output", "runs/study"]
     assert evaluate(study) == 0  # in the environment that the agent was trained in

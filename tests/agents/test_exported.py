@@ -13,7 +13,7 @@ import agents
 from agents.exported import ExportedPolicy, elu, load_exported
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver
+from jawenv.maneuvers import Maneuver, Player
 from jawenv.protocol import Agent
 
 
@@ -108,16 +108,22 @@ def test_a_policy_of_another_environment_is_refused(folder: Path, tmp_path: Path
     assert f"observations of 9 values, jawenv/Jaw-v1 gives {OBSERVATION_SIZE}" in refusal(small)
 
 
-def test_a_policy_on_a_maneuver_is_refused(tmp_path: Path) -> None:
+def test_a_policy_on_a_maneuver_corrects_it(tmp_path: Path) -> None:
+    """Without weights it is the maneuver, as its player plays it in targets control."""
     layers = (OBSERVATION_SIZE + 12, *LAYERS[1:])
     folder = write_exported(
         tmp_path / "corrects",
-        random_weights(layers),
+        {name: np.zeros_like(values) for name, values in random_weights(layers).items()},
         observation_size=layers[0],
         architecture={"layers": layers, "activation": "relu", "squash": "tanh"},
         residual={"maneuver": Maneuver.named("chirp"), "scale": 0.2},
     )
-    assert "residual is given" in refusal(folder)
+    agent, player = load_exported(folder), Player("chirp", control="targets", control_hz=10.0)
+    observation = np.zeros((2, OBSERVATION_SIZE), dtype=np.float32)
+    for _ in range(20):
+        np.testing.assert_allclose(agent.predict(observation)[0], player.predict(observation)[0], atol=1e-6)
+    with pytest.raises(InputError, match=f"observations of {OBSERVATION_SIZE} values, got 4"):
+        agent.predict(np.zeros((2, 4), dtype=np.float32))
 
 
 def test_wrong_observation_at_play_is_refused(folder: Path) -> None:

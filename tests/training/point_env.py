@@ -17,6 +17,7 @@ from jawenv.errors import InputError
 
 EPISODE_STEPS = 20
 LIMIT = 1.5
+DT_S = 0.6  # EPISODE_STEPS take 12 s
 
 TINY_CONFIG = """
 steps: 1024
@@ -80,6 +81,8 @@ class PointVectorEnv(VectorEnv):
     def _info(self) -> dict[str, Any]:
         distance = np.linalg.norm(self.x, axis=1)
         return {
+            "time": DT_S * self.t,
+            "belief_sd": np.column_stack([0.1 / (1.0 + self.t), 0.5 / (1.0 + self.t)]),
             "cost": np.maximum(0.0, distance - 1.0),
             "information_claimed": self.gained.copy(),
             "information_true": 0.5 * self.gained,

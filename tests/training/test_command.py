@@ -1,4 +1,4 @@
-"""``python -m training train ppo``: what a run leaves behind, how it stops, goes on and refuses."""
+"""``python -m training train``: what a run leaves behind, how it stops, goes on and refuses."""
 
 import csv
 import json
@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def train(*arguments: object) -> int:
-    return main(["train", "ppo", *map(str, arguments)])
+    return main(["train", *map(str, arguments)])
 
 
 def evaluations(run: Path) -> list[dict[str, float]]:
@@ -41,7 +41,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished tiny run; tests that change it make a copy."""
     folder = tmp_path_factory.mktemp("finished")
     (folder / "tiny.yaml").write_text(TINY_CONFIG)
-    assert train("--config", folder / "tiny.yaml", "--output", folder / "run", "--seed", 3) == 0
+    assert train(folder / "tiny.yaml", "--output", folder / "run", "--seed", 3) == 0
     return folder / "run"
 
 
@@ -79,15 +79,15 @@ def test_tensorboard_holds_the_figures(finished: Path) -> None:
     log = EventAccumulator(str(finished / "tensorboard"))
     log.Reload()
     tags = set(log.Tags()["scalars"])
-    figures = {"information_claimed", "information_true", "cost", "violation"}
+    figures = {"information_claimed", "information_true", "discomfort_s", "worst_sd", "worst_sd_10s", "violation"}
     assert {f"rollout/{name}" for name in figures} | {f"evaluation/{name}" for name in figures} <= tags
-    assert {"rollout/ep_rew_mean", "evaluation/return", "time/fps"} <= tags
+    assert {"rollout/ep_rew_mean", "evaluation/return", "evaluation/return_sampled", "time/fps"} <= tags
 
 
 def test_equal_seeds_give_equal_policies(tiny_config: Path, tmp_path: Path) -> None:
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
         run = tmp_path / name
-        assert train("--config", tiny_config, "--output", run, "--seed", seed, "--steps", 512) == 0
+        assert train(tiny_config, "--output", run, "--seed", seed, "--steps", 512) == 0
     a, b, c = (weights(tmp_path / name / "final_model.zip") for name in "abc")
     assert all(torch.equal(a[key], b[key]) for key in a)
     assert not all(torch.equal(a[key], c[key]) for key in a)
@@ -96,17 +96,17 @@ def test_equal_seeds_give_equal_policies(tiny_config: Path, tmp_path: Path) -> N
 
 def test_run_is_not_replaced_silently(tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = tmp_path / "run"
-    assert train("--config", tiny_config, "--output", run, "--steps", 256) == 0
+    assert train(tiny_config, "--output", run, "--steps", 256) == 0
     capsys.readouterr()
-    assert train("--config", tiny_config, "--output", run) == 2
+    assert train(tiny_config, "--output", run) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ") and "--resume" in error and "--overwrite" in error
-    assert train("--config", tiny_config, "--output", run, "--steps", 512, "--overwrite") == 0
+    assert train(tiny_config, "--output", run, "--steps", 512, "--overwrite") == 0
     assert evaluations(run)[-1]["steps"] == 512
     other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("not a run")
-    assert train("--config", tiny_config, "--output", other, "--overwrite") == 2
+    assert train(tiny_config, "--output", other, "--overwrite") == 2
     assert (other / "thesis.txt").exists()
 
 
@@ -114,7 +114,7 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = tmp_path / "run"
-    assert train("--config", tiny_config, "--output", run, "--steps", 512) == 0
+    assert train(tiny_config, "--output", run, "--steps", 512) == 0
     before = PPO.load(run / "final_model.zip")
     assert train("--resume", run) == 0
     assert "nothing to do" in capsys.readouterr().out
@@ -134,7 +134,7 @@ def test_continue_starts_or_goes_on_but_never_mixes_settings(
     tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = tmp_path / "run"
-    command = ["--config", tiny_config, "--output", run, "--continue", "--steps"]
+    command = [tiny_config, "--output", run, "--continue", "--steps"]
     assert train(*command, 256) == 0
     assert train(*command, 512) == 0
     assert [row["steps"] for row in evaluations(run)] == [0, 256, 512]
@@ -178,7 +178,15 @@ def test_checkpoint_of_another_network_is_refused(
         (["--steps", "many"], "Invalid value for '--steps'"),
         (["--n-envs", "3"], "must be a multiple of ppo.batch_size"),
         (["--seed", "-1"], "command line: seed = -1"),
-        (["--config", "nowhere.yaml"], "nowhere.yaml: no such file"),
+        (["nowhere.yaml"], "nowhere.yaml: no such file"),
+        (["nowhere"], "configuration 'nowhere': unknown; allowed: demo, plain_ppo, ppo, recurrent_ppo, sac, tqc, "),
+        (["--resume", "runs/a", "sac"], "CONFIG cannot be combined with --resume"),
+        (["--resume", "runs/a", "--seeds", "1"], "--seeds cannot be combined with --resume"),
+        (["--seeds", "0-2", "--seed", "1"], "--seed cannot be combined with --seeds"),
+        (["--seeds", "3-1"], "seeds '3-1': 3-1 must be a range upwards"),
+        (["--seeds", "a"], "seeds 'a': allowed are numbers and ranges such as 0-4 or 0,1,2"),
+        (["--residual-on", "chirp"], "residual needs env.kwargs.control 'targets', not 'force'"),
+        (["sac", "--residual-on", "wiggle"], "maneuver 'wiggle': unknown; allowed: chirp"),
         (["--device", "abacus"], "device 'abacus' cannot be used"),
         (["--resume", "nowhere"], "nowhere holds no run"),
         (
@@ -199,7 +207,8 @@ def test_unusable_arguments_get_one_line(
     message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    base = [] if "--config" in arguments or "--resume" in arguments else ["--config", tiny_config]
+    named = arguments[0] in ("nowhere.yaml", "nowhere", "sac", "--resume")
+    base = [] if named else [tiny_config]
     assert train(*base, *arguments) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ") and error.count("\n") == 1 and message in error
@@ -220,7 +229,7 @@ def test_unusable_environment_is_named(
 ) -> None:
     text = tiny_config.read_text().replace('{id: "point_env:Point-v0"}', env)
     tiny_config.write_text(text)
-    assert train("--config", tiny_config, "--output", tmp_path / "run") == 2
+    assert train(tiny_config, "--output", tmp_path / "run") == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and message in error
     assert not (tmp_path / "run").exists()
@@ -229,12 +238,12 @@ def test_unusable_environment_is_named(
 def signalled_run(number: signal.Signals, arguments: list[str], run: Path, after: int) -> str:
     """Output of a run in a process of its own, signalled once it has saved more than ``after`` steps."""
     environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{Path(__file__).parent}"}
-    command = [sys.executable, "-m", "training", "train", "ppo", *arguments]
+    command = [sys.executable, "-m", "training", "train", *arguments]
     process = subprocess.Popen(
         command, env=environment, cwd=run.parent, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
     try:
-        for _ in range(600):
+        for _ in range(1800):
             if steps_saved(run) > after:
                 break
             assert process.poll() is None, process.stdout.read() if process.stdout else ""
@@ -254,7 +263,7 @@ def steps_saved(run: Path) -> int:
 
 def test_signals_save_a_checkpoint_that_resume_goes_on_from(tiny_config: Path, tmp_path: Path) -> None:
     run = tmp_path / "run"
-    first = ["--config", str(tiny_config), "--output", str(run), "--steps", "10000000"]
+    first = [str(tiny_config), "--output", str(run), "--steps", "10000000"]
     output = signalled_run(signal.SIGINT, first, run, after=0)
     assert "stopped by SIGINT" in output and f"--resume {run}" in output and "Traceback" not in output
     saved = steps_saved(run)

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from agents.residual import Residual
 from jawenv.errors import InputError
 from jawenv.seeds import VALIDATION
-from training.config import DEFAULT_CONFIG, TrainingConfig
+from training.config import DEFAULT_CONFIG, TrainingConfig, config_file
 
 
 def load(tmp_path: Path, text: str) -> TrainingConfig:
@@ -23,7 +24,8 @@ def test_default_file_spells_out_every_default() -> None:
 def test_shipped_files_are_valid_and_keep_cohorts_apart(path: Path) -> None:
     config = TrainingConfig.load(path)
     assert config.evaluation.seed in VALIDATION
-    assert config.n_envs * config.ppo.n_steps <= config.steps
+    assert config.evaluation.every_steps <= config.steps
+    assert config.section is getattr(config, config.algorithm)
 
 
 def test_saved_settings_are_read_back(tmp_path: Path) -> None:
@@ -31,6 +33,21 @@ def test_saved_settings_are_read_back(tmp_path: Path) -> None:
     config.save(tmp_path / "saved.yaml")
     assert TrainingConfig.load(tmp_path / "saved.yaml") == config
     assert config.seed == 5 and config.steps == TrainingConfig().steps
+
+
+@pytest.mark.parametrize("path", sorted(DEFAULT_CONFIG.parent.glob("*.yaml")), ids=lambda path: path.stem)
+def test_saved_settings_hold_the_section_of_their_algorithm_alone(tmp_path: Path, path: Path) -> None:
+    config = TrainingConfig.load(path)
+    config.save(tmp_path / "saved.yaml")
+    assert TrainingConfig.load(tmp_path / "saved.yaml") == config
+    assert [name for name in ("ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()] == [
+        config.algorithm
+    ]
+
+
+def test_a_residual_on_another_maneuver_keeps_its_scale() -> None:
+    sac = TrainingConfig.load(config_file("sac")).changed(residual={"maneuver": "chirp", "scale": 0.3})
+    assert sac.on_maneuver("prbs").residual == Residual(maneuver="prbs", scale=0.3)
 
 
 def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
@@ -60,7 +77,17 @@ def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
         ),
         ("env: {kwargs: {num_envs: 3}}", r"env: 'num_envs' is set by the training itself"),
         ("env: {kwargs: {model: sides}}", r"env: 'model' follows from env.id"),
-        ("algorithm: sac", r"algorithm = 'sac' must be 'ppo'"),
+        ("algorithm: dqn", r"algorithm = 'dqn' must be 'ppo', 'recurrent_ppo', 'sac' or 'tqc'"),
+        ("algorithm: sac\nppo: {}", r"section 'ppo' does not belong to algorithm 'sac'"),
+        ("algorithm: sac\nsac: {gamma: 2}", r"sac.gamma = 2 must be less than or equal to 1"),
+        ("algorithm: tqc\ntqc: {units: 2}", r"unknown key 'tqc.units'; allowed: learning_rate"),
+        ("residual: {maneuver: chirp}", r"residual needs env.kwargs.control 'targets', not 'force'"),
+        ("residual: {scale: 1}", r"residual.maneuver is missing"),
+        (
+            "comfort: {}\nenv: {kwargs: {comfort_weight: 3}}",
+            r"comfort learns the price of discomfort: env.kwargs.comfort_weight must be 0",
+        ),
+        ("comfort: {target_discomfort_s: 0}", r"comfort.target_discomfort_s = 0 must be greater than 0"),
         ("[1, 2]", r"must hold a mapping of keys to values, not a list"),
         ("ppo: [", r"damaged YAML: .*line 1"),
     ],

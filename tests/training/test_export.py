@@ -7,7 +7,6 @@ import subprocess
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
-from types import SimpleNamespace
 
 import gymnasium as gym
 import numpy as np
@@ -19,11 +18,12 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 import agents
 import jawenv
 from agents.card import read_card
+from agents.residual import N_FEATURES
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.maneuvers import Maneuver
 from training.cli import main
 from training.config import EnvConfig, TrainingConfig
-from training.export import _environment, _residual, config_sha256
+from training.export import _environment, config_sha256
 
 KWARGS = {"control": "trajectory", "episode_s": 5.0, "device": {"cell_force_N": 0.2}}
 
@@ -33,6 +33,12 @@ class Blank(gym.Env):
 
     observation_space = spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
     action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
+
+
+class BlankWithTargets(Blank):
+    """The same for a policy that corrects a maneuver."""
+
+    observation_space = spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE + N_FEATURES,), np.float32)
 
 
 def write_run(
@@ -125,11 +131,25 @@ def test_results_come_from_a_file(run: Path, tmp_path: Path, capsys: pytest.Capt
     assert not (tmp_path / "none").exists()
 
 
-def test_a_maneuver_that_is_corrected_goes_into_the_card_whole() -> None:
-    residual = _residual(SimpleNamespace(on="slow_opening", scale=0.3))
-    assert residual is not None and residual.scale == 0.3
-    assert residual.maneuver == Maneuver.named("slow_opening")
-    assert _residual(None) is None and _residual(SimpleNamespace(on=None, scale=1.0)) is None
+def test_a_maneuver_that_is_corrected_goes_into_the_card_whole(tmp_path: Path) -> None:
+    """The exported policy acts as the run's, maneuver included."""
+    run = tmp_path / "run"
+    run.mkdir()
+    model = PPO("MlpPolicy", BlankWithTargets(), seed=1, device="cpu", policy_kwargs={"net_arch": [8, 6]})
+    model.save(run / "best_model.zip")
+    kwargs = {"control": "targets", "episode_s": 5.0}
+    residual = {"maneuver": "slow_opening", "scale": 0.3}
+    TrainingConfig().changed(env={"id": "jawenv/Jaw-v1", "kwargs": kwargs}, residual=residual).save(run / "config.yaml")
+    assert export(run, tmp_path / "shared") == 0
+    card = read_card(tmp_path / "shared")
+    assert card.residual is not None and card.residual.scale == 0.3
+    assert card.residual.maneuver == Maneuver.named("slow_opening")
+    trained, shared = (agents.load_agent(path, control="targets") for path in (run, tmp_path / "shared"))
+    stream = np.random.default_rng(0)
+    for _ in range(4):
+        observation = stream.normal(size=(3, OBSERVATION_SIZE)).astype(np.float32)
+        wanted = trained.predict(observation)[0]
+        np.testing.assert_allclose(shared.predict(observation)[0], wanted, rtol=0.0, atol=1e-6)
 
 
 def test_nothing_is_replaced_unasked(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,194 @@
+"""A policy that corrects a maneuver: its actions are added to the maneuver's targets, in targets control.
+
+`BaseTargets` holds all that training and agent have in common: what the policy sees beside the environment's
+observation, and what becomes of its action.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.envs.configuration import CONTROL_HZ
+from jawenv.errors import InputError, shown
+from jawenv.files import InputModel, Number
+from jawenv.maneuvers import Maneuver
+from jawenv.maneuvers.maneuver import SUFFIXES
+from jawenv.maneuvers.player import action_of
+from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
+
+STEPS_SEEN = 3
+N_FEATURES = STEPS_SEEN * N_CHANNELS
+BASE_FILE = "base_maneuver.json"
+"""Copy of the maneuver in a run's folder: what it was when the policy was trained on it."""
+
+
+class Residual(InputModel):
+    """What a policy corrects, and how far.
+
+    Attributes:
+        maneuver: name of one that comes with jawenv, or a maneuver file.
+        scale: what an action of 1 adds to the maneuver's target, as a fraction of the patient's comfort.
+    """
+
+    maneuver: Annotated[str, Field(min_length=1)]
+    scale: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.5
+
+    def load_maneuver(self, folder: Path | None = None) -> Maneuver:
+        """The maneuver; where a run's folder holds a copy of it, that one.
+
+        Raises:
+            InputError: no such maneuver, or a damaged file.
+        """
+        if folder is not None and (folder / BASE_FILE).is_file():
+            return Maneuver.load(folder / BASE_FILE)
+        if Path(self.maneuver).suffix in SUFFIXES:
+            return Maneuver.load(self.maneuver)
+        return Maneuver.named(self.maneuver)
+
+
+class BaseTargets:
+    """The maneuver under a residual, step by step.
+
+    Args:
+        maneuver: what is corrected.
+        scale: what an action of 1 adds, fraction of the patient's comfort.
+        control_hz: control steps per second; None for the default of targets control.
+    """
+
+    def __init__(self, maneuver: Maneuver, scale: float, control_hz: float | None = None) -> None:
+        self.maneuver = maneuver
+        self.scale = scale
+        self.control_hz = CONTROL_HZ["targets"] if control_hz is None else control_hz
+
+    def features(self, step: NDArray[np.int64]) -> Observation:
+        """What the policy sees of the maneuver.
+
+        Args:
+            step: (N,) control steps since the episode began.
+
+        Returns:
+            (N, 12) targets at the end of this step and of the next two.
+        """
+        ahead = [self._at_end(step + k) for k in range(STEPS_SEEN)]
+        return np.concatenate(ahead, axis=1).astype(np.float32)
+
+    def actions(self, step: NDArray[np.int64], residual: NDArray[Any]) -> Action:
+        """The environment's actions.
+
+        Args:
+            step: (N,) control steps since the episode began.
+            residual: (N, 4) the policy's actions, in [-1, 1].
+
+        Returns:
+            (N, 4) in [-1, 1].
+        """
+        wanted = self._at_end(step) + self.scale * np.asarray(residual, dtype=np.float64)
+        return action_of(np.clip(wanted, LOWEST, HIGHEST)).astype(np.float32)
+
+    def _at_end(self, step: NDArray[np.int64]) -> Array:
+        """Targets (N, 4) at the end of steps (N,); worlds in the same step are computed once."""
+        steps, which = np.unique(step, return_inverse=True)
+        return self.maneuver.targets((steps + 1) / self.control_hz).value[which]
+
+
+class Memory(NamedTuple):
+    """What the agent remembers.
+
+    Attributes:
+        step: (N,) control steps since the episode began.
+        inner: arrays of the policy's own memory, stacked along a new first axis; empty if it has none.
+    """
+
+    step: NDArray[np.int64]
+    inner: NDArray[Any]
+
+
+class ResidualPolicy:
+    """A policy and the maneuver that it corrects, as one agent for targets control.
+
+    Args:
+        policy: the trained policy, which sees the environment's observation and `BaseTargets.features`.
+        base: the maneuver.
+        path: the policy's checkpoint.
+        observation_size: of the environment.
+
+    Attributes:
+        name: the policy's.
+        policy: as given.
+        base: as given.
+        path: as given.
+        observation_size: as given.
+    """
+
+    def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
+        self.name = policy.name
+        self.base = base
+        self.path = path
+        self.observation_size = observation_size
+        self.policy = policy
+        self._memory: Memory | None = None
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Forget all worlds; seed the draws of a stochastic policy."""
+        self._memory = None
+        self.policy.reset(num_envs, seed)
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.protocol.Agent.predict``.
+
+        Raises:
+            InputError: an observation of the wrong size, or of another number of worlds than before.
+        """
+        rows = np.asarray(observation, dtype=np.float32)
+        single = rows.ndim == 1
+        rows = np.atleast_2d(rows)
+        if rows.shape[1] != self.observation_size:
+            raise InputError(
+                f"{self.path}: the policy was trained on observations of {self.observation_size} values, "
+                f"got {rows.shape[1]}"
+            )
+        memory = self._recall(state, len(rows), episode_start)
+        seen = np.concatenate([rows, self.base.features(memory.step)], axis=1)
+        inner = tuple(memory.inner) if len(memory.inner) else None
+        starts = None if episode_start is None else np.asarray(episode_start, dtype=bool).reshape(len(rows))
+        residual, after = self.policy.predict(seen, inner, starts, deterministic)
+        action = self.base.actions(memory.step, residual)
+        self._memory = Memory(memory.step + 1, np.zeros(0) if after is None else np.stack(after))
+        return (action[0] if single else action), self._memory
+
+    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
+        """The memory to go on from; worlds that begin an episode are at step 0."""
+        memory = self._memory if state is None else Memory(*state)
+        if memory is None or (episode_start is not None and np.all(episode_start)):
+            self.policy.reset(worlds)
+            return Memory(np.zeros(worlds, dtype=np.int64), np.zeros(0))
+        if len(memory.step) != worlds:
+            raise InputError(
+                f"observation of {worlds} worlds after {len(memory.step)} worlds: call reset({worlds}) first"
+            )
+        if episode_start is None:
+            return memory
+        starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
+        return memory._replace(step=np.where(starts, 0, memory.step))
+
+
+def check_control(control: object) -> None:
+    """Make sure that the control mode has targets.
+
+    Raises:
+        InputError: it has not.
+    """
+    if control != "targets":
+        raise InputError(f"control {shown(control)}: a residual on a maneuver needs control 'targets'")

@@ -1,0 +1,163 @@
+"""A residual on a maneuver: zero is the maneuver itself, and agent and training agree."""
+
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium import spaces
+from stable_baselines3 import PPO
+
+import agents
+from agents.policies import load_policy
+from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, Residual, ResidualPolicy
+from jawenv.envs.observation import OBSERVATION_SIZE
+from jawenv.errors import InputError
+from jawenv.files import write_json
+from jawenv.maneuvers import Maneuver, Player
+from jawenv.protocol import Agent
+
+NAME = "opening_with_swings_and_fore_aft"
+BASE = BaseTargets(Maneuver.named(NAME), scale=0.5)
+CONFIG = f"residual: {{maneuver: {NAME}, scale: 0.25}}\nenv: {{kwargs: {{control: targets}}}}\n"
+
+
+class Constant:
+    """A policy that always answers the same, with a memory that counts."""
+
+    name = "constant"
+
+    def __init__(self, value: float = 0.0) -> None:
+        self.value, self.seen = value, np.zeros(0)
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None: ...
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):  # noqa: ANN001, ANN201
+        self.seen = observation
+        counted = np.zeros(len(observation)) if state is None else state[0]
+        return np.full((len(observation), 4), self.value, np.float32), (counted + 1,)
+
+
+def agent(value: float = 0.0) -> ResidualPolicy:
+    return ResidualPolicy(Constant(value), BASE, Path("best_model.zip"), OBSERVATION_SIZE)
+
+
+def observations(worlds: int) -> np.ndarray:
+    return np.random.default_rng(1).uniform(-1, 1, (worlds, OBSERVATION_SIZE)).astype(np.float32)
+
+
+def test_zero_residual_plays_the_maneuver() -> None:
+    player, policy, seen = Player(NAME, control="targets"), agent(), observations(3)
+    for _ in range(25):
+        np.testing.assert_allclose(policy.predict(seen)[0], player.predict(seen)[0], atol=1e-6)
+
+
+def test_features_are_the_targets_of_three_steps_ahead() -> None:
+    step = np.array([0, 7, 0, 40])
+    features = BASE.features(step)
+    assert features.shape == (4, N_FEATURES) and features.dtype == np.float32
+    for ahead in range(3):
+        expected = BASE.maneuver.targets((step + 1 + ahead) / 5.0).value
+        np.testing.assert_allclose(features[:, 4 * ahead : 4 * ahead + 4], expected, atol=1e-6)
+
+
+def test_residual_moves_each_channel_by_its_scale_and_stops_at_the_limits() -> None:
+    step = np.array([30])
+    targets = BASE.maneuver.targets(np.array([31 / 5.0])).value
+    small = BASE.actions(step, np.full((1, 4), 0.01))
+    width = 1.0 - np.array([0.0, -1.0, -1.0, -1.0])
+    np.testing.assert_allclose(small - BASE.actions(step, np.zeros((1, 4))), 2 * 0.005 / width[None], atol=1e-6)
+    assert abs(targets).max() < 1.0
+    np.testing.assert_array_equal(BaseTargets(BASE.maneuver, 2.0).actions(step, np.full((1, 4), -1.0)), -1.0)
+
+
+def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was() -> None:
+    policy, seen = agent(), observations(2)
+    _, state = policy.predict(seen)
+    _, state = policy.predict(seen, state)
+    assert state is not None
+    before = state[0].copy()
+    _, after = policy.predict(seen, state, np.array([False, True]))
+    assert after is not None
+    np.testing.assert_array_equal(after[0], [3, 1])
+    np.testing.assert_array_equal(state[0], before)
+    np.testing.assert_array_equal(policy.policy.seen[:, OBSERVATION_SIZE:], BASE.features(np.array([2, 0])))
+
+
+def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
+    kept, handed, seen, state = agent(0.3), agent(0.3), observations(2), None
+    for _ in range(4):
+        action, state = handed.predict(seen, state)
+        np.testing.assert_array_equal(action, kept.predict(seen)[0])
+        handed._memory = None
+    assert state is not None and state[1].tolist() == [[4.0, 4.0]]  # the policy's own memory went along
+
+
+def test_one_world_without_a_leading_axis() -> None:
+    action, _ = agent().predict(observations(1)[0])
+    assert action.shape == (4,)
+
+
+def test_wrong_sizes_are_named() -> None:
+    policy = agent()
+    with pytest.raises(InputError, match=f"observations of {OBSERVATION_SIZE} values, got 5"):
+        policy.predict(np.zeros((2, 5), np.float32))
+    policy.predict(observations(2))
+    with pytest.raises(InputError, match="observation of 3 worlds after 2 worlds"):
+        policy.predict(observations(3))
+
+
+class Seen(gym.Env):
+    observation_space = spaces.Box(-10.0, 10.0, (OBSERVATION_SIZE + N_FEATURES,), np.float32)
+    action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    (tmp_path / "checkpoints").mkdir()
+    model = PPO("MlpPolicy", Seen(), device="cpu", policy_kwargs={"net_arch": [8]}, seed=1)
+    model.save(tmp_path / "best_model.zip")
+    model.save(tmp_path / "checkpoints" / "step_1.zip")
+    (tmp_path / "config.yaml").write_text(CONFIG)
+    return tmp_path
+
+
+@pytest.mark.parametrize("file", ["", "best_model.zip", "checkpoints/step_1.zip"])
+def test_a_run_brings_its_maneuver(run: Path, file: str) -> None:
+    loaded = agents.load_agent(run / file, control="targets")
+    assert isinstance(loaded, ResidualPolicy) and isinstance(loaded, Agent)
+    assert loaded.base.scale == 0.25 and loaded.base.maneuver.name == NAME
+    assert loaded.predict(observations(2))[0].shape == (2, 4)
+
+
+def test_the_copy_in_the_run_wins_over_the_name(run: Path) -> None:
+    write_json(run / BASE_FILE, Maneuver.named("slow_opening"))
+    loaded = load_policy(run)
+    assert isinstance(loaded, ResidualPolicy) and loaded.base.maneuver == Maneuver.named("slow_opening")
+
+
+def test_another_control_or_rate_is_refused(run: Path) -> None:
+    with pytest.raises(InputError, match="control 'force': a residual on a maneuver needs control 'targets'"):
+        agents.load_agent(run)
+    with pytest.raises(InputError, match="control_hz 10: .* was trained at 5"):
+        agents.load_agent(run, control="targets", control_hz=10.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("scale: 0.25", "scale: 3", "residual: scale = 3 must be less than or equal to 2"),
+        ("scale", "size", "unknown key 'size'; allowed: maneuver, scale"),
+        (NAME, "wiggle", "maneuver 'wiggle': unknown"),
+        ("control: targets", "control: force", "needs control 'targets'"),
+    ],
+)
+def test_a_damaged_configuration_is_named(run: Path, old: str, new: str, message: str) -> None:
+    (run / "config.yaml").write_text(CONFIG.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        load_policy(run)
+
+
+def test_scale_must_be_a_positive_number() -> None:
+    with pytest.raises(InputError, match="scale = 0 must be greater than 0"):
+        Residual(maneuver=NAME, scale=0)
