@@ -44,6 +44,7 @@ ROWS = (
     Row("no gate", {"measurement_update.GATE": math.inf}),
     Row("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
     Row("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
+    Row("surprises do not renew the belief", {"tick.SURPRISING": 99}),
     Row("every window filtered again", {"tick.MOVED": 0.0}),
     Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
     Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
@@ -61,6 +62,8 @@ CELLS = (
     Cell("opening_with_swings_and_fore_aft", "trajectory"),
     Cell("ou_slow", "trajectory"),
     Cell("ou_strong", "force", "wide"),
+    Cell("slow_opening", "force", "wide"),
+    Cell("random", "targets", "one_sided"),
 )
 
 

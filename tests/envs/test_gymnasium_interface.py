@@ -141,9 +141,9 @@ def test_render_gives_a_frame():
 
 ARGUMENTS = [
     ({"speed": 1}, "argument 'speed' is unknown; allowed: control, sensors, reward, cohort, episode_s, control_hz, "),
-    ({"control": "torque"}, "control is 'torque'; allowed: force, trajectory"),
+    ({"control": "torque"}, "control is 'torque'; allowed: force, trajectory, targets"),
     ({"sensors": 6}, "sensors is 6; allowed: pose, point"),
-    ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score"),
+    ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score, worst, mixed"),
     (
         {"cohort": "cats"},
         "cohort 'cats' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide, "

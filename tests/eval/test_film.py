@@ -1,6 +1,6 @@
 """Films of episodes: what is in them, what is said, and what is refused."""
 
-import imageio.v2 as imageio
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
@@ -13,9 +13,7 @@ SHORT = ["--episode-s", "1", "--seed", "5000"]
 def test_a_film_has_a_picture_for_every_step_that_is_shown(tmp_path, capsys):
     path = tmp_path / "film.mp4"
     assert main(["play", "chirp", *SHORT, "--video", str(path), "--every", "4", "--width", "640"]) == 0
-    pictures = imageio.mimread(path, memtest=False)
-    assert pictures[0].shape == (360, 640, 3)
-    assert len(pictures) == 20 // 4 + 1
+    assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (20 // 4 + 1, pytest.approx(6 / 5.0, abs=0.02))
     said = capsys.readouterr().out
     assert "chirp: after 1 s " in said and "least known is " in said and str(path.name) in said.replace("\n", "")
     assert [file.name for file in tmp_path.iterdir()] == ["film.mp4"]

@@ -12,6 +12,7 @@ from running import Running
 
 import jawenv
 from agents import load_agent
+from jawenv.estimation.online.measurement_update import REFUSED
 from jawenv.estimation.online.record_filter import FilterRun, filter_record
 from jawenv.metrics.calibration import nees_band
 
@@ -48,7 +49,7 @@ def test_a_glitch_of_a_centimetre_is_refused_and_tells_nothing(channel):
     predicted = running.belief.copy()
     measured = record.measured[201].copy()
     measured[channel] += GLITCH
-    assert not running.take(measured)
+    assert running.take(measured) == REFUSED
     belief = running.belief
     for name in ("information", "score"):
         np.testing.assert_array_equal(belief[name], predicted[name])

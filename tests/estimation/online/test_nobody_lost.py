@@ -7,6 +7,7 @@ import pytest
 import jawenv
 from agents.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.estimation.online.measurement_update import GATE
+from jawenv.metrics.calibration import nees
 
 EACH = 4  # patients for each way to act
 SECONDS = 10.0
@@ -59,3 +60,39 @@ def test_nobody_is_lost(cohort, control):
     assert moved > 0.1
     assert (info["information_claimed"] > 1.0).all(), "and everybody teaches it something"
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
+
+
+def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
+    """Random targets of one second's hold; a step has twenty ticks, in which the belief would not be renewed."""
+    rng = np.random.default_rng(0)
+    env = gym.make_vec("jawenv/Jaw-v1", 32, cohort="one_sided", control="targets", autoreset_mode="disabled")
+    env.reset(seed=6000)
+    for step in range(30):
+        if step % 5 == 0:
+            action = rng.uniform(-1.0, 1.0, (32, 4)).astype(np.float32)
+        info = env.step(action)[-1]
+    assert (info["nees"] / 12.0 < 10.0).all(), info["nees"] / 12.0
+
+
+def test_a_patient_who_rests_aside_is_not_lost_in_the_first_second():
+    """The first tick moves the jaw by 200 sds of a reading: the muscles are not what the prior's mean says."""
+    env = gym.make("jawenv/Jaw-v1", cohort="one_sided", control="targets").unwrapped
+    env.reset(seed=30015)
+    first = [[-0.66, -0.09, 0.0, 0.0], [-0.32, -0.18, 0.0, 0.0], [0.02, -0.27, 0.0, 0.0]]
+    for action in [*first, *[[0.36, -0.36, 0.0, 0.0]] * 5]:
+        info = env.step(np.array(action, dtype=np.float32))[-1]
+        assert info["nees"] < 60.0
+    assert info["belief_sd"].min() < 0.1
+
+
+@pytest.mark.parametrize("name", ["slow_opening", "hold_still"])
+def test_a_wide_prior_loses_nobody_to_a_gentle_maneuver(name):
+    """The belief goes on moving for seconds, and with it the motion about which early readings were linearised."""
+    played = jawenv.play(
+        jawenv.Player(name),
+        patients=8,
+        seed=6047,
+        env_kwargs={"cohort": "wide", "episode_s": 15.0, "track_bound": False},
+    )
+    shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
+    assert (shares < 10.0).all(), shares

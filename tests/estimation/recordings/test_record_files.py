@@ -139,7 +139,7 @@ def test_what_moved_the_jaw_is_the_files_or_the_callers(tmp_path):
 
 def test_a_servo_needs_a_device():
     record = random_record("jaw", 2, 0.01, 0)
-    with pytest.raises(jawenv.InputError, match="control is 'torque', allowed are 'force' and 'trajectory'"):
+    with pytest.raises(jawenv.InputError, match="control is 'torque', allowed are 'force', 'trajectory' and 'targets'"):
         replace(record, control="torque")
 
 
