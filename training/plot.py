@@ -45,7 +45,7 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
     if output.suffix.lower() != ".png":
         raise InputError(f"output {output}: must end in .png")
     groups = _grouped(runs)
-    with needs("python -m training plot", "matplotlib", "eval"):
+    with needs("python -m training plot", "matplotlib", "train"):
         from matplotlib.figure import Figure
     figure = Figure(figsize=(12.0, 3.6), layout="constrained")
     panels: Any = figure.subplots(1, len(PANELS))
