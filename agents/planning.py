@@ -16,10 +16,12 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import VectorEnv
+from numpy.typing import NDArray
 
 from agents.prediction import Outcome, Prediction
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Control
+from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
 from jawenv.maneuvers import Maneuver
 from jawenv.maneuvers.player import action_of
@@ -48,6 +50,9 @@ class Plan:
         clairvoyant: whether candidates are tried on the true patient.
         replan_s: how long it follows a plan.
         comfort_weight: nats that a second of discomfort is worth.
+        goal: the potential whose growth is the gain; ``"mixed"``, ``"worst"`` or ``"uncertainty"``.
+        common: share of the worlds, those known least, whose mean score decides for all of them; 0 where each world
+            has a plan of its own. So a maneuver is designed for a cohort, whose worlds are all in the same step.
     """
 
     name: str
@@ -60,6 +65,8 @@ class Plan:
     clairvoyant: bool = False
     replan_s: float = 1.0
     comfort_weight: float = 20.0
+    goal: str = "mixed"
+    common: float = 0.0
 
 
 class Planner:
@@ -112,7 +119,9 @@ class Planner:
         self._hz = configuration.steps_per_s
         self._horizon = max(1, round(self.plan.horizon_s * self._hz))
         self._follow = min(self._horizon, max(1, round(self.plan.replan_s * self._hz)))
-        self._prediction = Prediction(simulation, self.plan.candidates, clairvoyant=self.plan.clairvoyant)
+        self._prediction = Prediction(
+            simulation, self.plan.candidates, goal=self.plan.goal, clairvoyant=self.plan.clairvoyant
+        )
         number = len(simulation.worlds)
         self._planned = np.zeros((number, self._horizon, N_CHANNELS))
         self._planned_at = np.full(number, -1)
@@ -150,7 +159,8 @@ class Planner:
     def _search(self, step: Array, due: Mask) -> None:
         """Plan anew for the worlds that are due."""
         number, plan = len(due), self.plan
-        streams = [np.random.default_rng([self._seed + i, int(step[i])]) for i in range(number)]
+        own = np.zeros(number, dtype=int) if plan.common else np.arange(number)
+        streams = [np.random.default_rng([self._seed + int(own[i]), int(step[i])]) for i in range(number)]
         keys = np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
         tried = np.zeros((number, plan.candidates, self._horizon, N_CHANNELS))
         best, best_score = self._planned.copy(), np.full(number, -np.inf)
@@ -158,6 +168,8 @@ class Planner:
             tried[i] = self._first(int(i), int(step[i]), streams[i])
         for size in 0.5 ** np.arange(1, plan.rounds + 1):
             score = _score(self._prediction.try_out(action_of(tried), due, keys), plan.comfort_weight)
+            if plan.common:
+                score[:] = score[self._least_known(due)].mean(axis=0)
             for i in np.flatnonzero(due):
                 order = np.argsort(-score[i], kind="stable")
                 if score[i, order[0]] > best_score[i]:
@@ -166,6 +178,11 @@ class Planner:
                 tried[i] = self._vary(elites, plan.candidates, size, streams[i])
         self._planned[due] = best[due]
         self._planned_at[due] = step[due]
+
+    def _least_known(self, due: Mask) -> NDArray[np.intp]:
+        """The worlds whose scores decide."""
+        known = np.where(due, potential(self.plan.goal, self._env.simulation.worlds), np.inf)
+        return np.argsort(known, kind="stable")[: max(1, round(self.plan.common * int(due.sum())))]
 
     def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
         """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""

@@ -15,8 +15,6 @@ from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.protocol import Array, Mask
 
-GOAL = "mixed"
-"""The potential of ``jawenv.envs.rewards`` whose growth is predicted."""
 QUIET = 1e-3
 """Share of the noise in the copies. Not 0, since the filter leaves a reading out that repeats the last to the bit."""
 _NOISE = (
@@ -35,7 +33,7 @@ class Outcome(NamedTuple):
     """What is expected of K sequences of actions in each of N worlds.
 
     Attributes:
-        gain: (N, K) growth of the potential ``GOAL``, nats.
+        gain: (N, K) growth of the potential, nats.
         cost: (N, K) discomfort, s.
         lost: (N, K) whether a hard limit is crossed or the belief is no number.
     """
@@ -57,21 +55,23 @@ class Prediction:
     Args:
         simulation: the N worlds; they are only read.
         candidates: K.
+        goal: the potential of ``jawenv.envs.rewards`` whose growth is predicted.
         clairvoyant: copies have the worlds' true muscles, geometry, motion, tissue and sensor errors instead.
 
     Raises:
         InputError: worlds that are moved by another physics engine, which cannot be copied.
     """
 
-    def __init__(self, simulation: Simulation, candidates: int, *, clairvoyant: bool) -> None:
+    def __init__(self, simulation: Simulation, candidates: int, *, goal: str, clairvoyant: bool) -> None:
         configuration = simulation.configuration
         if simulation.model.plant == "contact":
             raise InputError(f"model is {simulation.model.name!r}; allowed for a planner: one without pymunk")
         self._real, self._candidates, self._clairvoyant = simulation, candidates, clairvoyant
+        self._goal = goal
         changes: dict[str, Any] = {} if clairvoyant else {"reality": None}
         # Copies never begin an episode: that of the shortest length keeps the fewest readings.
         period = 1.0 / configuration.steps_per_s
-        changes |= {"record": False, "track_bound": False, "reward": GOAL, "episode_s": period}
+        changes |= {"record": False, "track_bound": False, "reward": goal, "episode_s": period}
         number = candidates * len(simulation.worlds)
         self._copies = Simulation(number, replace(configuration, **changes))
         self._copies.ticks = np.zeros((number, 1), dtype=simulation.ticks.dtype)
@@ -87,7 +87,7 @@ class Prediction:
             keys: (N, 2) of the noise, the same for all candidates of a world, so that only their actions differ.
         """
         worlds, candidates = self._real.worlds.copy(), self._candidates
-        before = potential(GOAL, worlds)
+        before = potential(self._goal, worlds)
         if not self._clairvoyant:
             believe(worlds, self._real.models)
         worlds["key"] = keys
@@ -100,7 +100,7 @@ class Prediction:
             flat = np.ascontiguousarray(actions[:, :, step].reshape(-1, actions.shape[3]), dtype=np.float64)
             copies.advance(flat, active)
             cost += copies.worlds["costs"].sum(axis=-1) / self._real.configuration.steps_per_s
-        after, shape = potential(GOAL, copies.worlds), (len(worlds), candidates)
+        after, shape = potential(self._goal, copies.worlds), (len(worlds), candidates)
         lost = (copies.worlds["violated"] != 0) | ~np.isfinite(copies.worlds["log_det"]) | ~np.isfinite(cost)
         return Outcome(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))
 

@@ -22,6 +22,7 @@ from jawenv.rollout import DEFAULT_ENV, play
 
 FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target
 DIGITS = 5
+STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
 
 
 class Recorder:
@@ -150,18 +151,14 @@ def replays_of(
     running = recording.valid[:, :-1, None]  # at the beginning of the step
     mean = np.sum(targets * running, axis=0) / np.maximum(running.sum(axis=0), 1)
     name = re.sub(r"[^a-z0-9]+", "_", agent.name.lower()).strip("_")
-    maneuver = Maneuver.model_validate(
-        {
-            "name": f"replay_of_{name}",
-            "title": f"Replay of {agent.name}",
-            "description": f"The targets of {agent.name}, averaged over {patients} patients, replayed without looking.",
-            "source": f"python -m eval replay, seeds {seed} to {seed + patients - 1} of cohort "
-            f"{env_kwargs.get('cohort', 'trismus')}",
-            "fade_in_s": FADE_IN_S,
-            "channels": {channel: _keyframes(mean[:, k], period) for k, channel in enumerate(CHANNELS)},
-        }
-    )
-    return maneuver, Replay(f"yoked_replay_of_{name}", actions)
+    about = {
+        "name": f"replay_of_{name}",
+        "title": f"Replay of {agent.name}",
+        "description": f"The targets of {agent.name}, averaged over {patients} patients, replayed without looking.",
+        "source": f"python -m eval replay, seeds {seed} to {seed + patients - 1} of cohort "
+        f"{env_kwargs.get('cohort', 'trismus')}",
+    }
+    return maneuver_of_targets(mean, period, about), Replay(f"yoked_replay_of_{name}", actions)
 
 
 def targets_of(actions: Array, period: float) -> Array:
@@ -183,10 +180,24 @@ def targets_of(actions: Array, period: float) -> Array:
     return targets
 
 
+def maneuver_of_targets(targets: Array, period: float, about: dict[str, str]) -> Maneuver:
+    """The maneuver that reaches targets (T, 4) at the ends of the steps.
+
+    Args:
+        targets: fractions of the patient's comfort.
+        period: length of a step, s.
+        about: name, title, description and source.
+    """
+    channels = {channel: _keyframes(targets[:, k], period) for k, channel in enumerate(CHANNELS)}
+    return Maneuver.model_validate({**about, "fade_in_s": FADE_IN_S, "channels": channels})
+
+
 def _keyframes(values: Array, period: float) -> dict[str, Any]:
     """A channel that begins at rest and reaches ``values`` (T,) at the ends of the steps."""
-    rounded = np.round(np.append(0.0, values), DIGITS)
-    points = [{"t_s": round(k * period, 6), "value": float(value)} for k, value in enumerate(rounded)]
+    path = np.append(0.0, values)
+    bends = np.abs(np.diff(path, n=2)) > STRAIGHT
+    kept = np.flatnonzero(np.concatenate([[True], bends, [True]]))
+    points = [{"t_s": round(k * period, 6), "value": round(float(path[k]), DIGITS)} for k in kept]
     return {"kind": "keyframes", "interpolation": "linear", "points": points}
 
 

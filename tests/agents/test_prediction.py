@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.prediction import GOAL, Prediction, believe
+from agents.prediction import Prediction, believe
 from jawenv.envs.rewards import potential
 
 
@@ -26,6 +26,7 @@ def keys(number):
     return np.arange(2 * number, dtype=np.uint64).reshape(number, 2)
 
 
+GOAL = "mixed"
 ALL = np.ones(2, dtype=bool)
 
 
@@ -47,7 +48,7 @@ def test_the_believed_world_has_nothing_of_the_truth(env):
 @pytest.mark.parametrize("clairvoyant", [False, True])
 def test_the_future_is_foretold(env, clairvoyant):
     simulation = env.unwrapped.simulation
-    prediction = Prediction(simulation, 3, clairvoyant=clairvoyant)
+    prediction = Prediction(simulation, 3, goal=GOAL, clairvoyant=clairvoyant)
     tried = actions_for(2)
     before = potential(GOAL, simulation.worlds)
     outcome = prediction.try_out(tried, ALL, keys(2))
@@ -60,7 +61,7 @@ def test_the_future_is_foretold(env, clairvoyant):
 
 
 def test_candidates_with_the_same_actions_have_the_same_future(env):
-    prediction = Prediction(env.unwrapped.simulation, 3, clairvoyant=False)
+    prediction = Prediction(env.unwrapped.simulation, 3, goal=GOAL, clairvoyant=False)
     tried = actions_for(2)
     tried[:, 1] = tried[:, 0]
     gain = prediction.try_out(tried, ALL, keys(2)).gain
@@ -71,6 +72,6 @@ def test_candidates_with_the_same_actions_have_the_same_future(env):
 def test_what_crosses_a_hard_limit_is_lost(env):
     simulation = env.unwrapped.simulation
     simulation.worlds["limits"]["side"][0] = 1e-4
-    outcome = Prediction(simulation, 3, clairvoyant=False).try_out(actions_for(2), ALL, keys(2))
+    outcome = Prediction(simulation, 3, goal=GOAL, clairvoyant=False).try_out(actions_for(2), ALL, keys(2))
     assert outcome.lost[0].any() and not outcome.lost[1].any()
     assert outcome.cost[0].max() > outcome.cost[1].max()
