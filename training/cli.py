@@ -1,4 +1,4 @@
-"""Commands: ``python -m training train CONFIG``, ``plot``, ``tune``, ``optimise`` and ``export``."""
+"""Commands: ``python -m training train CONFIG``, ``plot``, ``tune``, ``optimise``, ``design`` and ``export``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from jawenv.errors import InputError
+from training.design_command import design
 from training.optimise_command import optimise
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("optimise")(optimise)
+app.command("design")(design)
 
 Config = Annotated[
     str | None,

@@ -43,10 +43,7 @@ def optimise(
     """
     from training.optimise import Design, search
 
-    if output.suffix != ".yaml" or not output.parent.is_dir():
-        raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
-    if not output.stem.isidentifier() or output.stem != output.stem.lower():
-        raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+    check_output(output)
     settings: dict[str, Any] = {
         "cohort": cohort,
         "control": control,
@@ -75,7 +72,7 @@ def optimise(
     except KeyboardInterrupt:
         console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
         return 130
-    _write(output, design, found, settings)
+    _write(output, design, found)
     judged = found.judged
     console.print(
         f"{output}: largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
@@ -86,17 +83,13 @@ def optimise(
     return 0
 
 
-def _write(output: Path, design: Any, found: Any, settings: dict[str, Any]) -> None:
+def _write(output: Path, design: Any, found: Any) -> None:
     """The maneuver file, with the command that made it."""
     from training.waveform import content
 
-    defaults = type(design)().about()
-    options = [f"--{k.replace('_', '-')} {v}" for k, v in settings.items() if v != defaults[k]]
-    command = " ".join(["python -m training optimise", f"--output {output.name}", *options])
-    title = output.stem.replace("_", " ").capitalize()
     about = {
         "name": output.stem,
-        "title": title,
+        "title": title_of(output),
         "description": (
             f"Two sines on opening, side, fore-aft force and roll, searched by CMA-ES for {CRITERIA[design.criterion]} "
             f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
@@ -104,6 +97,38 @@ def _write(output: Path, design: Any, found: Any, settings: dict[str, Any]) -> N
         ),
         "source": "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)",
     }
-    text = yaml.safe_dump(content(found.numbers, about), sort_keys=False, width=110, default_flow_style=None)
+    write_found(output, content(found.numbers, about), "optimise", design)
+
+
+def check_output(output: Path) -> None:
+    """Make sure that a maneuver file can be written there.
+
+    Raises:
+        InputError: another ending than .yaml, a folder that does not exist, or a stem that is no maneuver's name.
+    """
+    if output.suffix != ".yaml" or not output.parent.is_dir():
+        raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
+    if not output.stem.isidentifier() or output.stem != output.stem.lower():
+        raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+
+
+def title_of(output: Path) -> str:
+    """A maneuver's title, from the name of its file."""
+    return output.stem.replace("_", " ").capitalize()
+
+
+def write_found(output: Path, content: dict[str, Any], command: str, design: Any) -> None:
+    """Write a maneuver file whose first lines are the command that made it.
+
+    Args:
+        output: the file.
+        content: of the maneuver.
+        command: of ``python -m training``.
+        design: its fields that are not the defaults are the command's options.
+    """
+    defaults = type(design)().about()
+    options = [f"--{k.replace('_', '-')} {v}" for k, v in design.about().items() if v != defaults[k]]
+    line = " ".join([f"python -m training {command}", f"--output {output.name}", *options])
+    text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
     with atomic_write(output) as unfinished:
-        unfinished.write_text(f"# Found, not made by hand, by\n# {command}\n{text}", encoding="utf-8")
+        unfinished.write_text(f"# Found, not made by hand, by\n# {line}\n{text}", encoding="utf-8")

@@ -1,6 +1,6 @@
 """A maneuver designed second by second: each plan is the one after which a cohort's patients are known best.
 
-Receding-horizon optimal experiment design (Goodwin & Payne 1977, chapter 6, has the one-step form): drawn patients are
+Receding-horizon optimal experiment design (the one-step form is in Goodwin & Payne 1977, chapter 6): drawn patients are
 moved at once, all by the same targets, and each second the planner of ``agents.planning`` searches how they go on, by
 the mean score of the patients. It is quick, greedy, and free of any waveform.
 """
@@ -8,35 +8,119 @@ the mean score of the patients. It is quick, greedy, and free of any waveform.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from agents.planning import Plan, Planner
 from agents.replay import maneuver_of_targets, targets_of
-from jawenv.errors import InputError
+from jawenv.envs.configuration import configure
+from jawenv.errors import InputError, shown
 from jawenv.maneuvers import Maneuver
 from jawenv.protocol import Action, Mask, Observation, State
 from jawenv.rollout import play
 from jawenv.seeds import TUNING
 
-if TYPE_CHECKING:
-    from training.optimise import Design
+Goal = Literal["mixed", "worst", "uncertainty"]
+Over = Literal["mean", "tail"]
 
-GOALS = {"worst": "mixed", "D": "uncertainty"}
-"""The potential whose growth is searched, for each criterion; ``"worst"`` alone is too short-sighted."""
-SHARES = {"mean": 1.0, "tail": 1.0 / 3.0}
-HORIZON_S, CANDIDATES, ROUNDS, ELITES = 3.0, 48, 5, 6
-COMFORT_WEIGHT = 60.0
+SHARE = {"mean": 1.0, "tail": 1.0 / 3.0}
+"""Of the patients, those known least, whose score decides."""
+ELITES = 6
+START = ("opening_with_swings_and_fore_aft",)
+"""Maneuvers whose continuations are tried beside sampled targets."""
 
 
-class _Reported(Planner):
-    """Tells the number of plans made."""
+@dataclass(frozen=True)
+class SequentialDesign:
+    """What is designed.
 
-    def __init__(self, plan: Plan, report: Callable[[int], None]) -> None:
-        self._tell = report
-        super().__init__(plan)
+    Attributes:
+        cohort: of the patients.
+        horizon_s: length of the maneuver.
+        goal: potential of ``jawenv.envs.rewards`` that shall grow.
+        over: ``"mean"`` of the patients, or the ``"tail"`` third of them that is known least at the time.
+        patients: how many, from ``jawenv.seeds.TUNING`` on.
+        look_ahead_s: how far each plan looks.
+        candidates: sequences of targets that are tried in a round.
+        rounds: how often sequences are varied about the best ones.
+        comfort_weight: nats that a second of discomfort is worth.
+        seed: of the search.
+    """
+
+    cohort: str = "trismus"
+    horizon_s: float = 10.0
+    goal: Goal = "mixed"
+    over: Over = "mean"
+    patients: int = 24
+    look_ahead_s: float = 3.0
+    candidates: int = 48
+    rounds: int = 5
+    comfort_weight: float = 60.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: a field has a value that is not allowed.
+        """
+        for name, kind in (("goal", Goal), ("over", Over)):
+            if getattr(self, name) not in get_args(kind):
+                allowed = ", ".join(get_args(kind))
+                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
+        for name, least in (("patients", 1), ("rounds", 1), ("candidates", ELITES), ("seed", 0)):
+            if getattr(self, name) < least:
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: {least} or more")
+        if not 0.2 <= self.look_ahead_s <= 30.0:
+            raise InputError(f"look_ahead_s is {self.look_ahead_s:g}; allowed: 0.2 to 30")
+        if not self.comfort_weight >= 0.0:
+            raise InputError(f"comfort_weight is {self.comfort_weight:g}; allowed: 0 or more")
+        configure(self.env_kwargs)
+
+    @property
+    def env_kwargs(self) -> dict[str, Any]:
+        """Arguments of the environment."""
+        return {"control": "targets", "cohort": self.cohort, "episode_s": self.horizon_s, "track_bound": False}
+
+    @property
+    def steps(self) -> int:
+        """Control steps of the maneuver."""
+        return configure(self.env_kwargs).steps
+
+    def about(self) -> dict[str, Any]:
+        """All fields."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def plan(self, name: str) -> Plan:
+        """How the planner searches."""
+        return Plan(
+            name=name,
+            description=name,
+            horizon_s=self.look_ahead_s,
+            candidates=self.candidates,
+            rounds=self.rounds,
+            elites=ELITES,
+            maneuvers=START,
+            clairvoyant=True,
+            comfort_weight=self.comfort_weight,
+            goal=self.goal,
+            common=SHARE[self.over],
+        )
+
+
+class _Reporting(Planner):
+    """Draws from a seed of its own, keeps its actions, and tells how many there are."""
+
+    def __init__(self, plan: Plan, seed: int, report: Callable[[int], None]) -> None:
         self.actions: list[Action] = []
+        self._own_seed, self._report = seed, report
+        super().__init__(plan)
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """See ``Planner.reset``; the seed of the patients is not that of the search."""
+        super().reset(num_envs, self._own_seed)
 
     def predict(
         self,
@@ -48,42 +132,20 @@ class _Reported(Planner):
         """See ``jawenv.protocol.Agent.predict``."""
         action, after = super().predict(observation, state, episode_start, deterministic)
         self.actions.append(action)
-        self._tell(len(self.actions))
+        self._report(len(self.actions))
         return action, after
 
 
-def design_by_steps(design: Design, about: dict[str, str], report: Callable[[int], None]) -> Maneuver:
-    """Design a maneuver for ``design.patients`` patients of a cohort.
+def design_maneuver(design: SequentialDesign, about: dict[str, str], report: Callable[[int], None]) -> Maneuver:
+    """Design a maneuver.
 
     Args:
-        design: cohort, horizon, criterion, patients and seed are read.
+        design: what is designed.
         about: name, title, description and source.
         report: is told the control steps done.
-
-    Raises:
-        InputError: a criterion, control mode or choice of patients that this search does not have.
     """
-    if design.criterion not in GOALS:
-        raise InputError(f"criterion is {design.criterion!r}; allowed step by step: {', '.join(GOALS)}")
-    if design.over not in SHARES:
-        raise InputError(f"over is {design.over!r}; allowed step by step: {', '.join(SHARES)}")
-    plan = Plan(
-        name=about["name"],
-        description=about["description"],
-        horizon_s=HORIZON_S,
-        candidates=CANDIDATES,
-        rounds=ROUNDS,
-        elites=ELITES,
-        maneuvers=("opening_with_swings_and_fore_aft",),
-        comfort_weight=COMFORT_WEIGHT,
-        clairvoyant=True,
-        goal=GOALS[design.criterion],
-        common=SHARES[design.over],
-    )
-    planner = _Reported(plan, report)
-    kwargs: dict[str, Any] = {**design.env_kwargs, "control": "targets", "track_bound": False}
-    recording = play(planner, patients=design.patients, seed=TUNING.start, env_kwargs=kwargs)
+    planner = _Reporting(design.plan(about["name"]), design.seed, report)
+    recording = play(planner, patients=design.patients, seed=TUNING.start, env_kwargs=design.env_kwargs)
     period = float(recording.time[1])
-    running = recording.valid[:, :-1].all(axis=0)
-    actions = np.array(planner.actions, dtype=np.float64)[running, 0]
+    actions = np.array(planner.actions, dtype=np.float64)[:, 0]
     return maneuver_of_targets(targets_of(actions[None], period)[0], period, about)
