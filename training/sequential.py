@@ -2,7 +2,8 @@
 
 Receding-horizon optimal experiment design (the one-step form is in Goodwin & Payne 1977, chapter 6): drawn patients are
 moved at once, all by the same targets, and each second the planner of ``agents.planning`` searches how they go on, by
-the mean score of the patients. It is quick, greedy, and free of any waveform.
+the mean score of the patients. It is quick, greedy, and free of any waveform. What follows the last second is the way
+back to rest, and all again.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ Over = Literal["mean", "tail"]
 SHARE = {"mean": 1.0, "tail": 1.0 / 3.0}
 """Of the patients, those known least, whose score decides."""
 ELITES = 6
+RETURN_S = 2.0  # after its last second a maneuver goes back to rest, and begins again
 START = ("opening_with_swings_and_fore_aft",)
 """Maneuvers whose continuations are tried beside sampled targets."""
 
@@ -148,4 +150,4 @@ def design_maneuver(design: SequentialDesign, about: dict[str, str], report: Cal
     recording = play(planner, patients=design.patients, seed=TUNING.start, env_kwargs=design.env_kwargs)
     period = float(recording.time[1])
     actions = np.array(planner.actions, dtype=np.float64)[:, 0]
-    return maneuver_of_targets(targets_of(actions[None], period)[0], period, about)
+    return maneuver_of_targets(targets_of(actions[None], period)[0], period, about, return_s=RETURN_S)
