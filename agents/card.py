@@ -179,9 +179,25 @@ class ResultsFile(InputModel):
     results: tuple[Result, ...]
 
 
-def is_exported(path: Path) -> bool:
-    """Whether a path stands for an exported policy: its folder, whole or not, or its card."""
-    return path.name == CARD or (path / CARD).is_file() or (path / WEIGHTS).is_file()
+SHIPPED = Path(__file__).parent / "shipped"
+"""Folder of the policies that come with the project."""
+
+
+def policy_names() -> tuple[str, ...]:
+    """The policies that come with the project, in alphabetical order."""
+    return tuple(sorted(path.parent.name for path in SHIPPED.glob(f"*/{CARD}")))
+
+
+def exported_place(spec: str | Path) -> Path | None:
+    """Where the exported policy is that a name or path stands for; None if it stands for none.
+
+    A path is an exported policy's if it is its folder, whole or not, or its card.
+    """
+    path = Path(spec)
+    if str(spec) in policy_names():
+        return SHIPPED / str(spec)
+    exported = path.name == CARD or (path / CARD).is_file() or (path / WEIGHTS).is_file()
+    return path if exported else None
 
 
 def read_card(path: Path) -> ModelCard:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from agents.card import is_exported
+from agents.card import exported_place, policy_names
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
 from agents.own import load_own, names_own
@@ -35,7 +35,7 @@ def load_agent(
 
     Args:
         spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a
-            maneuver file, recorded actions (.npz), a training run's folder, a stable-baselines3 checkpoint, an exported
+            shipped policy's (`agents.card.policy_names()`), a maneuver file, recorded actions (.npz), a training run's folder, a stable-baselines3 checkpoint, an exported
             policy's folder, or a class or function of one's own, as ``package.module:Name``, which gets control and
             control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
@@ -52,8 +52,8 @@ def load_agent(
         return Planner(PLANNERS[str(spec)], control=control)
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
-    if is_exported(path):
-        return load_exported(path, env_id=model.env_id)
+    if (place := exported_place(spec)) is not None:
+        return load_exported(place, env_id=model.env_id)
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.suffix == ".npz":
@@ -69,7 +69,7 @@ def load_agent(
         return policy
     if names_own(str(spec)):
         return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
-    known = ", ".join((*names(), *EXCITATIONS, *PLANNERS))
+    known = ", ".join((*names(), *policy_names(), *EXCITATIONS, *PLANNERS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
         "a run folder, a checkpoint .zip, an exported policy's folder, or package.module:Name of an agent of your own"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import jawenv
 from agents import registry
-from agents.card import CARD, WEIGHTS, is_exported, read_card
+from agents.card import CARD, WEIGHTS, exported_place, read_card
 from agents.own import source_of
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
@@ -154,10 +154,10 @@ def _env_of_run(spec: str) -> EnvConfig | None:
 
     A checkpoint of a run counts as the run.
     """
-    if is_exported(Path(spec)):
+    if (place := exported_place(spec)) is not None:
         from training.config import EnvConfig
 
-        trained_in = read_card(Path(spec)).environment
+        trained_in = read_card(place).environment
         return EnvConfig(id=trained_in.id, kwargs=trained_in.kwargs())
     config_file = _config_of_run(Path(spec))
     if config_file is None:
@@ -203,7 +203,7 @@ def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
 
 def _files_of(spec: str) -> list[Path]:
     """The files that say what an entry does; of an agent of one's own its module, but not what that imports."""
-    path = Path(spec)
+    path = exported_place(spec) or Path(spec)
     if path.is_dir():
         return sorted(file for pattern in ("*.zip", CARD, WEIGHTS) for file in path.glob(pattern))
     if path.is_file():  # a card holds the hash of its weights

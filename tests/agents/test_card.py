@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from exported_folder import fields
 
-from agents.card import CARD, ModelCard, is_exported, read_card
+from agents.card import CARD, ModelCard, exported_place, read_card
 from jawenv.errors import InputError
 from jawenv.files import validate, write_json
 from jawenv.maneuvers import Maneuver
@@ -74,8 +74,8 @@ def test_mistakes_get_one_line_that_names_them(tmp_path: Path, changed: dict, me
 
 
 def test_half_a_policy_counts_as_one_to_be_named(tmp_path: Path) -> None:
-    assert not is_exported(tmp_path)
+    assert exported_place(tmp_path) is None
     (tmp_path / "policy.safetensors").write_bytes(b"")
-    assert is_exported(tmp_path)
+    assert exported_place(tmp_path) == tmp_path
     with pytest.raises(InputError, match=r"card\.json: no such file"):
         read_card(tmp_path)
