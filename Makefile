@@ -5,7 +5,7 @@ SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
-DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control trajectory --seed 500 --output $(DEMO)
+DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control targets --seed 500 --output $(DEMO)
 
 export PYTHON
 
@@ -16,7 +16,7 @@ export PYTHON
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-6s  %s\n", $$1, $$2 }' Makefile
 
-demo: ## train PPO for a few minutes, compare it with every hand-made maneuver: runs/demo/report.html
+demo: ## train a correction of a maneuver for a few minutes, compare it with every maneuver: runs/demo/report.html
 	@.ci/setup train eval
 	$(BIN)/python -m training $(DEMO_TRAIN)
 	$(BIN)/python -m eval $(DEMO_COMPARE)
