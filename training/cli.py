@@ -38,6 +38,11 @@ ResidualOn = Annotated[
     str | None,
     typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file), in targets control."),
 ]
+Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of the patients: trismus, one_sided, ...")]
+Reward = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
+]
 Output = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
@@ -82,6 +87,8 @@ def train(
     config: Config = None,
     env: Environment = None,
     residual_on: ResidualOn = None,
+    cohort: Cohort = None,
+    reward: Reward = None,
     output: Output = None,
     steps: Steps = None,
     seed: Seed = None,
@@ -103,7 +110,8 @@ def train(
     from training.run import RunFolder
 
     console = Console(highlight=False, markup=False)
-    changes = {"env": env, "residual-on": residual_on, "seed": seed, "n-envs": n_envs, "device": device}
+    changes: dict[str, object] = {"env": env, "residual-on": residual_on, "cohort": cohort, "reward": reward}
+    changes |= {"seed": seed, "n-envs": n_envs, "device": device}
     flags = {"continue": continue_, "overwrite": overwrite}
     if resume is not None:
         others = {"seeds": seeds, "output": output, **changes, **flags}
@@ -116,6 +124,7 @@ def train(
         raise InputError("--overwrite cannot be combined with --continue")
     wanted, stem = _wanted(config, env, residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
+    wanted = wanted.with_env_kwargs(cohort=cohort, reward=reward)
     if seeds is not None:
         for name, value in {"seed": seed, **flags}.items():
             if value not in (None, False):

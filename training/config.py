@@ -191,6 +191,11 @@ class TrainingConfig(InputModel):
         """The same run in another environment, with the same arguments."""
         return self.changed(env={"id": env_id, "kwargs": self.env.kwargs})
 
+    def with_env_kwargs(self, **kwargs: object) -> TrainingConfig:
+        """The same run with other arguments of the environment; those that are None stay as they are."""
+        changed = {name: value for name, value in kwargs.items() if value is not None}
+        return self.changed(env={"id": self.env.id, "kwargs": {**self.env.kwargs, **changed}})
+
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""
         with atomic_write(path) as unfinished:
