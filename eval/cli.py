@@ -1,4 +1,4 @@
-"""Commands: ``python -m eval compare``, ``play``, ``replay``, ``report``, ``calibrate`` and ``thesis``."""
+"""Commands: ``python -m eval compare``, ``play``, ``patient`` and others, which ``python -m eval`` lists."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from eval.options import (
     Sensors,
     fields_of,
 )
+from eval.patient.commands import diagnose_command, patient_command
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.seeds import REPLAYS, REPORTS
@@ -282,6 +283,10 @@ def thesis_command(
 
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     study(only, min(draws, QUICK_DRAWS) if quick else draws, seed, quick, output, fresh, command, _console())
+
+
+app.command("patient")(patient_command)
+app.command("diagnose")(diagnose_command)
 
 
 def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:

@@ -6,12 +6,12 @@ for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshiran
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import bootstrap
+from scipy.stats import binomtest, bootstrap
 
 Array = npt.NDArray[np.float64]
 RESAMPLES = 2000
@@ -120,3 +120,36 @@ def difference(values: Array, reference: Array, seed: int = 0) -> Interval:
         seed: of the resampling.
     """
     return mean(np.asarray(values) - np.asarray(reference), seed)
+
+
+def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:
+    """Share of independent trials, with the interval of Wilson (1927); NaN of none."""
+    hits = np.asarray(hits)
+    if not len(hits):
+        return Interval(float("nan"), float("nan"), float("nan"))
+    ends = binomtest(int(hits.sum()), len(hits)).proportion_ci(method="wilson")
+    return Interval(float(hits.mean()), float(ends.low), float(ends.high))
+
+
+def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_], seed: int = 0) -> Interval:
+    """Share of hits among muscles of several patients, those of one patient being dependent.
+
+    The interval is a bootstrap over the patients. Where all or none are hits a bootstrap has no width: then it is that
+    of Wilson for as many trials as patients.
+
+    Args:
+        hits: (N, M) of N patients.
+        among: (N, M) which muscles count.
+        seed: of the resampling.
+    """
+    counts = np.column_stack([(hits & among).sum(axis=1), among.sum(axis=1)]).astype(np.float64)
+    counts = counts[counts[:, 1] > 0.0]
+    total = counts.sum(axis=0)
+    if total[0] in (0.0, total[1]):
+        return share(np.full(len(counts), total[0] > 0.0))
+
+    def statistic(x: Array) -> Array:
+        ratio: Array = x[..., 0].sum(axis=-1) / x[..., 1].sum(axis=-1)
+        return ratio
+
+    return _over_patients(statistic, counts, "percentile", seed)

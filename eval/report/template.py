@@ -15,10 +15,10 @@ from jawenv.files import atomic_write
 TEMPLATES = Path(__file__).parent / "templates"
 
 
-def render(name: str, **values: Any) -> str:
-    """The page that a template of this folder gives with these values."""
+def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
+    """The page that a template of a folder gives with these values."""
     environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(folder),
         autoescape=select_autoescape(("html.j2",), default=True),
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -96,7 +96,7 @@ def judge_sides(table: pd.DataFrame) -> Finding:
     verdicts: dict[str, bool] = {}
     for case in ("linear", "log"):
         end = rows.last(rows.of_case(table, case))
-        inside = rows.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy())
+        inside = statistics.share(_inside(end, 3.0).groupby(end["draw"]).all().to_numpy())
         error, sd = rows.rmse(end), statistics.quantile(end.groupby("draw")["sd"].max().fillna(np.inf).to_numpy(), 0.5)
         nees = statistics.quantile(end.groupby("draw")["nees"].first().fillna(np.inf).to_numpy(), 0.5)
         sentences.append(

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from eval import statistics
 from eval.report import words
 from eval.statistics import Interval
 from eval.thesis import rows
@@ -153,7 +154,7 @@ def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     """Muscles whose mean F_o lies on the wrong side of the limit, and the share of single estimates that do."""
     forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
     truly = forces["true_value"] > FIBROSED_F_O_N
-    singly = rows.share((truly != (forces["value"] > FIBROSED_F_O_N)).to_numpy())
+    singly = statistics.share((truly != (forces["value"] > FIBROSED_F_O_N)).to_numpy())
     wrong = sum((s.truth > FIBROSED_F_O_N) != (s.mean > FIBROSED_F_O_N) for s in spreads(forces))
     return wrong, singly
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -85,13 +83,3 @@ def rmse(table: pd.DataFrame) -> Interval:
     squares = (table["estimate"] - table["truth"]) ** 2
     mean = squares.fillna(np.inf).groupby(table["draw"]).mean()
     return statistics.quantile(np.sqrt(mean.to_numpy()), 0.5)
-
-
-def share(hits: Sequence[bool] | NDArray[np.bool_]) -> Interval:
-    """Share of independent trials, with the interval of Wilson (1927)."""
-    from scipy.stats import binomtest
-
-    hits = np.asarray(hits)
-    test = binomtest(int(hits.sum()), len(hits))
-    ends = test.proportion_ci(method="wilson")
-    return Interval(float(hits.mean()), float(ends.low), float(ends.high))

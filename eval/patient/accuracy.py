@@ -1,0 +1,128 @@
+"""How often verdicts are right: sensitivity, specificity and both kinds of error, muscle by muscle over a cohort."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from eval import statistics
+from eval.comparison.results import Results
+from eval.report import words
+from eval.statistics import Interval
+from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
+
+Mask = NDArray[np.bool_]
+
+ALL = "all muscles"
+SHARES = {
+    "sensitivity": "sensitivity",
+    "false_normal": "raised, called normal",
+    "specificity": "specificity",
+    "false_raised": "normal, called raised",
+    "undecided": "not known yet",
+}
+NOTE = (
+    "Shares in %, with 95 % intervals over patients: of Wilson for one muscle, bootstrap for all. Stiff: F_o raised; "
+    "blocked: b raised. A muscle is decided when the posterior is 95 % sure. One that is not counts neither as found "
+    "(sensitivity) nor as cleared (specificity). The two errors: of the muscles that are truly raised those called "
+    "normal, of the truly normal those called raised. An honest posterior is wrong in at most 5 % of its decisions."
+)
+
+
+def accuracy(study: Results) -> pd.DataFrame:
+    """One row per entry, property and muscle, and one for all muscles together.
+
+    Args:
+        study: of a comparison; a patient counts with what was known when the episode ended.
+
+    Returns:
+        Columns ``entry``, ``property`` (`stiff` or `blocked`), ``above`` (threshold of F_o, N, or of b), ``muscle``,
+        ``raised`` and ``normal`` (numbers of truly such muscles), and each of ``SHARES`` with ``_low`` and ``_high``,
+        the ends of its 95 % interval; NaN where there is no such muscle.
+    """
+    return pd.DataFrame([row for entry in study.entries for row in _rows(study, entry)])
+
+
+def _rows(study: Results, entry: str) -> list[dict[str, object]]:
+    truth, error, sd = (study.array(entry, name) for name in ("truth", "error", "sd"))
+    muscles = [words.muscle(name) for name in study.parameters[::2]]
+    forces = FIBROSED_F_O_N * whole_muscles_per_line(study.parameters)
+    rows: list[dict[str, object]] = []
+    for name, first, threshold in (("stiff", 0, forces), ("blocked", 1, BLOCKED_B)):
+        columns = slice(first, None, 2)
+        made = diagnose(truth[:, columns], (truth + error)[:, columns], sd[:, columns], threshold)
+        about: dict[str, object] = {"entry": entry, "property": name, "above": threshold}
+        rows.append(about | {"muscle": ALL} | _figures(made, slice(None)))
+        rows += [about | {"muscle": muscle} | _figures(made, slice(i, i + 1)) for i, muscle in enumerate(muscles)]
+    return rows
+
+
+def _figures(made: Diagnosis, muscles: slice) -> dict[str, object]:
+    """Shares over some of the muscles, with their intervals."""
+    raised, up, down = (values[:, muscles] for values in (made.raised, made.called_raised, made.called_normal))
+    shares = {
+        "sensitivity": _share(up, raised),
+        "false_normal": _share(down, raised),
+        "specificity": _share(down, ~raised),
+        "false_raised": _share(up, ~raised),
+        "undecided": _share(~(up | down), np.ones_like(raised)),
+    }
+    figures: dict[str, object] = {"raised": int(raised.sum()), "normal": int((~raised).sum())}
+    for name, found in shares.items():
+        figures |= {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
+    return figures
+
+
+def _share(hits: Mask, among: Mask) -> Interval:
+    if hits.shape[1] == 1:
+        return statistics.share(hits[among])
+    return statistics.share_of_muscles(hits, among)
+
+
+def cells(row: pd.Series) -> list[str]:
+    """A row's figures: muscle, numbers of raised and normal ones, and every share with its interval."""
+    shares = [Interval(*(100.0 * row[f"{name}{end}"] for end in ("", "_low", "_high"))) for name in SHARES]
+    return [str(row["muscle"]), str(row["raised"]), str(row["normal"]), *(_with_ends(each) for each in shares)]
+
+
+def _with_ends(share: Interval) -> str:
+    ends = words.interval(share)
+    return words.number(share.value) + (f" ({ends})" if ends else "")
+
+
+def _heading(row: pd.Series) -> str:
+    limit = f"F_o above {row['above']:g} N" if row["property"] == "stiff" else f"b above {row['above']:g}"
+    return f"{words.label(row['entry'])}: {row['property']}, {limit}"
+
+
+_COLUMNS = ("muscle", "raised", "normal", *SHARES.values())
+
+
+def show(table: pd.DataFrame, console: Console) -> None:
+    """Print the rows of all muscles together, a line per entry and property."""
+    printed = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in ("maneuver", "property"):
+        printed.add_column(column)
+    for column in _COLUMNS[1:]:
+        printed.add_column(column.replace(", ", ",\n"), justify="right", no_wrap=True)
+    for _, row in table[table["muscle"] == ALL].iterrows():
+        figures = (cell.replace(" (", "\n(") for cell in cells(row)[1:])
+        printed.add_row(words.label(row["entry"]), str(row["property"]), *figures)
+    console.print(printed)
+
+
+def markdown(table: pd.DataFrame, lead: str) -> str:
+    """A Markdown table per entry and property, below a line that says what they were made with."""
+    parts = [lead]
+    for _, rows in table.groupby(["entry", "property"], sort=False):
+        lines = [
+            "| " + " | ".join(_COLUMNS) + " |",
+            "|---|" + "--:|" * (len(_COLUMNS) - 1),
+            *("| " + " | ".join(cells(row)) + " |" for _, row in rows.iterrows()),
+        ]
+        parts += [f"## {_heading(rows.iloc[0])}", "\n".join(lines)]
+    return "\n\n".join([*parts, NOTE]) + "\n"

@@ -1,0 +1,251 @@
+"""One patient on one page: each closing muscle, how sure that is, and what it means; prints on one sheet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from eval.entries import Entry
+from eval.patient import charts, drawing
+from eval.patient.charts import SD_95, Axis
+from eval.patient.courses import Person
+from eval.patient.treatments import Course, Treatment
+from eval.patient.verdicts import UNKNOWN, WORDS, Verdict, truly, verdicts
+from eval.report import template, words
+from jawenv.anatomy import MUSCLE_NAMES, muscle_set
+from jawenv.errors import InputError
+from jawenv.ladder import model_of_env
+from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+
+FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), FIBROSED_F_O_N)
+STIFFENING = Axis(2.0, 50.0, (2.0, 5.0, 10.0, 20.0, 50.0), BLOCKED_B)
+SHEET = Path(__file__).parent
+ABOUT = {
+    "masseter": "the thick muscle of the cheek",
+    "temporalis": "the fan at the temple",
+    "medial_pterygoid": "the deep muscle inside the angle of the jaw",
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """An estimate with its 95 % interval, as words; and over time, as a picture."""
+
+    value: str
+    interval: str
+    picture: Markup
+    truth: str
+
+
+@dataclass(frozen=True)
+class Card:
+    """What the page says of one muscle.
+
+    Attributes:
+        title: the muscle's name and side.
+        about: where it is, in plain words.
+        verdict: what is said of it.
+        badge: CSS class of the verdict.
+        chance: the probability in words.
+        since: from when on the same has been said; empty where nothing is known.
+        force: F_o.
+        stiffening: b.
+        doubling: stretch that doubles the pull, %.
+        truth: what it truly is, where that is shown.
+    """
+
+    title: str
+    about: str
+    verdict: Verdict
+    badge: str
+    chance: str
+    since: str
+    force: Quantity
+    stiffening: Quantity
+    doubling: str
+    truth: str
+
+
+def check_env(env_id: str) -> None:
+    """Check that an environment has the six muscles that the page draws.
+
+    Raises:
+        InputError: it has others.
+    """
+    model = model_of_env(env_id)
+    if model.muscles.names != MUSCLE_NAMES:
+        raise InputError(f"env: {env_id} given, allowed are those with six closing muscles, Jaw and JawBilateral")
+
+
+def render(
+    entry: Entry, person: Person, plan: Course, course: Sequence[Treatment], about: dict[str, Any], show_truth: bool
+) -> str:
+    """The page as HTML text.
+
+    Args:
+        entry: the maneuver or agent.
+        person: whom it was played on.
+        plan: the course that was asked for.
+        course: its treatments.
+        about: command, versions, time.
+        show_truth: whether the true values of the simulated patient are shown.
+    """
+    now = verdicts(course[-1].mean[-1], course[-1].cov[-1])
+    said = {name: each.word for name, each in zip(MUSCLE_NAMES, now, strict=True)}
+    cards = {name: _card(course, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
+    return template.render(
+        "patient.html.j2",
+        SHEET,
+        who=_who(entry, person),
+        maneuver=words.label(entry.label),
+        plan=plan,
+        seconds=f"{course[-1].time[-1]:g}",
+        ended_early=[i for i, each in enumerate(course, 1) if each.violated],
+        headline=headline(said),
+        effects=", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items()),
+        views={side: drawing.view(side, muscle_set(), said) for side in ("right", "left")},
+        rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in ABOUT],
+        legend=[
+            (word, drawing.class_of(word)) for word in WORDS if word != "stiff and blocked" or word in said.values()
+        ],
+        fibrosed=f"{FIBROSED_F_O_N:g}",
+        blocked=f"{BLOCKED_B:g}",
+        doubling_normal=f"{100.0 * math.log(2.0) / BLOCKED_B:.0f}",
+        confidence=f"{100.0 * CONFIDENCE:g}",
+        show_truth=show_truth,
+        about=about,
+    )
+
+
+def headline(said: dict[str, str]) -> str:
+    """All verdicts in a sentence or two.
+
+    Args:
+        said: muscle -> verdict.
+    """
+    groups = {word: [words.label(name) for name, each in said.items() if each == word] for word in WORDS}
+    if len(groups[UNKNOWN]) == len(said):
+        return "Nothing can be said about any of the six closing muscles yet."
+    order = [word for word in (*WORDS[1:-1], WORDS[0], UNKNOWN) if groups[word]]
+    parts = []
+    for word in order:
+        names = groups[word]
+        if len(names) == len(said):
+            return f"All six closing muscles are {word}."
+        parts.append(f"{word.capitalize()}: {_listed(names)}.")
+    return " ".join(parts)
+
+
+def _listed(names: Sequence[str]) -> str:
+    for side in ("left", "right"):
+        if len(names) == len(ABOUT) and all(name.endswith(side) for name in names):
+            return f"all three on the {side}"
+    return ", ".join(names)
+
+
+def _who(entry: Entry, person: Person) -> str:
+    if person.patient is not None:
+        return f"Simulated patient “{person.name}”"
+    return f"Simulated patient {person.name} of the cohort “{words.label(str(entry.env_kwargs['cohort']))}”"
+
+
+def _card(course: Sequence[Treatment], muscle: int, now: Verdict, show_truth: bool) -> Card:
+    name = MUSCLE_NAMES[muscle]
+    kind, side = name.rsplit("_", 1)
+    title = f"{words.label(kind).capitalize()}, {side}"
+    b = math.exp(float(course[-1].mean[-1, 2 * muscle + 1]))
+    return Card(
+        title=title,
+        about=ABOUT[kind],
+        verdict=now,
+        badge=drawing.class_of(now.word),
+        chance=_chance(now.probability),
+        since=_since(course, muscle, now.word),
+        force=_quantity(course, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
+        stiffening=_quantity(
+            course, 2 * muscle + 1, STIFFENING, f"Stiffening of the {title} over time", "", show_truth
+        ),
+        doubling=_significant(100.0 * math.log(2.0) / b),
+        truth=truly(course[-1].truth[2 * muscle : 2 * muscle + 2]) if show_truth else "",
+    )
+
+
+def _quantity(
+    course: Sequence[Treatment], parameter: int, axis: Axis, label: str, unit: str, show_truth: bool
+) -> Quantity:
+    mean, sd = float(course[-1].mean[-1, parameter]), math.sqrt(course[-1].cov[-1, parameter, parameter])
+    low, high = (_significant(math.exp(mean + factor * sd)) for factor in (-SD_95, SD_95))
+    truth = math.exp(course[-1].truth[parameter])
+    return Quantity(
+        value=f"{_significant(math.exp(mean))} {unit}".strip(),
+        interval=f"{low} to {high}",
+        picture=charts.chart(course, parameter, axis, label, show_truth),
+        truth=f"{_significant(truth)} {unit}".strip(),
+    )
+
+
+def _significant(value: float) -> str:
+    """Three significant digits, without an exponent."""
+    digits = max(0, 2 - math.floor(math.log10(value)))
+    return f"{value:.{digits}f}"
+
+
+def _chance(probability: float) -> str:
+    return "above 99.9 %" if probability > 0.999 else f"{100.0 * probability:.{1 if probability > 0.99 else 0}f} %"
+
+
+def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
+    """From which moment on the verdict has been the last one, in words."""
+    if word == UNKNOWN:
+        return ""
+    pair = slice(2 * muscle, 2 * muscle + 2)
+    kept = [(number, step) for number, each in enumerate(course) for step in range(len(each.time))]
+    since = kept[-1]
+    for number, step in reversed(kept):
+        each = course[number]
+        if verdicts(each.mean[step, pair], each.cov[step, pair, pair])[0].word != word:
+            break
+        since = number, step
+    if since == kept[0]:
+        return ", from the start"
+    number, step = since
+    when = f"{float(course[number].time[step]):.1f} s" if len(course) == 1 else f"treatment {number + 1}"
+    return f", since {when}"
+
+
+def write(page: str, path: Path) -> Path:
+    """Write a page, wholly or not at all.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    return template.write(page, path)
+
+
+def verdict_rows(person: Person, course: Sequence[Treatment]) -> list[dict[str, object]]:
+    """One row per treatment and muscle: estimates with 95 % intervals, verdict, probabilities, truth.
+
+    Args:
+        person: the patient.
+        course: treatments of the patient.
+    """
+    rows: list[dict[str, object]] = []
+    for number, each in enumerate(course, 1):
+        sd = np.sqrt(np.diagonal(each.cov[-1]))
+        estimate, truth = np.exp(each.mean[-1]), np.exp(each.truth)
+        low, high = np.exp(each.mean[-1] - SD_95 * sd), np.exp(each.mean[-1] + SD_95 * sd)
+        for i, said in enumerate(verdicts(each.mean[-1], each.cov[-1])):
+            row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
+            row |= {"muscle": MUSCLE_NAMES[i], "verdict": said.word, "probability": said.probability}
+            row |= {"stiff": said.stiff, "blocked": said.blocked, "truly": truly(each.truth[2 * i : 2 * i + 2])}
+            for symbol, k in (("F_o_N", 2 * i), ("b", 2 * i + 1)):
+                row |= {symbol: estimate[k], f"{symbol}_low": low[k], f"{symbol}_high": high[k]}
+                row |= {f"{symbol}_true": truth[k]}
+            rows.append(row | {"nees_of_12": each.nees})
+    return rows

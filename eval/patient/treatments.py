@@ -1,0 +1,144 @@
+"""Treatments of one patient, one after the other: what each leaves known is where the next begins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eval.entries import Entry
+from eval.patient.belief import Belief, combined
+from eval.patient.cohort import KnownPatient
+from jawenv.anatomy import Cohort, Patient, cohort
+from jawenv.errors import InputError
+from jawenv.ladder import model_of_env
+from jawenv.rollout import play
+
+Array = NDArray[np.float64]
+
+LARGEST_DRIFT = 0.5
+REDRAWS = 50
+"""Of a step of the drift, where it would make a patient whom the device cannot treat."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """A course of treatments.
+
+    Attributes:
+        number: of treatments, >= 1.
+        drift: sd of the normal step that each natural-log parameter makes between two treatments; 0.02 is 2 %.
+
+    Raises:
+        InputError: a value is not allowed.
+    """
+
+    number: int = 1
+    drift: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if self.number < 1:
+            raise InputError(f"treatments: {self.number} given, allowed is 1 or more")
+        if not (math.isfinite(self.drift) and 0.0 <= self.drift <= LARGEST_DRIFT):
+            raise InputError(f"drift: {self.drift} given, allowed is 0 to {LARGEST_DRIFT:g}; 0.02 is 2 %")
+
+
+@dataclass(frozen=True)
+class Treatment:
+    """What is believed during one treatment, at T times from its start to its end.
+
+    Attributes:
+        time: (T,) s since its start.
+        mean: (T, P) natural logs.
+        cov: (T, P, P).
+        truth: (P,) the patient's natural-log parameters, the same during a treatment.
+        violated: whether it ended at a hard limit of comfort.
+    """
+
+    time: Array
+    mean: Array
+    cov: Array
+    truth: Array
+    violated: bool
+
+    @property
+    def nees(self) -> float:
+        """Normalised squared error at the end; P on average where the belief is calibrated."""
+        error = self.mean[-1] - self.truth
+        return float(error @ np.linalg.solve(self.cov[-1], error))
+
+    def thinned(self, number: int) -> Treatment:
+        """The same at so many times or fewer, the first and the last among them, denser at the start."""
+        share = np.linspace(0.0, 1.0, number) ** 2
+        chosen = np.unique(np.round(share * (len(self.time) - 1)).astype(int))
+        return Treatment(self.time[chosen], self.mean[chosen], self.cov[chosen], self.truth, self.violated)
+
+
+def population_of(entry: Entry) -> Cohort:
+    """The cohort that an entry's patients are of, with the muscles of its model."""
+    return cohort(entry.env_kwargs["cohort"], model_of_env(entry.env_id).muscles)
+
+
+def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> Treatment:
+    """The treatment that begins with the prior of the cohort.
+
+    Args:
+        entry: the maneuver or agent.
+        seed: of the patient and the noise.
+        patient: drawn from the entry's cohort by default, as `jawenv.play` draws it.
+
+    Raises:
+        InputError: a patient who cannot be treated, or what the environment refuses.
+    """
+    return _play(entry, Belief.of_prior(population_of(entry).prior), patient, seed)
+
+
+def next_treatment(
+    entry: Entry, last: Treatment, number: int, drift: float, seed: int, patient: Patient | None = None
+) -> Treatment:
+    """The treatment that begins with what the last one left known.
+
+    Every parameter has made a normal step since, and the belief is widened by as much. A step that makes a patient whom
+    the device cannot treat is drawn again.
+
+    Args:
+        entry: the maneuver or agent.
+        last: treatment number - 1.
+        number: of this treatment; the first is 1.
+        drift: sd of the step.
+        seed: of the patient; noise and step follow from it and the number.
+        patient: whose name and tilt of the head it keeps; those of a drawn one by default.
+
+    Raises:
+        InputError: the environment refuses the settings, or all patients that are drawn.
+    """
+    population = population_of(entry)
+    belief = Belief(last.mean[-1], last.cov[-1]).widened(drift)
+    noise, step = np.random.SeedSequence((seed, number)).spawn(2)
+    generator = np.random.default_rng(step)
+    name, tilt = (population.name, 0.0) if patient is None else (patient.name, patient.head_tilt_deg)
+    for attempt in range(REDRAWS):
+        truth = last.truth + drift * generator.standard_normal(len(last.truth))
+        try:
+            changed = Patient.from_log_parameters(
+                truth, name=name, head_tilt_deg=tilt, muscles=population.muscles.names
+            )
+            return _play(entry, belief, changed, int(noise.generate_state(1)[0]))
+        except InputError:
+            if drift == 0.0 or attempt == REDRAWS - 1:
+                raise
+    raise AssertionError("the last attempt returns or raises")
+
+
+def _play(entry: Entry, belief: Belief, patient: Patient | None, noise: int) -> Treatment:
+    """One treatment that begins with a belief."""
+    population = population_of(entry)
+    working = belief.working_prior(population.prior)
+    kwargs = entry.env_kwargs | {"cohort": KnownPatient.of(population, working), "track_bound": False}
+    recording = play(entry.agent, patients=[patient], seed=noise, env_kwargs=kwargs, env_id=entry.env_id)
+    last = recording.last[0] + 1
+    mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
+    return Treatment(recording.time[:last], mean, cov, recording.truth[0], bool(recording.violation[0].any()))

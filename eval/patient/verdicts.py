@@ -1,0 +1,93 @@
+"""What is said of a muscle: normal, stiff, blocked, or not known yet, each with its probability."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+from scipy.stats import multivariate_normal
+
+from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+
+Array = NDArray[np.float64]
+
+NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN = "normal", "stiff", "blocked", "stiff and blocked", "not known yet"
+WORDS = (NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said of one muscle.
+
+    Attributes:
+        word: one of ``WORDS``.
+        probability: that the word is right; of the likeliest where nothing is known yet.
+        likeliest: the one of `normal`, `stiff`, `blocked`, `stiff and blocked` with the largest probability.
+        stiff: probability that F_o is raised.
+        blocked: probability that b is raised.
+    """
+
+    word: str
+    probability: float
+    likeliest: str
+    stiff: float
+    blocked: float
+
+    @property
+    def open_question(self) -> str:
+        """What a muscle that is called stiff or blocked may be besides; empty where that is known."""
+        other = {STIFF: self.blocked, BLOCKED: self.stiff}.get(self.word, 0.0)
+        if other <= 1.0 - CONFIDENCE:
+            return ""
+        return BLOCKED if self.word == STIFF else STIFF
+
+
+def verdict(mean: Array, cov: Array, confidence: float = CONFIDENCE) -> Verdict:
+    """The verdict on one whole muscle.
+
+    It is stiff when the posterior probability of a raised F_o reaches the confidence, blocked when that of a raised b
+    does, normal when that of neither does. The two are correlated, so that probabilities are those of the joint normal
+    distribution.
+
+    Args:
+        mean: (2,) of log F_o and log b.
+        cov: (2, 2).
+        confidence: from which on a muscle counts as decided.
+    """
+    above = (mean - np.log([FIBROSED_F_O_N, BLOCKED_B])) / np.sqrt(np.diagonal(cov))
+    stiff, blocked = (float(share) for share in ndtr(above))
+    correlation = cov[0, 1] / np.sqrt(cov[0, 0] * cov[1, 1])
+    both = float(multivariate_normal.cdf(above, cov=[[1.0, correlation], [correlation, 1.0]], allow_singular=True))
+    neither = max(1.0 - stiff - blocked + both, 0.0)
+    shares = {NORMAL: neither, STIFF: stiff - both, BLOCKED: blocked - both, BOTH: both}
+    likeliest = max(shares, key=lambda word: shares[word])
+    if stiff >= confidence and blocked >= confidence:
+        word, probability = BOTH, both
+    elif stiff >= confidence:
+        word, probability = STIFF, stiff
+    elif blocked >= confidence:
+        word, probability = BLOCKED, blocked
+    elif neither >= confidence:
+        word, probability = NORMAL, neither
+    else:
+        word, probability = UNKNOWN, shares[likeliest]
+    return Verdict(word, probability, likeliest, stiff, blocked)
+
+
+def verdicts(mean: Array, cov: Array) -> list[Verdict]:
+    """The verdict on every muscle.
+
+    Args:
+        mean: (2 M,) log F_o and log b of each.
+        cov: (2 M, 2 M).
+    """
+    pairs = (slice(2 * i, 2 * i + 2) for i in range(len(mean) // 2))
+    return [verdict(mean[pair], cov[pair, pair]) for pair in pairs]
+
+
+def truly(log_parameters: Array) -> str:
+    """The word that is right for a muscle with these log F_o and log b."""
+    stiff, blocked = np.exp(log_parameters) > [FIBROSED_F_O_N, BLOCKED_B]
+    return {(False, False): NORMAL, (True, False): STIFF, (False, True): BLOCKED, (True, True): BOTH}[stiff, blocked]

@@ -1,0 +1,210 @@
+"""``python -m eval patient`` and ``diagnose`` as a user types them."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from eval.cli import main
+from eval.entries import load_entries
+from eval.patient import courses, page
+from eval.patient.courses import Person
+from eval.patient.treatments import Course, first_treatment
+from eval.patient.verdicts import UNKNOWN, verdicts
+from eval.settings import Settings
+from jawenv import MUSCLE_NAMES, Patient
+from jawenv.anatomy import cohort
+
+RICH = "opening_with_swings_and_fore_aft"
+SHORT = ["--episode-s", "0.5", "--seed", "5200"]
+HEALTHY, LEFT, BLOCKED = "healthy", "left_side", "blockage"
+
+
+def patient(name, F_o=0.3, b=7.0, left_F_o=None):
+    forces = {muscle: left_F_o if left_F_o and muscle.endswith("left") else F_o for muscle in MUSCLE_NAMES}
+    return Patient(name=name, F_o_N=forces, b=dict.fromkeys(MUSCLE_NAMES, b))
+
+
+def run(output, *arguments):
+    return main(["patient", *arguments, "--output", str(output)])
+
+
+def words_of(text):
+    """The text that a reader sees."""
+    text = re.sub(r"<style>.*?</style>", " ", text, flags=re.S)
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", text))
+
+
+class Balance(HTMLParser):
+    """Checks that every element that is opened is closed, and gathers what lies elsewhere."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.elsewhere = [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag != "meta":
+            self.open.append(tag)
+        self.elsewhere += [value for key, value in attrs if key in ("src", "href", "xlink:href")]
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def three(tmp_path_factory):
+    """Pages and verdicts of a healthy, a one-sided and a blocked patient, 8 s each."""
+    folder = tmp_path_factory.mktemp("patients")
+    given = [patient(HEALTHY), patient(LEFT, left_F_o=1.8), patient(BLOCKED, F_o=0.4, b=18.0)]
+    options = []
+    for one in given:
+        one.save(folder / f"{one.name}.json")
+        options += ["--patient", str(folder / f"{one.name}.json")]
+    options += ["--cohort", "wide", "--episode-s", "8", "--seed", "5200"]
+    assert run(folder, RICH, *options) == 0
+    pages = {one.name: (folder / f"patient-{one.name}.html").read_text(encoding="utf-8") for one in given}
+    return pages, pd.read_parquet(folder / "verdicts.parquet"), folder
+
+
+@pytest.mark.parametrize(
+    ("name", "headline"),
+    [
+        (HEALTHY, "All six closing muscles are normal."),
+        (LEFT, "Stiff: all three on the left. Normal: all three on the right."),
+        (BLOCKED, "All six closing muscles are blocked."),
+    ],
+)
+def test_good_knowledge_gives_the_right_verdicts(three, name, headline):
+    pages, table, _ = three
+    assert headline in words_of(pages[name])
+    own = table[table["patient"] == name]
+    assert list(own["muscle"]) == list(MUSCLE_NAMES)
+    assert (own["verdict"] == own["truly"]).all() and (own["probability"] >= 0.95).all()
+    for row in own.to_dict("records"):
+        assert row["F_o_N_low"] < row["F_o_N"] < row["F_o_N_high"]
+        assert abs(np.log(row["F_o_N"] / row["F_o_N_true"])) < 0.2 and abs(np.log(row["b"] / row["b_true"])) < 0.2
+
+
+def test_nothing_is_known_at_the_start(three):
+    """Each treatment begins unknown, and a page of beliefs as wide as the prior says so."""
+    _, _, folder = three
+    settings = Settings(1, "wide", 5200, "force", "pose", 8.0)
+    (entry,) = load_entries([RICH], settings.env_kwargs, settings.env)
+    population = cohort("wide").prior
+    for name in (HEALTHY, LEFT, BLOCKED):
+        played = first_treatment(entry, 5200, Patient.load(folder / f"{name}.json"))
+        assert {each.word for each in verdicts(played.mean[0], played.cov[0])} == {UNKNOWN}
+        unknown = replace(
+            played,
+            mean=np.broadcast_to(population.mean, played.mean.shape),
+            cov=np.broadcast_to(np.diag(population.sd**2), played.cov.shape),
+        )
+        about = {"finished": "today", "command": "python -m eval patient"}
+        text = words_of(page.render(entry, Person("1", 5200), Course(), [unknown], about, show_truth=False))
+        assert "Nothing can be said about any of the six closing muscles yet." in text
+        assert text.count("most likely") == len(MUSCLE_NAMES) and "probability above" not in text
+
+
+def test_a_page_stands_alone_and_says_what_it_is(three):
+    pages, _, _ = three
+    for written in pages.values():
+        parser = Balance()
+        parser.feed(written)
+        assert parser.open == [] and parser.elsewhere == []
+        assert "<script" not in written and not re.search(r"@import|url\(", written) and len(written) < 400_000
+        assert "prefers-color-scheme: dark" in written and "size: A4" in written
+        text = words_of(written)
+        assert "Research, not a medical device. The patient is simulated." in text
+        assert re.search(r"0\.\d{3} N 95 %: 0\.\d+ to [01]\.\d+", text)
+        assert "true:" not in text and "truly" not in text
+    assert pages[LEFT].count("<svg") == 2 + 2 * len(MUSCLE_NAMES)
+
+
+def test_the_truth_is_shown_where_it_is_asked_for(three, tmp_path):
+    _, _, folder = three
+    arguments = ["--patient", str(folder / f"{LEFT}.json"), "--cohort", "wide", *SHORT, "--show-truth"]
+    assert run(tmp_path, RICH, *arguments) == 0
+    text = words_of((tmp_path / f"patient-{LEFT}.html").read_text(encoding="utf-8"))
+    assert text.count("truly stiff") == 3 and text.count("true: 1.80 N") == 3 and text.count("true: 7.00") == 6
+
+
+def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys):
+    original, played, interrupt_at = courses.next_treatment, [], [3]
+
+    def interrupted(entry, last, number, *rest):
+        if number in interrupt_at:
+            raise KeyboardInterrupt
+        played.append(number)
+        return original(entry, last, number, *rest)
+
+    monkeypatch.setattr(courses, "next_treatment", interrupted)
+    arguments = [RICH, *SHORT, "--treatments", "3", "--drift", "0.02"]
+    assert run(tmp_path, *arguments) == 130 and "interrupted" in capsys.readouterr().err
+    interrupt_at.clear()
+    assert run(tmp_path, *arguments) == 0
+    assert played == [2, 3]
+    rows = pd.read_parquet(tmp_path / "verdicts.parquet")
+    assert list(rows["treatment"].unique()) == [1, 2, 3]
+    assert run(tmp_path / "whole", *arguments) == 0
+    whole = pd.read_parquet(tmp_path / "whole" / "verdicts.parquet")
+    pd.testing.assert_frame_equal(rows, whole)
+
+
+def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
+    assert run(tmp_path, "hold_still", *SHORT) == 0
+    (kept,) = (tmp_path / "treatments").glob("*.npz")
+    kept.write_bytes(b"PK no archive")
+    assert run(tmp_path, "hold_still", *SHORT) == 2
+    error = capsys.readouterr().err
+    assert "is damaged" in error and "delete it, or use --fresh" in error and error.count("\n") == 1
+    assert run(tmp_path, "hold_still", *SHORT, "--fresh") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["no_such"], "agent 'no_such': unknown"),
+        (["hold_still", "--treatments", "0"], "treatments: 0 given, allowed is 1 or more"),
+        (["hold_still", "--drift", "nan"], "drift: nan given, allowed is 0 to 0.5"),
+        (["hold_still", "--patients", "0"], "patients: 0 given, allowed is 1 or more"),
+        (["hold_still", "--seed", "-1"], "seed: -1 given, allowed is 0 or more"),
+        (["hold_still", "--env", "JawSides"], "env: jawenv/JawSides-v1 given, allowed are those with six"),
+        (["hold_still", "--patient", "none.json"], "none.json: no such file"),
+        (["hold_still", "--cohort", "nobody"], "cohort 'nobody' is unknown"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):
+    assert run(tmp_path, *arguments) == 2
+    error = capsys.readouterr().err
+    assert told in error and error.count("\n") == 1
+    assert not list(tmp_path.glob("*.html"))
+
+
+def test_two_files_of_one_name_and_a_file_in_place_of_a_folder(tmp_path, capsys):
+    patient(HEALTHY).save(tmp_path / "same.json")
+    (tmp_path / "other").mkdir()
+    patient(HEALTHY).save(tmp_path / "other" / "same.json")
+    twice = ["--patient", str(tmp_path / "same.json"), "--patient", str(tmp_path / "other" / "same.json")]
+    assert run(tmp_path, "hold_still", *SHORT, *twice) == 2
+    assert "given beside another file of that name" in capsys.readouterr().err
+    assert run(tmp_path / "same.json", "hold_still", *SHORT) == 2
+    assert "same.json" in capsys.readouterr().err
+
+
+def test_diagnose_writes_a_table_and_goes_on(tmp_path, capsys):
+    arguments = ["diagnose", RICH, *SHORT, "--patients", "6", "--output", str(tmp_path)]
+    assert main(arguments) == 0
+    assert main(arguments) == 0
+    assert "kept from an earlier run" in capsys.readouterr().out
+    table = pd.read_parquet(tmp_path / "diagnosis.parquet")
+    assert len(table) == 2 * (1 + len(MUSCLE_NAMES))
+    assert (table["raised"] + table["normal"]).tolist() == [36, *[6] * 6] * 2
+    assert "seeds 5200 to 5205" in (tmp_path / "diagnosis.md").read_text(encoding="utf-8")
+    assert main(["diagnose"]) == 2
+    assert "nothing to diagnose with" in capsys.readouterr().err
