@@ -34,10 +34,10 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), an excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a
-            shipped policy's (`agents.card.policy_names()`), a maneuver file, recorded actions (.npz), a training run's folder, a stable-baselines3 checkpoint, an exported
-            policy's folder, or a class or function of one's own, as ``package.module:Name``, which gets control and
-            control_hz if its signature takes them.
+        spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), an
+            excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), a training
+            run's folder, a stable-baselines3 checkpoint, an exported policy's folder, or a class or function of one's
+            own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.

@@ -7,12 +7,15 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from joblib import Parallel, delayed
 from rich.console import Console
 
 from jawenv.errors import InputError
 from jawenv.progress import Progress
+
+Backend = Literal["loky", "ray"]
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,7 @@ def finish(
     *,
     fresh: bool = False,
     workers: int | None = None,
+    backend: Backend = "loky",
     console: Console | None = None,
 ) -> None:
     """Do what is missing of every chunk.
@@ -66,14 +70,16 @@ def finish(
         unit: what items are called, in the plural.
         fresh: do again what is on disk.
         workers: processes; all cores by default. 1 works in this process.
+        backend: joblib's; "ray" works on the cores of a cluster, whose machines see the folder of the files.
         console: where progress is shown; nowhere by default.
+
+    Raises:
+        InputError: the package of the backend is not installed, or the cluster cannot be reached.
     """
     missing = [replace(chunk, files=chunk.files if fresh else _missing_files(chunk)) for chunk in chunks]
     missing = [chunk for chunk in missing if chunk.files]
     total, left = _items(chunks), _items(missing)
-    count = min(workers or os.cpu_count() or 1, max(len(missing), 1))
-    # One thread for each process: more would only wait for each other.
-    parallel = Parallel(count, "loky", "generator_unordered", batch_size=1, inner_max_num_threads=1)
+    parallel = _parallel(backend, workers, max(len(missing), 1))
     with warnings.catch_warnings(), Progress(total, unit, console or Console(quiet=True)) as progress:
         progress.say(f"making {total} {unit}")
         if left < total:
@@ -83,6 +89,18 @@ def finish(
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         for chunk in parallel(delayed(_worked)(work, chunk) for chunk in missing):
             progress.advance_to(progress.done + _items([chunk]), chunk.key)
+
+
+def _parallel(backend: Backend, workers: int | None, most: int) -> Parallel:
+    """Joblib's processes, at most as many as there are chunks; one thread each: more would wait for each other."""
+    if backend == "ray":
+        from eval.cluster import connect
+
+        cores = connect(workers)
+        count = min(workers or cores, cores, most)
+        return Parallel(count, backend, "generator_unordered", batch_size=1, pre_dispatch=count)
+    count = min(workers or os.cpu_count() or 1, most)
+    return Parallel(count, backend, "generator_unordered", batch_size=1, inner_max_num_threads=1)
 
 
 def _worked(work: Callable[[Chunk], None], chunk: Chunk) -> Chunk:

@@ -26,7 +26,7 @@ from eval.options import (
     fields_of,
 )
 from eval.patient.commands import diagnose_command, patient_command
-from jawenv.errors import InputError
+from jawenv.errors import InputError, out_of_memory
 from jawenv.files import atomic_write
 from jawenv.seeds import REPLAYS, REPORTS
 
@@ -254,6 +254,39 @@ def calibrate_command(
     )
 
 
+@app.command("study")
+def study_command(
+    study: Annotated[str | None, typer.Argument(metavar="[NAME|FILE]", help="A study of --list, or a file.")] = None,
+    known: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
+    patients: Annotated[
+        int | None, typer.Option(help="Fewer than the study has, to try it out.", metavar="N", min=1)
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder of the results; runs/study/NAME by default.", metavar="FOLDER")
+    ] = None,
+    fresh: Fresh = False,
+    workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
+    backend: Annotated[
+        str, typer.Option(help="loky, this machine; ray, the cluster that RAY_ADDRESS names.", metavar="NAME")
+    ] = "loky",
+) -> None:
+    """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).
+
+    Writes study.md, profiles.svg, and patients, cells, pairs and profiles as Parquet. Whatever ends a run keeps
+    the parts of some patients that are finished: the same command goes on from there.
+    """
+    from eval.studies import command, design
+
+    if known:
+        for name, path in design.shipped().items():
+            print(f"{name:12s} {design.read(str(path))[1].title}")
+    elif study is None:
+        raise InputError(f"study: none given; allowed: {', '.join(design.shipped())}, or a file")
+    else:
+        asked = command.Asked(study, patients, output, fresh, workers, backend)
+        command.study(asked, shlex.join(["python", "-m", "eval", *sys.argv[1:]]), _console())
+
+
 def _seconds(text: str) -> float:
     try:
         return float(text)
@@ -325,6 +358,8 @@ def main(arguments: list[str] | None = None) -> int:
         return code
     except InputError as error:
         message = str(error)
+    except MemoryError as error:
+        message = f"{out_of_memory(error)}; fewer patients, or shorter episodes, need less"
     except typer.TyperException as error:
         message = error.format_message()
     print(f"error: {' '.join(message.split())}", file=sys.stderr)

@@ -8,10 +8,10 @@ from typing import Any
 
 from jawenv.anatomy import cohort
 from jawenv.device.device import device_of
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.ladder import model_of_env
 from jawenv.reality import check_reality
-from jawenv.rollout import DEFAULT_ENV
+from jawenv.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.seeds import REPORTS
 
 CONTROLS = ("force", "trajectory", "targets")
@@ -25,7 +25,7 @@ class Settings:
     Attributes:
         patients: how many, >= 1; patient i is drawn, and its noise made, by the seed `seed + i`.
         cohort: name of the population they are drawn from.
-        seed: of the first patient, >= 0.
+        seed: of the first patient, 0 to 2**32 - 1.
         control: `force`, `trajectory` or `targets`.
         sensors: `pose` or `point`.
         episode_s: length of every episode, > 0.
@@ -33,6 +33,7 @@ class Settings:
         device: fields of `jawenv.Device` with other values, which the filter knows; none by default.
         reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
         estimator: mechanics that the filter believes in; the environment's own by default.
+        control_hz: control steps per second; the control's own by default.
 
     Raises:
         InputError: a value is not allowed.
@@ -48,6 +49,7 @@ class Settings:
     reality: dict[str, float] = field(default_factory=dict)
     device: dict[str, float] = field(default_factory=dict)
     estimator: str | None = None
+    control_hz: float | None = None
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
@@ -55,16 +57,16 @@ class Settings:
         object.__setattr__(self, "env", model.env_id)
         if self.patients < 1:
             raise InputError(f"patients: {self.patients} given, allowed is 1 or more")
-        if self.seed < 0:
-            raise InputError(f"seed: {self.seed} given, allowed is 0 or more")
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise InputError(f"seed: {self.seed} given, allowed is a whole number, 0 to {LARGEST_SEED}")
         if not (math.isfinite(self.episode_s) and self.episode_s > 0.0):
             raise InputError(f"episode_s: {self.episode_s} given, allowed is a number of seconds above 0")
         for name, value, allowed in (("control", self.control, CONTROLS), ("sensors", self.sensors, SENSORS)):
             if value not in allowed:
-                raise InputError(f"{name}: {value!r} given, allowed are {', '.join(allowed)}")
+                raise InputError(f"{name}: {shown(value)} given, allowed are {', '.join(allowed)}")
         if self.estimator not in (None, *model.estimators):
             known = ", ".join(model.estimators)
-            raise InputError(f"estimator: {self.estimator!r} given, allowed in {self.env} are {known}")
+            raise InputError(f"estimator: {shown(self.estimator)} given, allowed in {self.env} are {known}")
         cohort(self.cohort)
         check_reality(self.reality)
         device_of(self.device)
@@ -78,5 +80,10 @@ class Settings:
             "cohort": self.cohort,
             "episode_s": self.episode_s,
         }
-        changed = {"reality": self.reality, "device": self.device, "estimator": self.estimator}
+        changed = {
+            "reality": self.reality,
+            "device": self.device,
+            "estimator": self.estimator,
+            "control_hz": self.control_hz,
+        }
         return given | {name: value for name, value in changed.items() if value}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -153,3 +154,29 @@ def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_], 
         return ratio
 
     return _over_patients(statistic, counts, "percentile", seed)
+
+
+def better(values: Array, reference: Array, *, higher: bool) -> Array:
+    """Whether a value is better than the reference's on the same patient: 1, or 0, or 1/2 where they are equal.
+
+    Its mean is the probability of improvement (Agarwal et al. 2021, NeurIPS 34:29304), here of pairs.
+
+    Args:
+        values: (N,) one per patient; infinite ones may take part.
+        reference: (N,) of the same patients in the same order.
+        higher: whether a higher value is better.
+    """
+    values, reference = (values, reference) if higher else (reference, values)
+    return np.where(values == reference, 0.5, (values > reference).astype(np.float64))
+
+
+@cache
+def share_of(count: int, number: int) -> Interval:
+    """A share of patients, with Wilson's interval (1927, J Am Stat Assoc 22:209).
+
+    Args:
+        count: of those that have the property.
+        number: of all, 1 or more.
+    """
+    ends = binomtest(count, number).proportion_ci(CONFIDENCE, "wilson")
+    return Interval(count / number, float(ends.low), float(ends.high))

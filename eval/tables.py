@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import platform
+import subprocess
 import time
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
@@ -36,6 +39,28 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             installed[package] = "not installed"
     return installed
+
+
+def git_state() -> dict[str, Any] | None:
+    """Commit of the clone that runs, and whether files were changed since; None where there is none, or no git."""
+    root = Path(__file__).parents[1]
+    answers = []
+    for question in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no")):
+        try:
+            asked = subprocess.run(["git", "-C", str(root), *question], capture_output=True, text=True, check=True)
+        except (OSError, subprocess.CalledProcessError):
+            return None
+        answers.append(asked.stdout.strip())
+    return {"commit": answers[0], "changed": bool(answers[1])}
+
+
+def machine() -> dict[str, Any]:
+    """Processor, cores and system of this machine."""
+    names = [platform.processor()]
+    with contextlib.suppress(OSError):  # Linux alone has it
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")] + names
+    return {"processor": names[0] or platform.machine(), "cores": os.cpu_count(), "system": platform.platform()}
 
 
 def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import reprlib
 
-__all__ = ["InputError", "MissingPackageError", "shown"]
+__all__ = ["InputError", "MissingPackageError", "out_of_memory", "shown"]
 
 LONGEST_SHOWN_VALUE = 60
 
@@ -24,6 +24,12 @@ class InputError(ValueError):
 
 class MissingPackageError(InputError, ImportError):
     """A package that only a part of jawenv needs is not installed; the message says how to install it."""
+
+
+def out_of_memory(error: MemoryError) -> str:
+    """What a command says when there is too little memory, without the description of the array."""
+    reason = str(error).partition(" for an array")[0]
+    return f"too little memory{': ' if reason else ''}{reason}"
 
 
 def shown(value: object) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, out_of_memory
 from training.design_command import design
 from training.optimise_command import optimise
 
@@ -221,6 +221,8 @@ def main(arguments: list[str] | None = None) -> int:
         return int(app(arguments or ["--help"], prog_name="python -m training", standalone_mode=False) or 0)
     except InputError as error:
         message = str(error)
+    except MemoryError as error:
+        message = f"{out_of_memory(error)}; fewer worlds (--n-envs), or a smaller buffer, need less"
     except typer.TyperException as error:
         message = error.format_message()
     print(f"error: {' '.join(message.split())}", file=sys.stderr)

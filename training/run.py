@@ -94,10 +94,17 @@ class RunFolder:
             )
 
     def create(self, config: TrainingConfig, env_spec: str, world_seed: int) -> None:
-        """Write the files that say what this run is, in place of an older run's."""
-        if self.path.exists():
-            shutil.rmtree(self.path)
-        self.checkpoints.mkdir(parents=True)
+        """Write the files that say what this run is, in place of an older run's.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        try:
+            if self.path.exists():
+                shutil.rmtree(self.path)
+            self.checkpoints.mkdir(parents=True)
+        except OSError as error:
+            raise InputError(f"output {self.path}: {error.strerror}") from None
         config.save(self.config_file)
         _write_text(self.env_file, env_spec + "\n")
         repeat = {"sessions": [_session(0, world_seed)], "git": _git_state(), "versions": _versions()}

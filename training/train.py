@@ -18,6 +18,7 @@ from gymnasium.vector import VectorEnv
 from rich.console import Console
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
@@ -166,11 +167,17 @@ class _Session:
     def learn(self, run: RunFolder, report: Report | None = None) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
         config, model = self._config, self._model
+        total = _whole_updates(model, self._from_step, config.steps)
+        if total != config.steps:
+            self._console.print(
+                f"{config.steps:,} steps end within an update: {total:,} are trained, the end of that update",
+                soft_wrap=True,
+            )
         model.set_logger(configure(str(run.tensorboard), ["tensorboard"]))
         begun = time.monotonic()
         interrupt = Interrupt()
         try:
-            with interrupt, Progress(config.steps, "steps", self._console, self._from_step) as progress:
+            with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
                 evaluations = self._evaluations(run, interrupt, progress, report)
                 callbacks = [StopOnSignal(interrupt), EpisodeLog(progress), *self._special_callbacks()]
                 callbacks += [Checkpoints(run, config.checkpoints), evaluations]
@@ -228,6 +235,12 @@ class _Session:
             f"after {best_steps:,} steps: {run.best_model}",
             soft_wrap=True,
         )
+
+
+def _whole_updates(model: Any, from_step: int, steps: int) -> int:
+    """Where a run ends that is to have so many steps: stable-baselines3 steps all worlds before each update."""
+    update: int = model.n_envs * (model.n_steps if isinstance(model, OnPolicyAlgorithm) else 1)
+    return from_step + -(-(steps - from_step) // update) * update
 
 
 def wrapped(env: VectorEnv, base: BaseTargets | None, multiplier: Multiplier | None = None) -> VecEnv:

@@ -65,3 +65,14 @@ def test_rmse_over_bound_of_errors_drawn_from_the_bound():
     bound = rng.uniform(0.1, 1.0, (300, 12))
     found = statistics.rmse_over_bound(2.0 * bound * rng.standard_normal(bound.shape), bound)
     assert found.low < 2.0 < found.high
+
+
+def test_improvement_counts_ties_half_and_takes_never_for_late():
+    one, other = np.array([1.0, 2.0, np.inf, 4.0]), np.array([2.0, 2.0, np.inf, np.inf])
+    np.testing.assert_array_equal(statistics.better(one, other, higher=False), [1.0, 0.5, 0.5, 1.0])
+    np.testing.assert_array_equal(statistics.better(one, other, higher=True), [0.0, 0.5, 0.5, 0.0])
+
+
+def test_a_share_has_an_interval_also_at_its_ends():
+    assert statistics.share_of(0, 10).low == 0.0 and 0.2 < statistics.share_of(0, 10).high < 0.35
+    assert statistics.share_of(5, 10).value == 0.5

@@ -9,8 +9,12 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 import pytest
+import yaml
 
 import jawenv
+from eval.studies import design
+from eval.studies.cells import cells_of
+from eval.studies.metrics import METRICS
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
 from jawenv.envs.configuration import CONTROL_HZ, Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
@@ -103,3 +107,14 @@ def test_readme_example_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     monkeypatch.setattr(gym, "make", lambda *given, **kwargs: make(*given, **kwargs, episode_s=1.0))
     exec(compile(inspect.cleandoc(example), "README.md", "exec"), {})
     assert len(capsys.readouterr().out.splitlines()) >= len(jawenv.PARAMETER_NAMES)
+
+
+def test_studies() -> None:
+    """Its tables name every study, key and metric, and its example can be played."""
+    text = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    rows = [line.strip("|").split("|") for line in text.splitlines() if line.startswith("| `")]
+    stated = {name for row in rows for name in named(row[0])}
+    files = {"study.md", "profiles.svg", "parts/", *(f"{name}.parquet" for name in ("cells", "pairs", "profiles"))}
+    assert stated - files - {"patients.parquet"} == {*design.shipped(), *design.Design.model_fields, *METRICS}
+    (example,) = re.findall(r"```yaml\n(.*?)```", text, re.S)
+    assert len(cells_of(design.Design(**yaml.safe_load(example)))) == 2 * 2 * 2 + 2

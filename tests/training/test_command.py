@@ -282,3 +282,29 @@ def test_second_signal_stops_at_once() -> None:
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(1.0)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_run_that_ends_within_an_update_says_where(
+    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train(tiny_config, "--output", tmp_path / "run", "--steps", 300) == 0
+    told = capsys.readouterr().out
+    whole = evaluations(tmp_path / "run")[-1]["steps"]
+    assert whole > 300 and f"300 steps end within an update: {whole:,.0f} are trained" in told
+
+
+def test_too_many_worlds_and_an_unusable_folder_get_one_line(
+    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    assert train(tiny_config, "--output", tmp_path / "file" / "run") == 2
+    assert capsys.readouterr().err == f"error: output {tmp_path / 'file' / 'run'}: Not a directory\n"
+
+    def too_large(*given: object) -> None:
+        np.empty(2**62, dtype=np.uint8)
+
+    monkeypatch.setattr("training.train.make_worlds", too_large)
+    assert train(tiny_config, "--output", tmp_path / "run") == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")
+    assert error.count("\n") == 1

@@ -113,6 +113,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
         (["hold_still", "--patients", "0"], "patients: 0 given"),
         (["hold_still", "--patients", "some"], "--patients"),
         (["hold_still", "--seed", "-1"], "seed: -1 given"),
+        (["hold_still", "--seed", str(10**24)], "given, allowed is a whole number, 0 to 4294967295"),
         (["hold_still", "--control", "thought"], "control: 'thought' given, allowed are force, trajectory"),
         (["hold_still", "--sensors", "nose"], "sensors: 'nose' given, allowed are pose, point"),
         (["hold_still", "--episode-s", "0"], "episode_s: 0.0 given"),

@@ -1,0 +1,190 @@
+"""A study as its file says it, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, field_validator
+
+from eval.studies.metrics import DEFAULT_METRICS, METRICS
+from jawenv.anatomy import cohort
+from jawenv.envs.configuration import Control, Sensors
+from jawenv.errors import InputError, shown
+from jawenv.files import FILE_TYPES, InputModel, Number, read_model
+from jawenv.ladder import Estimator, model_of_env
+from jawenv.reality import check_reality
+from jawenv.rollout import LARGEST_SEED
+
+FOLDER = Path(__file__).parent
+MOST_PATIENTS = 1_000_000
+
+
+def _named(field: str) -> BeforeValidator:
+    """Lets a text stand for a mapping with one field."""
+    return BeforeValidator(lambda given: {field: given} if isinstance(given, str) else given)
+
+
+def _different(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    if any(value in given[:place] for place, value in enumerate(given)):
+        raise ValueError("must not name one twice")
+    return given
+
+
+class Entry(InputModel):
+    """A maneuver or agent.
+
+    Attributes:
+        agent: as ``python -m eval compare`` takes it.
+        controls: control modes that it is played in; all of the study's by default.
+        patients: on how many it is played, the first ones; all by default.
+    """
+
+    agent: str
+    controls: tuple[Control, ...] | None = None
+    patients: int | None = Field(default=None, ge=1, le=MOST_PATIENTS)
+
+
+class Environment(InputModel):
+    """An environment, and what its filter believes in.
+
+    Attributes:
+        env: its id, or as `jawenv.ladder.model_of_env` takes it.
+        estimator: mechanics that the filter believes in; the environment's own by default.
+    """
+
+    env: str
+    estimator: Estimator | None = None
+
+    @field_validator("env")
+    @classmethod
+    def _spelt_out(cls, given: str) -> str:
+        return model_of_env(given).title
+
+    @property
+    def name(self) -> str:
+        """As tables call it."""
+        return self.env if self.estimator is None else f"{self.env}, {self.estimator} filter"
+
+
+class Side(InputModel):
+    """One side of a pair: what it has of its own; in all else it equals the other side.
+
+    Attributes:
+        entry: label of a maneuver or agent.
+        control: control mode.
+        sensors: sensors.
+        reality: name of the effects.
+        control_hz: control steps per second.
+    """
+
+    entry: str | None = None
+    control: Control | None = None
+    sensors: Sensors | None = None
+    reality: str | None = None
+    control_hz: Number | None = None
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The fields that the file names."""
+        return {name: value for name, value in self if value is not None}
+
+    def __str__(self) -> str:
+        """As tables call it."""
+        return ", ".join(
+            str(value) if name == "entry" else f"{name} {value}".removesuffix(".0")
+            for name, value in self.given.items()
+        )
+
+
+Pair = tuple[Annotated[Side, _named("entry")], Annotated[Side, _named("entry")]]
+
+
+class Design(InputModel):
+    """A study: everything in `entries` is played under every combination of the settings, on the same patients.
+
+    Attributes:
+        title: what is asked.
+        description: what a reader should know.
+        entries: maneuvers and agents.
+        environments: models of the jaw.
+        cohorts: names or files of cohorts.
+        controls: control modes.
+        sensors: `pose` or `point`.
+        reality: by a name of one's own, effects that the filter does not know; none by default.
+        control_hz: control steps per second; those of each control by default.
+        patients: how many; patient i is drawn, and its noise made, by the seed `seed + i`.
+        seed: of the first patient.
+        episode_s: length of every episode, s.
+        metrics: names of `eval.studies.metrics.METRICS`.
+        pairs: what is compared patient by patient.
+
+    Raises:
+        InputError: a field has a value that is not allowed.
+    """
+
+    title: str
+    description: str = ""
+    entries: tuple[Annotated[Entry, _named("agent")], ...] = Field(min_length=1)
+    environments: tuple[Annotated[Environment, _named("env")], ...] = Field(
+        default=(Environment(env="Jaw"),), min_length=1
+    )
+    cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)
+    controls: tuple[Control, ...] = Field(default=("force",), min_length=1)
+    sensors: tuple[Sensors, ...] = Field(default=("pose",), min_length=1)
+    reality: dict[str, dict[str, Number]] = Field(default={"none": {}}, min_length=1)
+    control_hz: tuple[Number, ...] = ()
+    patients: int = Field(ge=1, le=MOST_PATIENTS)
+    seed: int = Field(ge=0, le=LARGEST_SEED)
+    episode_s: Number = Field(default=30.0, gt=0.0)
+    metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)
+    pairs: tuple[Pair, ...] = ()
+
+    @field_validator("entries", "environments", "cohorts", "controls", "sensors", "control_hz", "metrics")
+    @classmethod
+    def _no_repeats(cls, given: tuple[Any, ...]) -> tuple[Any, ...]:
+        return _different(given)
+
+    @field_validator("cohorts")
+    @classmethod
+    def _known_cohorts(cls, given: tuple[str, ...]) -> tuple[str, ...]:
+        for name in given:
+            cohort(name)
+        return given
+
+    @field_validator("reality")
+    @classmethod
+    def _known_effects(cls, given: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+        for effects in given.values():
+            check_reality(effects)
+        return given
+
+    @field_validator("metrics")
+    @classmethod
+    def _known_metrics(cls, given: tuple[str, ...]) -> tuple[str, ...]:
+        for name in given:
+            if name not in METRICS:
+                raise ValueError(f"names {shown(name)}; allowed: {', '.join(METRICS)}")
+        return given
+
+
+def shipped() -> Mapping[str, Path]:
+    """The studies that come with the project: name -> file."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.yaml"))}
+
+
+def read(source: str) -> tuple[str, Design]:
+    """Read a study by its name or from its file.
+
+    Returns:
+        Its name, and the study.
+
+    Raises:
+        InputError: no such study or file, or one that is damaged or does not fit; one line that says what and where.
+    """
+    path = shipped().get(source, Path(source))
+    if path.suffix.lower() not in FILE_TYPES:
+        known = ", ".join(shipped())
+        raise InputError(f"study {shown(source)} is unknown; allowed: {known}, or a file ({', '.join(FILE_TYPES)})")
+    return path.stem, read_model(path, Design)

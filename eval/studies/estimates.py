@@ -1,0 +1,172 @@
+"""What the patients of a study say about all patients: figures of cells, paired comparisons, performance profiles.
+
+Intervals are over patients, 95 %. Probabilities of improvement and profiles are those that Agarwal et al. (2021,
+NeurIPS 34:29304, `rliable`) recommend, with patients for runs and settings for tasks. Two things differ. Both sides of
+a pair meet the same patients and noise, so that they are compared patient by patient. And a seed makes the patient of
+every setting, so that settings are not independent: seeds are resampled, each with its rows of all settings, where
+`rliable` resamples the runs of each task by themselves. Every resample has all settings equally often, as there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from eval import statistics
+from eval.statistics import Interval
+from eval.studies.cells import FACTORS, Levels, matches
+from eval.studies.design import Design, Pair
+from eval.studies.metrics import METRICS
+
+Array = npt.NDArray[np.float64]
+ALL = "all settings"
+NOT_KNOWN = Interval(float("nan"), float("nan"), float("nan"))
+_SD_LEVELS = np.geomspace(0.005, 1.0, 70)
+_TIMES = 61
+
+
+def _values(rows: pd.DataFrame, metric: str) -> Array:
+    """(N,) values of a metric; what a parameter is named by its column is not NaN for the rows' environment."""
+    truths = rows.filter(like="truth/").iloc[:1]
+    return METRICS[metric].of(rows, int(truths.notna().to_numpy().sum()))
+
+
+def _with_interval(values: Array, metric: str) -> Interval:
+    if np.isnan(values).any():
+        return NOT_KNOWN
+    return statistics.mean(values) if METRICS[metric].statistic == "mean" else statistics.quantile(values, 0.5)
+
+
+def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
+    """The metrics of every cell.
+
+    Args:
+        rows: of `eval.studies.run.play_study`.
+        design: the study.
+
+    Returns:
+        One row per cell and metric: `FACTORS`, patients, metric, value, low, high. NaN where a metric is not defined,
+        as the bound while an effect is on that the filter does not know.
+    """
+    table = []
+    for levels, cell in rows.groupby(list(FACTORS), sort=False):
+        place = dict(zip(FACTORS, levels, strict=True))
+        for metric in design.metrics:
+            interval = _with_interval(_values(cell, metric), metric)
+            table.append(place | {"patients": len(cell), "metric": metric} | vars(interval))
+    return pd.DataFrame(table)
+
+
+def pairs(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
+    """The two sides of every pair, patient by patient, under every setting that both are played in, and over all.
+
+    Args:
+        rows: of `eval.studies.run.play_study`.
+        design: the study.
+
+    Returns:
+        One row per pair, setting and metric: `better` and `than` (the sides), the other factors, patients, metric;
+        `difference`, mean of the first side's value minus the second's; `probability` that the first is better than
+        the second on a patient, equal ones counted half; each with `_low` and `_high`. NaN where they are not defined.
+        Factors of the row over all settings are `all settings`; those in which the sides differ are empty.
+    """
+    by_cell = {tuple(levels): cell.set_index("seed") for levels, cell in rows.groupby(list(FACTORS), sort=False)}
+    return pd.DataFrame([row for pair in design.pairs for row in _rows_of_pair(pair, by_cell, design)])
+
+
+def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Design) -> Iterator[dict[str, Any]]:
+    met = []
+    for levels, partner in matches(pair, list(by_cell), design):
+        one, other = _same_patients(by_cell[levels], by_cell[partner])
+        # Factors in which the sides differ are empty.
+        texts = [_text(level) if level == their else "" for level, their in zip(levels, partner, strict=True)]
+        if len(one):
+            met.append((dict(zip(FACTORS, texts, strict=True)), one, other))
+    sides = {"better": str(pair[0]), "than": str(pair[1])}
+    for metric in design.metrics:
+        tables = [_by_patient(one, other, metric) for _, one, other in met]
+        for (place, *_), table in zip(met, tables, strict=True):
+            yield sides | place | {"patients": len(table), "metric": metric} | _compared(table)
+        if len(met) > 1:
+            place = {factor: level and ALL for factor, level in met[0][0].items()}
+            table = _means(tables)
+            yield sides | place | {"patients": len(table), "metric": metric} | _compared(table)
+
+
+def _means(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Over the settings, of the seeds that were played under all of them."""
+    by_seed = pd.concat(tables).groupby(level="seed")
+    return by_seed.mean()[by_seed.size() == len(tables)]
+
+
+def _text(level: object) -> str:
+    return f"{level:g}" if isinstance(level, float) else str(level)
+
+
+def _same_patients(one: pd.DataFrame, other: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The rows of those patients that both cells have, in the same order.
+
+    One whom the device cannot treat is drawn again, which effects may decide, so that the parameters are compared too.
+    """
+    seeds = one.index.intersection(other.index)
+    one, other = one.loc[seeds], other.loc[seeds]
+    truths = [table.filter(like="truth/").fillna(0.0).to_numpy() for table in (one, other)]
+    same = (truths[0] == truths[1]).all(axis=1)
+    return one[same], other[same]
+
+
+def _by_patient(one: pd.DataFrame, other: pd.DataFrame, metric: str) -> pd.DataFrame:
+    """Difference and whether the first is better, by the patients' seeds; NaN where they are not defined."""
+    values, reference = _values(one, metric), _values(other, metric)
+    finite = np.isfinite(values).all() and np.isfinite(reference).all()
+    direction = METRICS[metric].better
+    known = direction is not None and not (np.isnan(values).any() or np.isnan(reference).any())
+    nothing = np.full(len(one), np.nan)
+    return pd.DataFrame(
+        {
+            "difference": values - reference if finite else nothing,
+            "probability": statistics.better(values, reference, higher=direction == "higher") if known else nothing,
+        },
+        index=one.index,
+    )
+
+
+def _compared(table: pd.DataFrame) -> dict[str, float]:
+    figures: dict[str, float] = {}
+    for name in ("difference", "probability"):
+        values = table[name].to_numpy(dtype=np.float64)
+        interval = NOT_KNOWN if np.isnan(values).any() or not len(values) else statistics.mean(values)
+        figures |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
+    return figures
+
+
+def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
+    """Performance profiles: the share of the patients whose worst sd is at most x, or within 5 % by x seconds.
+
+    Args:
+        rows: of `eval.studies.run.play_study`.
+        design: the study.
+
+    Returns:
+        One row per cell, quantity (`worst_sd`, `time_to_5`) and x: `FACTORS`, patients, quantity, x, share, low, high.
+    """
+    levels = {"worst_sd": _SD_LEVELS, "time_to_5": np.linspace(0.0, design.episode_s, _TIMES)}
+    table = []
+    for place, cell in rows.groupby(list(FACTORS), sort=False):
+        for quantity, grid in levels.items():
+            counts = np.searchsorted(np.sort(_values(cell, quantity)), grid, side="right")
+            shares = [statistics.share_of(int(count), len(cell)) for count in counts]
+            figures = {
+                "patients": len(cell),
+                "quantity": quantity,
+                "x": grid,
+                "share": [share.value for share in shares],
+                "low": [share.low for share in shares],
+                "high": [share.high for share in shares],
+            }
+            table.append(pd.DataFrame(dict(zip(FACTORS, place, strict=True)) | figures))
+    return pd.concat(table, ignore_index=True)

@@ -1,0 +1,71 @@
+"""The figures that a study may be judged by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+Array = npt.NDArray[np.float64]
+Better = Literal["higher", "lower"]
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One figure per patient, and how it is summed up.
+
+    Attributes:
+        title: heading of its column, with its unit.
+        of: its values (N,) from the rows of N patients and the number of parameters.
+        better: which direction is better; None where neither is.
+        statistic: over the patients: their mean, or their median where some may be infinite.
+        scale: what tables multiply it by.
+        digits: behind the point in tables.
+    """
+
+    title: str
+    of: Callable[[pd.DataFrame, int], Array]
+    better: Better | None
+    statistic: Literal["mean", "median"] = "mean"
+    scale: float = 1.0
+    digits: int = 1
+
+
+def _column(name: str) -> Callable[[pd.DataFrame, int], Array]:
+    return lambda rows, parameters: rows[name].to_numpy(dtype=np.float64)
+
+
+def _per_parameter(name: str) -> Callable[[pd.DataFrame, int], Array]:
+    return lambda rows, parameters: rows[name].to_numpy(dtype=np.float64) / parameters
+
+
+METRICS: Mapping[str, Metric] = MappingProxyType(
+    {
+        "information_true": Metric("true information, nats", _column("information_true"), "higher"),
+        "information_claimed": Metric("claimed information, nats", _column("information_claimed"), "higher"),
+        "information_bound": Metric("bound on information, nats", _column("information_bound"), "higher"),
+        "honesty_gap": Metric("claimed − true, nats", _column("honesty_gap"), None),
+        "nees_per_parameter": Metric("NEES / p", _per_parameter("nees"), None, digits=2),
+        "inside_1_sigma": Metric("inside 1 sd, %", _column("inside_1_sigma"), None, scale=100.0),
+        "inside_2_sigma": Metric("inside 2 sd, %", _column("inside_2_sigma"), None, scale=100.0),
+        "inside_3_sigma": Metric("inside 3 sd, %", _column("inside_3_sigma"), None, scale=100.0),
+        "worst_sd": Metric("worst sd, %", _column("worst_sd"), "lower", "median", 100.0),
+        "early_worst_sd": Metric("worst sd after 10 s, %", _column("early_worst_sd"), "lower", "median", 100.0),
+        "worst_bound_sd": Metric("worst sd of the bound, %", _column("worst_bound_sd"), "lower", "median", 100.0),
+        "rmse": Metric("RMSE, %", _column("rmse"), "lower", scale=100.0),
+        "identified": Metric("parameters known", _column("identified"), "higher"),
+        "time_to_10": Metric("time to 10 %, s", _column("time_to_0.1_s"), "lower", "median"),
+        "time_to_5": Metric("time to 5 %, s", _column("time_to_0.05_s"), "lower", "median"),
+        "time_to_2": Metric("time to 2 %, s", _column("time_to_0.02_s"), "lower", "median"),
+        "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=2),
+        "violated": Metric("violating episodes, %", _column("violated"), "lower", scale=100.0),
+        "governor": Metric("governor, % of the time", _column("governor"), "lower", scale=100.0),
+    }
+)
+"""Every figure by its name; sd are of natural logs, so 5 % is 5 % of the parameter."""
+DEFAULT_METRICS = ("information_true", "worst_sd", "time_to_5", "nees_per_parameter", "discomfort_s")

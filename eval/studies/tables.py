@@ -1,0 +1,178 @@
+"""The tables of a study: as Markdown, with what they were made with, and in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from eval.report import words
+from eval.statistics import Interval
+from eval.studies.cells import FACTORS
+from eval.studies.design import Design
+from eval.studies.estimates import ALL
+from eval.studies.metrics import METRICS
+
+Rows = list[list[str]]
+_TITLES = {"control_hz": "steps/s", "reality": "effects"}
+_SD_SHOWN = (0.02, 0.05, 0.10, 0.20)
+_TIMES_SHOWN = 3
+NOTE = (
+    "Beside each figure its 95 % interval over the patients: bias-corrected and accelerated bootstrap for "
+    "means, percentile bootstrap for medians (worst sd, times), Wilson's for shares. sd are of natural logs: 5 % is "
+    "5 % of the parameter. NEES / p is 1 if the filter is honest. `never`: more than half of the patients do not get "
+    "there."
+)
+PAIRS_NOTE = (
+    "Mean difference, first minus second, on the same patients and noise (of percentages in points); none where a "
+    "time is `never`. Better: the probability of improvement, the share of the patients on whom the first is better "
+    "than the second, equal ones counted half (Agarwal et al. 2021, NeurIPS 34:29304). Intervals: 95 %, "
+    "bias-corrected and accelerated bootstrap of the patients, of each with all settings."
+)
+
+
+def _varying(table: pd.DataFrame) -> list[str]:
+    """The factors that tell rows apart, the entry always."""
+    return [factor for factor in FACTORS if factor == "entry" or table[factor].nunique() > 1]
+
+
+def _cell(value: Interval, metric: str) -> str:
+    shown, digits = METRICS[metric], METRICS[metric].digits
+    scaled = words.scaled(value, shown.scale)
+    ends = words.interval(scaled, digits)
+    return words.number(scaled.value, digits) + (f" ({ends})" if ends else "")
+
+
+def _level(factor: str, level: Any) -> str:
+    return f"{level:g}" if isinstance(level, float) else words.label(level) if factor == "entry" else str(level)
+
+
+def of_cells(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
+    """Head and rows of the table of cells.
+
+    Args:
+        table: of `eval.studies.estimates.cells`.
+        design: the study.
+    """
+    factors = _varying(table)
+    head = [_TITLES.get(factor, factor) for factor in factors]
+    head += ["patients", *(METRICS[metric].title for metric in design.metrics)]
+    rows = []
+    for levels, cell in table.groupby(list(FACTORS), sort=False):
+        place = dict(zip(FACTORS, levels, strict=True))
+        records = cell.to_dict("records")
+        figures = [_cell(Interval(row["value"], row["low"], row["high"]), row["metric"]) for row in records]
+        rows.append([*(_level(factor, place[factor]) for factor in factors), str(cell["patients"].iloc[0]), *figures])
+    return head, rows
+
+
+def of_pairs(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
+    """Head and rows of the table of pairs.
+
+    Args:
+        table: of `eval.studies.estimates.pairs`, not empty.
+        design: the study.
+    """
+    factors = [factor for factor in FACTORS if len(set(table[factor]) - {ALL, ""}) > 1]
+    head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
+    head += [METRICS[metric].title for metric in design.metrics]
+    rows = []
+    for place, figures in table.groupby(["better", "than", *FACTORS], sort=False):
+        levels = dict(zip(FACTORS, place[2:], strict=True))
+        rows.append(
+            [
+                *(words.label(str(side)) for side in place[:2]),
+                *(_level(factor, levels[factor]) or words.NOTHING for factor in factors),
+                str(figures["patients"].iloc[0]),
+                *(_compared(row) for row in figures.to_dict("records")),
+            ]
+        )
+    return head, rows
+
+
+def _compared(row: Mapping[Any, Any]) -> str:
+    """Difference, and probability of improvement where a direction is better."""
+    difference = Interval(row["difference"], row["difference_low"], row["difference_high"])
+    better = Interval(row["probability"], row["probability_low"], row["probability_high"])
+    ends = words.interval(words.scaled(better, 100.0), 0)
+    share = f"better: {words.percent(better.value, 0)} %" + (f" ({ends})" if ends else "")
+    return _cell(difference, row["metric"]) + ("" if np.isnan(better.value) else f"; {share}")
+
+
+def of_profiles(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
+    """Head and rows of a table of some points of the profiles.
+
+    Args:
+        table: of `eval.studies.estimates.profiles`.
+        design: the study.
+    """
+    factors = _varying(table)
+    times = [design.episode_s * (step + 1) / _TIMES_SHOWN for step in range(_TIMES_SHOWN)]
+    head = [_TITLES.get(factor, factor) for factor in factors]
+    head += [f"worst sd ≤ {100 * level:g} %" for level in _SD_SHOWN] + [f"5 % within {time:.3g} s" for time in times]
+    rows = []
+    for levels, cell in table.groupby(list(FACTORS), sort=False):
+        place = dict(zip(FACTORS, levels, strict=True))
+        figures = []
+        for quantity, points in (("worst_sd", _SD_SHOWN), ("time_to_5", times)):
+            of_one = cell[cell["quantity"] == quantity]
+            for point in points:
+                row = of_one.iloc[(of_one["x"] - point).abs().argmin()]
+                ends = words.interval(Interval(row["share"], 100 * row["low"], 100 * row["high"]), 0)
+                figures.append(f"{words.percent(row['share'], 0)} ({ends})")
+        rows.append([*(_level(factor, place[factor]) for factor in factors), *figures])
+    return head, rows
+
+
+def _lines(head: Sequence[str], rows: Rows) -> list[str]:
+    numbers = ["--:" if any(char.isdigit() for row in rows for char in row[i][:2]) else "---" for i in range(len(head))]
+    return [
+        "| " + " | ".join(head) + " |",
+        "|" + "|".join(numbers) + "|",
+        *("| " + " | ".join(row) + " |" for row in rows),
+        "",
+    ]
+
+
+def markdown(
+    cells: pd.DataFrame, pairs: pd.DataFrame, profiles: pd.DataFrame, design: Design, about: dict[str, Any]
+) -> str:
+    """All tables of a study, below its question and what they were made with.
+
+    Args:
+        cells: of `eval.studies.estimates.cells`.
+        pairs: of `eval.studies.estimates.pairs`.
+        profiles: of `eval.studies.estimates.profiles`.
+        design: the study.
+        about: of `eval.tables.made_with`.
+    """
+    last = design.seed + design.patients - 1
+    same = [f"{factor} {_level(factor, cells[factor].iloc[0])}" for factor in FACTORS if cells[factor].nunique() == 1]
+    versions, git = about["versions"], about["git"]
+    made = f"Made by `{about['command']}`, {about['finished']}: {design.patients} patients (seeds {design.seed}–{last})"
+    made += f", episodes of {design.episode_s:g} s" + "".join(f", {text}" for text in same)
+    state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
+    machine = about["machine"]
+    made += f". jawenv {versions['jawenv']}{state}; {machine['cores']} cores of {machine['processor']}."
+    lines = [f"# {design.title}", "", *([design.description, ""] if design.description else []), made, ""]
+    lines += [*_lines(*of_cells(cells, design)), NOTE, ""]
+    if len(pairs):
+        lines += ["## Pairs", "", *_lines(*of_pairs(pairs, design)), PAIRS_NOTE, ""]
+    lines += ["## Profiles: share of the patients, %", "", *_lines(*of_profiles(profiles, design))]
+    return "\n".join(lines)
+
+
+def show(cells: pd.DataFrame, design: Design, console: Console) -> None:
+    """Print the table of cells, without intervals."""
+    head, rows = of_cells(cells, design)
+    table = Table(title=design.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in head:
+        table.add_column(name.replace(", ", "\n"))
+    for row in rows:
+        table.add_row(*(text.partition(" (")[0] for text in row))
+    console.print(table)

@@ -1,0 +1,139 @@
+"""A study's file: what it may say, and that everything else is one clear line."""
+
+import pytest
+
+from agents import registry
+from eval.cli import main
+from eval.studies import design
+from eval.studies.cells import FACTORS, cells_of
+from eval.studies.design import Design
+from jawenv import COHORTS
+from jawenv.errors import InputError
+from jawenv.ladder import MODELS
+from jawenv.reality import Reality
+from jawenv.seeds import REPORTS
+
+SMALL = {"title": "Small", "entries": ["hold_still", "chirp"], "patients": 2, "seed": 5000, "episode_s": 1.0}
+
+
+def cells(**changes):
+    return cells_of(Design(**(SMALL | changes)))
+
+
+def test_every_entry_is_played_under_every_setting():
+    made = cells(
+        environments=["Jaw", {"env": "bilateral", "estimator": "midline"}],
+        controls=["force", "targets"],
+        reality={"none": {}, "creep": {"creep_share": 0.3}},
+        entries=["hold_still", {"agent": "myopic", "controls": ["targets"], "patients": 1}],
+    )
+    assert len(made) == len({cell.levels for cell in made}) == 2 * 2 * (2 + 1)
+    planned = [cell for cell in made if cell.entry == "myopic"]
+    assert {cell.control for cell in planned} == {"targets"} and {cell.settings.patients for cell in planned} == {1}
+    assert {cell.control_hz for cell in made} == {5.0, 20.0}
+    assert {cell.environment for cell in made} == {"Jaw", "JawBilateral, midline filter"}
+    creeping = [cell.load().env_kwargs for cell in made if cell.reality == "creep"]
+    assert all(kwargs["reality"] == {"creep_share": 0.3} for kwargs in creeping)
+
+
+def test_rates_reach_the_environment():
+    made = cells(control_hz=[10, 50], entries=["chirp"])
+    assert [cell.control_hz for cell in made] == [10.0, 50.0]
+    assert [cell.load().env_kwargs["control_hz"] for cell in made] == [10.0, 50.0]
+
+
+def test_the_fingerprint_changes_with_what_decides_a_row():
+    prints = [cells(**changes)[0].fingerprint() for changes in ({}, {"control_hz": [10]}, {"cohorts": ["wide"]})]
+    assert len(set(prints)) == 3
+    assert cells(patients=3)[0].fingerprint() == prints[0]
+
+
+@pytest.mark.parametrize("name", design.shipped())
+def test_a_shipped_study_can_be_played_on_patients_for_reports(name):
+    wanted = design.read(name)[1]
+    made = cells_of(wanted)
+    assert made and len({cell.levels for cell in made}) == len(made)
+    assert any(wanted.seed in seeds and wanted.seed + wanted.patients - 1 in seeds for seeds in REPORTS)
+    assert all(len(cell.levels) == len(FACTORS) for cell in made)
+
+
+def test_shipped_studies_are_of_all_that_they_are_about():
+    studies = {name: design.read(name)[1] for name in design.shipped()}
+    played = {entry.agent for entry in studies["headline"].entries}
+    assert {*registry.names(), "random"} <= played
+    assert studies["headline"].patients == 200 and studies["headline"].seed == 20_000
+    assert {environment.env for environment in studies["ladder"].environments} == {m.title for m in MODELS.values()}
+    assert set(studies["cohorts"].cohorts) == set(COHORTS)
+    effects = {field for fields in studies["robustness"].reality.values() for field in fields}
+    shapes = {"reflex_latency_ms", "reflex_lag_ms", "creep_time_s", "articular_onset"}
+    assert effects == set(Reality.__dataclass_fields__) - shapes
+    assert studies["sensors"].sensors == ("pose", "point")
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"patient": 3}, "unknown key 'patient'; allowed: title, description, entries"),
+        ({"entries": []}, "entries"),
+        ({"entries": ["hold_still", "hold_still"]}, "must not name one twice"),
+        ({"entries": [{"agents": "chirp"}]}, "unknown key 'entries.0.agents'; allowed: agent, controls, patients"),
+        ({"entries": ["nobody"]}, "agent 'nobody': unknown; allowed: chirp"),
+        ({"entries": ["myopic"]}, "agent 'myopic': control is 'force'; allowed for a planner: targets"),
+        ({"cohorts": ["knees"]}, "cohort 'knees' is unknown; allowed: trismus"),
+        ({"environments": ["Knee"]}, "env 'Knee': unknown; allowed: jawenv/JawHinge-v1"),
+        ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator: 'bilateral' given, allowed in"),
+        ({"controls": ["thought"]}, "controls.0 = 'thought'"),
+        ({"control_hz": [33]}, "control_hz is 33; allowed: 100 divided by a whole number"),
+        ({"control_hz": [float("nan")]}, "control_hz.0"),
+        ({"reality": {"slow": {"creep": 1}}}, "reality.creep is not a field of Reality; allowed: reflex_gain"),
+        ({"reality": {"slow": {"creep_share": float("nan")}}}, "reality.slow.creep_share"),
+        ({"patients": 0}, "patients = 0 must be greater than or equal to 1"),
+        ({"seed": 10**24}, "seed = 1000000000000000000000000 must be less than or equal to 4294967295"),
+        ({"episode_s": float("inf")}, "episode_s"),
+        ({"metrics": ["speed"]}, "names 'speed'; allowed: information_true"),
+        (
+            {"pairs": [["chirp", "nobody"]]},
+            "pairs: no two cells are 'chirp' and 'nobody' and alike in all else; entries",
+        ),
+        ({"pairs": [["chirp", {"reality": "creep"}]]}, "and 'reality creep' and alike in all else"),
+        ({"pairs": [["chirp"]]}, "pairs.0"),
+    ],
+)
+def test_what_a_study_cannot_be_is_one_line(changes, said):
+    with pytest.raises(InputError) as raised:
+        cells(**changes)
+    assert said in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_two_entries_of_one_name_are_refused(tmp_path):
+    from jawenv.maneuvers.maneuver import FOLDER
+
+    copy = tmp_path / "other.yaml"
+    copy.write_text((FOLDER / "chirp.yaml").read_text())
+    with pytest.raises(InputError, match="are both called 'chirp'; allowed: one of a name"):
+        cells(entries=["chirp", str(copy)])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nothing"], "study 'nothing' is unknown; allowed: cohorts, headline"),
+        (["nothing.yaml"], "nothing.yaml: no such file"),
+        ([], "study: none given; allowed: cohorts, headline"),
+        (["headline", "--backend", "dask"], "backend: 'dask' given, allowed are loky, ray"),
+        (["headline", "--workers", "0"], "--workers"),
+        (["broken.yaml"], "broken.yaml: damaged YAML"),
+    ],
+)
+def test_what_the_command_refuses_is_one_line(arguments, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken.yaml").write_text("entries: [")
+    assert main(["study", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and said in error and error.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["broken.yaml"]
+
+
+def test_the_list_names_every_study(capsys):
+    assert main(["study", "--list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(design.shipped())

@@ -1,0 +1,214 @@
+"""Playing a study: what is kept, also when a run is killed, and the same numbers from any number of processes."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import yaml
+
+from eval import tables
+from eval.chunks import finish
+from eval.cli import main
+from eval.studies import run
+from eval.studies.design import Design
+from jawenv.errors import InputError
+from tests.eval.test_chunks import chunks_in, refuse
+
+ROOT = Path(__file__).parents[3]
+SMALL = {
+    "title": "Small",
+    "entries": ["hold_still", "chirp", "random"],
+    "reality": {"none": {}, "creep": {"creep_share": 0.3}},
+    "patients": 3,
+    "seed": 5000,
+    "episode_s": 1.0,
+    "pairs": [["chirp", "hold_still"]],
+}
+FILES = ["cells.parquet", "pairs.parquet", "parts", "patients.parquet", "profiles.parquet", "profiles.svg", "study.md"]
+
+
+@pytest.fixture
+def plays(monkeypatch):
+    """The agents that are really played, in order; may be told at which one to fail, and how."""
+    state = {"names": [], "fail_at": None, "error": None}
+    original = run.play
+
+    def counted(agent, **kwargs):
+        if len(state["names"]) == state["fail_at"]:
+            raise state["error"]
+        state["names"].append(agent.name)
+        return original(agent, **kwargs)
+
+    monkeypatch.setattr(run, "play", counted)
+    return state
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Runs the command on a small study, in one process."""
+    path, output = tmp_path / "small.yaml", tmp_path / "out"
+
+    def command(*arguments, **changes):
+        path.write_text(yaml.safe_dump(SMALL | changes))
+        return main(["study", str(path), "--output", str(output), "--workers", "1", *arguments])
+
+    command.output = output
+    return command
+
+
+def parts(folder):
+    return {path: path.stat().st_mtime_ns for path in (folder / "parts").glob("[!.]*")}
+
+
+def test_a_study_writes_its_results_and_what_they_were_made_with(study, capsys):
+    assert study() == 0
+    told = capsys.readouterr().out
+    assert "18 of 18 episodes" in told or "making 18 episodes" in told
+    assert sorted(path.name for path in study.output.iterdir()) == FILES
+    rows, about = tables.read_table(study.output / "patients.parquet")
+    assert len(rows) == 2 * 3 * 3 and not rows.duplicated(["reality", "entry", "seed"]).any()
+    truths = rows.groupby("seed")[[name for name in rows if name.startswith("truth/")]].nunique()
+    assert (truths == 1).all(axis=None), "the same patients everywhere"
+    assert about["study"]["entries"][1]["agent"] == "chirp" and about["study"]["seed"] == 5000
+    assert {"command", "versions", "git", "machine", "finished"} <= set(about)
+    assert about["machine"]["cores"] == os.cpu_count()
+    again = Design(**about["study"])
+    assert again == Design(**SMALL)
+    for name in ("cells", "pairs", "profiles"):
+        assert len(pd.read_parquet(study.output / f"{name}.parquet"))
+    assert "Small" in (study.output / "study.md").read_text()
+
+
+def test_only_what_is_missing_is_played(study, plays, capsys):
+    assert study() == 0 and len(plays["names"]) == 6
+    first = pd.read_parquet(study.output / "patients.parquet")
+    assert study() == 0 and len(plays["names"]) == 6
+    assert "18 of 18 episodes kept from an earlier run" in capsys.readouterr().out
+    pd.testing.assert_frame_equal(pd.read_parquet(study.output / "patients.parquet"), first)
+    assert study(entries=["prbs", "chirp"], pairs=[]) == 0
+    assert plays["names"][6:] == ["prbs", "prbs"], "the other entry is kept"
+    assert study("--patients", "2", title="Another") == 0 and len(plays["names"]) == 6 + 2 + 6
+    assert study("--fresh") == 0 and len(plays["names"]) == 6 + 2 + 6 + 6
+
+
+def test_another_metric_alone_plays_nothing_again_but_the_bound_is_played(study, plays):
+    assert study(entries=["chirp"], pairs=[]) == 0
+    assert study(entries=["chirp"], pairs=[], metrics=["rmse", "time_to_2"]) == 0 and len(plays["names"]) == 2
+    assert study(entries=["chirp"], pairs=[], metrics=["information_bound"]) == 0 and len(plays["names"]) == 4
+    cells = pd.read_parquet(study.output / "cells.parquet")
+    assert cells["value"].notna().all()
+
+
+def test_an_interrupt_keeps_what_is_finished(study, plays, capsys):
+    plays["fail_at"], plays["error"] = 4, KeyboardInterrupt()
+    assert study() == 130
+    assert "the same command goes on from there" in capsys.readouterr().err
+    kept = parts(study.output)
+    assert len(kept) == 4 and not (study.output / "patients.parquet").exists()
+    plays["fail_at"] = None
+    assert study() == 0 and len(plays["names"]) == 6
+    assert kept.items() <= parts(study.output).items()
+
+
+def test_a_full_disk_is_one_line_and_what_is_finished_is_kept(study, plays, monkeypatch, capsys):
+    written, original = [], pq.write_table
+
+    def full(table, path, **options):
+        if len(written) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        written.append(path)
+        original(table, path, **options)
+
+    monkeypatch.setattr(tables.pq, "write_table", full)
+    assert study() == 2
+    error = capsys.readouterr().err
+    assert "cannot be written: No space left on device" in error and error.count("\n") == 1
+    kept = parts(study.output)
+    assert len(kept) == 2
+    monkeypatch.setattr(tables.pq, "write_table", original)
+    assert study() == 0 and kept.items() <= parts(study.output).items()
+
+
+def test_a_damaged_part_is_named_before_anything_is_played(study, plays, capsys):
+    assert study() == 0
+    damaged = next(iter(parts(study.output)))
+    damaged.write_bytes(damaged.read_bytes()[:500])
+    capsys.readouterr()
+    assert study(entries=["prbs", *SMALL["entries"]]) == 2
+    error = capsys.readouterr().err
+    assert f"error: {damaged} is damaged" in error and "delete it" in error and error.count("\n") == 1
+    assert len(plays["names"]) == 6
+    damaged.unlink()
+    assert study() == 0 and len(plays["names"]) == 7
+
+
+@pytest.mark.parametrize("output", ["{folder}/file", "{folder}/file/deeper"])
+def test_a_folder_that_cannot_be_written_is_one_line(output, tmp_path, capsys):
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(SMALL))
+    (tmp_path / "file").write_text("")
+    output = output.format(folder=tmp_path)
+    assert main(["study", str(tmp_path / "small.yaml"), "--output", output]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: output {output}: ") and error.count("\n") == 1
+
+
+def test_a_killed_run_goes_on_without_repeating_a_part(tmp_path):
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(SMALL | {"episode_s": 20.0, "pairs": []}))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))}
+    command = [sys.executable, "-m", "eval", "study", "small.yaml", "--output", "out", "--workers", "2"]
+    arguments = {"cwd": tmp_path, "env": environment, "text": True}
+    process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, **arguments)
+    for _ in range(1200):
+        if len(parts(tmp_path / "out")) >= 2:
+            break
+        assert process.poll() is None
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(timeout=30)
+    time.sleep(0.5)
+    kept = parts(tmp_path / "out")
+    assert 2 <= len(kept) < 6
+    ran = subprocess.run(command, capture_output=True, timeout=300, **arguments)
+    assert ran.returncode == 0, ran.stderr
+    assert f"{3 * len(kept)} of 18 episodes kept from an earlier run" in ran.stdout
+    assert kept.items() <= parts(tmp_path / "out").items(), "no part is written again"
+    assert len(pd.read_parquet(tmp_path / "out" / "patients.parquet")) == 18
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The rows from one process."""
+    return run.play_study(Design(**SMALL), tmp_path_factory.mktemp("alone"), workers=1)
+
+
+def test_two_processes_give_the_same_numbers(alone, tmp_path):
+    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, workers=2), alone, check_exact=True)
+
+
+def test_parts_of_another_size_give_the_same_numbers(alone, tmp_path, monkeypatch):
+    monkeypatch.setattr(run, "PATIENTS_IN_A_PART", 2)
+    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, workers=1), alone, check_exact=True)
+
+
+def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
+    ray = pytest.importorskip("ray", reason='ray is not installed: pip install -e ".[cluster]"')
+    try:
+        rows = run.play_study(Design(**SMALL), tmp_path, workers=2, backend="ray")
+        pd.testing.assert_frame_equal(rows, alone, check_exact=True)
+        with pytest.raises(InputError, match="is refused"):
+            finish(chunks_in(tmp_path, 4), refuse, "items", workers=2, backend="ray")
+    finally:
+        ray.shutdown()
+
+
+def test_without_ray_the_remedy_is_one_line(study, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    assert study("--backend", "ray") == 2
+    assert capsys.readouterr().err == 'error: --backend ray needs ray: pip install "jawenv[cluster]"\n'
