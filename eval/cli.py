@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import sys
 from dataclasses import asdict
@@ -18,6 +19,8 @@ from eval.options import (
     Control,
     Effects,
     Fresh,
+    LargestDiscomfort,
+    LargestViolation,
     Output,
     Patients,
     Reference,
@@ -29,8 +32,10 @@ from eval.patient.commands import diagnose_command, patient_command
 from jawenv.errors import InputError, out_of_memory
 from jawenv.files import atomic_write
 from jawenv.seeds import REPLAYS, REPORTS
+from training.help import Commands
 
 if TYPE_CHECKING:
+    from eval.comparison.admission import Admission
     from eval.comparison.results import Results
 
 INTERRUPTED = 130
@@ -38,6 +43,7 @@ QUICK_DRAWS = 4
 _ENTRIES_HELP = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
 app = typer.Typer(
+    cls=Commands,
     name="python -m eval",
     help="Compare maneuvers and trained agents on the same patients; draw the thesis's results again.",
     no_args_is_help=True,
@@ -77,6 +83,8 @@ def compare_command(
     device: Changes = None,
     estimator: Believed = None,
     reference: Reference = None,
+    largest_discomfort_s: LargestDiscomfort = 0.1,
+    largest_violation: LargestViolation = 0.01,
     with_replay: Annotated[
         bool,
         typer.Option(
@@ -90,13 +98,16 @@ def compare_command(
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
-    Writes report.html, patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the
-    same command goes on from there.
+    Ranked is what is within comfort, by the time until all parameters are known to 5 %. Writes report.html,
+    patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the same command goes on from
+    there.
     """
+    from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names, warn_of_pickles
     from eval.settings import Settings
 
+    admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
     effects = fields_of("reality", reality, "creep_share=0.3")
     changed = fields_of("device", device, "cell_force_N=0.2")
@@ -115,7 +126,7 @@ def compare_command(
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
-    _present(study, output, reference, console)
+    _present(study, output, reference, admission, console)
 
 
 @app.command("play")
@@ -184,11 +195,15 @@ def replay_command(
 def report_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
     reference: Reference = None,
+    largest_discomfort_s: LargestDiscomfort = 0.1,
+    largest_violation: LargestViolation = 0.01,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
+    from eval.comparison.admission import Admission
 
-    _present(results.load(folder), folder, reference, _console())
+    admission = Admission(largest_discomfort_s, largest_violation)
+    _present(results.load(folder), folder, reference, admission, _console())
 
 
 @app.command("calibrate")
@@ -322,12 +337,12 @@ app.command("patient")(patient_command)
 app.command("diagnose")(diagnose_command)
 
 
-def _present(study: Results, output: Path, reference: str | None, console: Console) -> None:
+def _present(study: Results, output: Path, reference: str | None, admission: Admission, console: Console) -> None:
     from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
     from eval.report import page, table
 
-    ranking = rank(study, reference)
+    ranking = rank(study, reference, admission)
     table.show(ranking, console)
     table.show_adaptations(adaptations(study), console)
     if not console.is_terminal:
@@ -340,9 +355,18 @@ def _present(study: Results, output: Path, reference: str | None, console: Conso
     )
 
 
+class _Console(Console):
+    """A console that goes on in silence when its reader has left, as ``head`` does: the results are still written."""
+
+    def on_broken_pipe(self) -> None:
+        """See rich."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def _console() -> Console:
     """A terminal of its own width, or a log wide enough for the tables."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    return _Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -48,6 +48,7 @@ class Entry:
         note: in which settings it differs from those asked for; empty if in none.
         trained: whether it comes from a training run.
         planned: whether it is a planner.
+        clairvoyant: whether it plans with the patient's true parameters, and so is a yardstick.
         replay_of: label of the entry whose averaged targets it replays; empty if of none.
         description: what it does, in a sentence; empty if unknown.
         agent: plays it.
@@ -62,6 +63,7 @@ class Entry:
     description: str
     agent: Agent = field(repr=False)
     planned: bool = False
+    clairvoyant: bool = False
     replay_of: str = ""
 
     def about(self) -> dict[str, Any]:
@@ -75,6 +77,7 @@ class Entry:
             "trained": self.trained,
             "description": self.description,
             "planned": self.planned,
+            "clairvoyant": self.clairvoyant,
             "replay_of": self.replay_of,
         }
 
@@ -140,6 +143,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
         planned=isinstance(agent, Planner),
+        clairvoyant=isinstance(agent, Planner) and agent.plan.clairvoyant,
     )
 
 

@@ -19,6 +19,12 @@ Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the fol
 Reference = Annotated[
     str | None, typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME")
 ]
+LargestDiscomfort = Annotated[
+    float, typer.Option(help="Mean discomfort, s per 30 s, up to which an entry is ranked.", metavar="S")
+]
+LargestViolation = Annotated[
+    float, typer.Option(help="Share of episodes crossing a hard limit up to which an entry is ranked.", metavar="SHARE")
+]
 Effects = Annotated[
     list[str] | None,
     typer.Option(

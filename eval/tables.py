@@ -75,12 +75,15 @@ def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:
         pq.write_table(table.replace_schema_metadata(metadata), unfinished, compression="zstd")
 
 
-def read_table(path: Path, columns: Sequence[str] = ()) -> tuple[pd.DataFrame, dict[str, Any]]:
+def read_table(
+    path: Path, columns: Sequence[str] = (), remedy: str = "delete it, or use --fresh"
+) -> tuple[pd.DataFrame, dict[str, Any]]:
     """Read what ``write_table`` has written.
 
     Args:
         path: of the file.
         columns: those that it must have.
+        remedy: what to do about a damaged file.
 
     Raises:
         InputError: the file is missing, damaged, or not a table of this program.
@@ -93,9 +96,9 @@ def read_table(path: Path, columns: Sequence[str] = ()) -> tuple[pd.DataFrame, d
         raise InputError(f"{path}: no such file") from None
     except (OSError, pa.ArrowException, ValueError) as error:
         reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
+        raise InputError(f"{path} is damaged ({reason}); {remedy}") from None
     missing = [column for column in columns if column not in frame]
     if about is None or missing:
         lacks = f"column {missing[0]!r}" if missing else "what it was made with"
-        raise InputError(f"{path} is no table of this program, it lacks {lacks}; delete it, or use --fresh")
+        raise InputError(f"{path} is no table of this program, it lacks {lacks}; {remedy}")
     return frame, about

@@ -12,12 +12,14 @@ from rich.console import Console
 
 from jawenv.errors import InputError, out_of_memory
 from training.design_command import design
+from training.help import Commands
 from training.optimise_command import optimise
 
 if TYPE_CHECKING:
     from training.config import TrainingConfig
 
 app = typer.Typer(
+    cls=Commands,
     help="Train agents that identify a patient's closing muscles.",
     add_completion=False,
     rich_markup_mode="markdown",

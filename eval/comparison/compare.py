@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from rich.console import Console
 
 from eval.chunks import folder_for
 from eval.comparison import results
+from eval.comparison.motion import Watched
 from eval.comparison.results import Results
 from eval.entries import Entry, fingerprint
 from eval.report import words
@@ -28,15 +29,17 @@ def play_entry(entry: Entry, settings: Settings, progress: Callable[[int, int], 
         settings: on whom.
         progress: called with (steps done, steps in all).
     """
+    agent = Watched(entry.agent)
     recording = play(
-        entry.agent,
+        agent,
         patients=settings.patients,
         seed=settings.seed,
         env_kwargs=entry.env_kwargs,
         env_id=entry.env_id,
         progress=progress,
     )
-    return results.from_recording(recording, entry.label, settings.seed, entry.about())
+    found = results.from_recording(recording, entry.label, settings.seed, entry.about())
+    return replace(found, motions={entry.label: agent.motion()} if agent.motion() else {})
 
 
 def compare(

@@ -1,14 +1,19 @@
-"""Every entry's figures with their intervals, the best first."""
+"""Every entry's figures with their intervals: those that are ranked, the best first, then all others and why.
+
+Ranked is by the time until all parameters are known to 5 %: median over the patients, then the 90 % quantile, then the
+share that gets there; among equals, as where nobody gets there, by true information, which overconfidence cannot raise.
+"""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from eval import statistics
+from eval.comparison.admission import PER_S, Admission, false_sd
 from eval.comparison.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
@@ -16,6 +21,12 @@ from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, nees_
 
 SIGMAS = {1: 0.6827, 2: 0.9545, 3: 0.9973}
 """Share of a Gaussian within so many standard deviations of its mean."""
+KNOWN = 0.05
+"""All parameters are known when the worst sd is at most this."""
+GAP_NATS = 2.0
+"""Claimed and true information that are further apart are named."""
+N_LETTERS = 26
+CLAIRVOYANT = "plans with the patient's true parameters: a yardstick, no contestant"
 _TIME_TO = re.compile(r"time_to_(.+)_s")
 
 
@@ -29,7 +40,9 @@ class Row:
         control: its control mode.
         note: in which settings it differs from those asked for.
         description: what it does.
-        information_true: by the log score; the ranking goes by this.
+        excluded: why it is not ranked; empty if it is.
+        false_sd: why its sds cannot be believed; empty if they can.
+        information_true: by the log score.
         information_claimed: by the covariance.
         information_bound: by the posterior Cramer-Rao bound.
         honesty_gap: claimed minus true.
@@ -44,7 +57,9 @@ class Row:
         inside: sigmas -> share of the truths within so many claimed standard deviations.
         share_to: target of the worst sd -> share of the patients that reach it.
         time_to: target -> median time, s, those who never reach it counted as infinitely late.
+        time_to_p90: target -> its 90 % quantile.
         discomfort_s: integral of the cost.
+        discomfort_rate: the same, s per 30 s, of all episodes together.
         largest_fraction: largest used fraction of a soft limit in any patient.
         violated: share of the episodes in which a hard limit was crossed.
         governor: share of the time in which the governor acted.
@@ -57,6 +72,8 @@ class Row:
     control: str
     note: str
     description: str
+    excluded: str
+    false_sd: str
     information_true: Interval
     information_claimed: Interval
     information_bound: Interval
@@ -72,7 +89,9 @@ class Row:
     inside: dict[int, Interval]
     share_to: dict[float, Interval]
     time_to: dict[float, Interval]
+    time_to_p90: dict[float, Interval]
     discomfort_s: Interval
+    discomfort_rate: float
     largest_fraction: float
     violated: Interval
     governor: Interval
@@ -82,15 +101,18 @@ class Row:
 
 @dataclass(frozen=True)
 class Ranking:
-    """The entries of a study in the order of their true information.
+    """The entries of a study: the ranked ones, best first, then the others.
 
     Attributes:
-        rows: best first.
+        rows: ranked, then the others in the same order among themselves.
         env: id of the environment that all were played in.
         parameters: names of what was to be identified.
         reference: the entry that differences are taken against.
         patients: how many.
-        band: in which 95 % of honest studies of this size have their mean NEES.
+        admission: what was allowed.
+        effects: fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know.
+        estimator: mechanics that the filter believes in, if not the environment's own; else empty.
+        band: in which 95 % of honest studies of this size have the mean NEES of all their entries (Bonferroni).
     """
 
     rows: tuple[Row, ...]
@@ -98,7 +120,36 @@ class Ranking:
     parameters: tuple[str, ...]
     reference: str
     patients: int
+    admission: Admission
+    effects: dict[str, float]
+    estimator: str
     band: tuple[float, float]
+
+    @property
+    def ranked(self) -> tuple[Row, ...]:
+        """The rows that are ranked, best first."""
+        return tuple(row for row in self.rows if not row.excluded)
+
+    @property
+    def others(self) -> tuple[Row, ...]:
+        """The rows that are not ranked."""
+        return tuple(row for row in self.rows if row.excluded)
+
+    def place(self, row: Row) -> int | None:
+        """The place of a row, from 1 on; None for one that is not ranked."""
+        return None if row.excluded else self.rows.index(row) + 1
+
+    def mark(self, row: Row) -> str:
+        """What stands for a row in figures: its place, or a letter where it is not ranked."""
+        if not row.excluded:
+            return str(self.place(row))
+        number = self.others.index(row)
+        return chr(ord("a") + number) if number < N_LETTERS else f"a{number}"
+
+    @property
+    def believed(self) -> bool:
+        """Whether the sds of any entry can be believed."""
+        return any(not row.false_sd for row in self.rows)
 
     @property
     def n_parameters(self) -> int:
@@ -112,32 +163,52 @@ class Ranking:
         return "cautious" if row.nees.value < self.band[0] else "honest"
 
 
-def rank(study: Results, reference: str | None = None) -> Ranking:
+def rank(study: Results, reference: str | None = None, admission: Admission | None = None) -> Ranking:
     """Order the entries of a study and give every figure its interval.
 
     Args:
         study: results of all entries on the same patients.
         reference: label of the entry that the others are compared with; the best by default.
+        admission: what an entry may cost the patient; the defaults of ``Admission`` without one.
 
     Raises:
         InputError: no entry has the label `reference`.
     """
-    order = sorted(study.entries, key=lambda entry: -study.of(entry)["information_true"].mean())
-    if reference is not None and reference not in order:
-        raise InputError(f"reference: {reference!r} given, allowed are {', '.join(order)}")
-    against = reference or order[0]
-    number = len(study.of(against))
+    if reference is not None and reference not in study.entries:
+        raise InputError(f"reference: {reference!r} given, allowed are {', '.join(study.entries)}")
+    allowed = admission or Admission()
+    rows = sorted((_row(study, entry, allowed) for entry in study.entries), key=_order)
+    against = reference or rows[0].entry
+    number, parameters = len(study.of(against)), len(study.parameters)
+    settings = study.about.get("settings", {})
     return Ranking(
-        rows=tuple(_row(study, entry, against) for entry in order),
+        rows=tuple(replace(row, difference=_difference(study, row.entry, against)) for row in rows),
         env=study.env,
         parameters=study.parameters,
         reference=against,
         patients=number,
-        band=nees_band(number, len(study.parameters)),
+        admission=allowed,
+        effects=settings.get("reality") or {},
+        estimator=settings.get("estimator") or "",
+        band=nees_band(number, parameters, 1.0 - 0.05 / len(rows)),
     )
 
 
-def _row(study: Results, entry: str, reference: str) -> Row:
+def _order(row: Row) -> tuple[float | bool, ...]:
+    """What rows are sorted by."""
+    soon = (row.time_to[KNOWN].value, row.time_to_p90[KNOWN].value, -row.share_to[KNOWN].value)
+    return (bool(row.excluded), bool(row.false_sd), *soon, -row.information_true.value)
+
+
+def _difference(study: Results, entry: str, reference: str) -> Interval | None:
+    """True information of an entry minus the reference's on the same patients; None for the reference itself."""
+    if entry == reference:
+        return None
+    own, other = (study.of(each)["information_true"].to_numpy() for each in (entry, reference))
+    return statistics.difference(own, other)
+
+
+def _row(study: Results, entry: str, admission: Admission) -> Row:
     table = study.of(entry)
 
     def mean(column: str) -> Interval:
@@ -153,19 +224,25 @@ def _row(study: Results, entry: str, reference: str) -> Row:
         name: diagnose(truth[:, columns], (truth + error)[:, columns], sd[:, columns], threshold)
         for name, columns, threshold in (("fibrosed", forces, fibrosed_F_o_N), ("blocked", ~forces, BLOCKED_B))
     }
-    information = table["information_true"].to_numpy()
-    paired = study.of(reference)["information_true"].to_numpy()
+    nees, true, claimed = (float(table[name].mean()) for name in ("nees", "information_true", "information_claimed"))
+    false = false_sd(nees, true, claimed, len(study.parameters))
+    rate = PER_S * float(table["discomfort_s"].sum() / table["duration_s"].sum())
+    reasons = [CLAIRVOYANT] if about.get("clairvoyant") else []
+    reasons += [false] if false else []
+    reasons += admission.reasons(rate, float(table["violated"].mean()))
     return Row(
         entry=entry,
         trained=about.get("trained", False),
         control=about.get("env_kwargs", {}).get("control", "?"),
         note=about.get("note", ""),
         description=about.get("description", ""),
+        excluded="; ".join(reasons),
+        false_sd=false,
         information_true=mean("information_true"),
         information_claimed=mean("information_claimed"),
         information_bound=mean("information_bound"),
         honesty_gap=mean("honesty_gap"),
-        difference=None if entry == reference else statistics.difference(information, paired),
+        difference=None,
         worst_sd_median=statistics.quantile(table["worst_sd"].to_numpy(), 0.5),
         worst_sd_p90=statistics.quantile(table["worst_sd"].to_numpy(), 0.9),
         worst_sd_max=float(table["worst_sd"].max()),
@@ -176,7 +253,9 @@ def _row(study: Results, entry: str, reference: str) -> Row:
         inside={sigmas: mean(f"inside_{sigmas}_sigma") for sigmas in SIGMAS},
         share_to={target: statistics.mean(np.isfinite(seconds)) for target, seconds in times.items()},
         time_to={target: statistics.quantile(seconds, 0.5) for target, seconds in times.items()},
+        time_to_p90={target: statistics.quantile(seconds, 0.9) for target, seconds in times.items()},
         discomfort_s=mean("discomfort_s"),
+        discomfort_rate=rate,
         largest_fraction=float(table["largest_fraction"].max()),
         violated=mean("violated"),
         governor=mean("governor"),

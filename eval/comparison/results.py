@@ -1,15 +1,17 @@
-"""The two tables of a study: one row per patient and entry, and one per entry, time and quantity.
+"""The two tables of a study, and how the first patient was moved.
 
-`patients`: entry, patient, seed, and every metric of `jawenv.metrics.Score` at the end of the episode, with `truth/`,
-`error/`, `sd/` and `bound_sd/` of every parameter, and `early_worst_sd` after `EARLY_S`. `curves`: entry, time_s,
-quantity, and over the patients `low` (10 %), `centre` (median) and `high` (90 %); `bound` is the median of the
-posterior Cramer-Rao bound. Quantities are `sd/<parameter>`, `worst_sd`, and as means over the patients (no low or
-high) `nees`, `information_claimed` and `information_true`. All sd are of natural logs: 0.05 is 5 %.
+`patients` has one row per patient and entry: entry, patient, seed, and every metric of `jawenv.metrics.Score` at
+the end of the episode, with `truth/`, `error/`, `sd/` and `bound_sd/` of every parameter, `used/` (largest used
+fraction) and `beyond/..._s` (time beyond it) of every soft comfort limit, and `early_worst_sd` after `EARLY_S`.
+`curves` has one row per entry, time and quantity: entry, time_s, quantity, and over the patients `low` (10 %),
+`centre` (median) and `high` (90 %); `bound` is the median of the posterior Cramer-Rao bound. Quantities are
+`sd/<parameter>`, `worst_sd`, and as means over the patients (no low or high) `nees`, `information_claimed` and
+`information_true`. All sd are of natural logs: 0.05 is 5 %.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from eval.comparison import motion
 from eval.tables import read_table, write_table
 from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
 from jawenv.rollout import DEFAULT_ENV, Recording
@@ -53,11 +56,13 @@ class Results:
         patients: one row per patient and entry.
         curves: one row per entry, time and quantity.
         about: command, versions, seed, settings and entries.
+        motions: how entries move the first patient, see `eval.comparison.motion`; may lack some, or all.
     """
 
     patients: pd.DataFrame
     curves: pd.DataFrame
     about: dict[str, Any]
+    motions: dict[str, Any] = field(default_factory=dict)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -102,6 +107,7 @@ def from_recording(recording: Recording, entry: str, seed: int, about: dict[str,
     }
     columns |= {name: getattr(judged, name) for name in PATIENT_METRICS}
     columns["early_worst_sd"] = _early_worst_sd(recording)
+    columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
     for prefix, values in (
@@ -112,6 +118,17 @@ def from_recording(recording: Recording, entry: str, seed: int, about: dict[str,
     ):
         columns |= {f"{prefix}/{name}": values[:, i] for i, name in enumerate(recording.parameter_names)}
     return Results(pd.DataFrame(columns), _curves(recording, entry), about)
+
+
+def _use_of_limits(recording: Recording) -> dict[str, Array]:
+    """(N,) of every comfort limit: the largest used fraction of the soft limit, and s beyond it."""
+    used = np.where(recording.valid[..., None], recording.comfort, 0.0)
+    step = np.diff(recording.time)[:, None]
+    found = {}
+    for i, name in enumerate(recording.comfort_names):
+        found[f"used/{name}"] = used[..., i].max(axis=1)
+        found[f"beyond/{name}_s"] = ((used[:, 1:, i] > 1.0) @ step)[:, 0]
+    return found
 
 
 def _early_worst_sd(recording: Recording) -> Array:
@@ -160,13 +177,15 @@ def join(parts: list[Results], about: dict[str, Any]) -> Results:
     """One study out of the results of its entries."""
     patients = pd.concat([part.patients for part in parts], ignore_index=True)
     curves = pd.concat([part.curves for part in parts], ignore_index=True)
-    return Results(patients, curves, about)
+    motions = {label: motion for part in parts for label, motion in part.motions.items()}
+    return Results(patients, curves, about, motions)
 
 
 def save(results: Results, folder: Path, stem: str = "") -> None:
-    """Write `<stem>patients.parquet` and `<stem>curves.parquet`, each either whole or not at all."""
+    """Write `<stem>motions.json`, `<stem>curves.parquet` and `<stem>patients.parquet`, each whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
-    # Curves first: whoever finds the patients' table finds the curves as well.
+    # The patients' table last: whoever finds it finds the others as well.
+    motion.save(results.motions, folder / f"{stem}motions.json")
     write_table(results.curves, folder / f"{stem}curves.parquet", results.about)
     write_table(results.patients, folder / f"{stem}patients.parquet", results.about)
 
@@ -174,9 +193,16 @@ def save(results: Results, folder: Path, stem: str = "") -> None:
 def load(folder: Path, stem: str = "") -> Results:
     """Read what `save` has written.
 
+    Args:
+        folder: of the study, or of its entries.
+        stem: of an entry's files; empty for the whole study.
+
     Raises:
         InputError: a file is missing, damaged, or not a table of this program.
     """
-    patients, about = read_table(folder / f"{stem}patients.parquet", ("entry", "patient", *PATIENT_METRICS))
-    curves, _ = read_table(folder / f"{stem}curves.parquet", ("entry", "time_s", "quantity", "centre", "bound"))
-    return Results(patients, curves, about)
+    remedy = "delete it, or use --fresh" if stem else "repeat the comparison: entries that are finished are kept"
+    wanted: tuple[str, ...] = ("entry", "patient", *PATIENT_METRICS)
+    patients, about = read_table(folder / f"{stem}patients.parquet", wanted, remedy)
+    wanted = ("entry", "time_s", "quantity", "centre", "bound")
+    curves, _ = read_table(folder / f"{stem}curves.parquet", wanted, remedy)
+    return Results(patients, curves, about, motion.load(folder / f"{stem}motions.json"))

@@ -20,7 +20,7 @@ GRID = "#d3d7dd"
 BAND = "#8fbf8f"
 REFERENCE = "#8a9099"
 _TRAINED = ("#d6336c", "#a61e4d", "#f783ac")
-_OTHERS = ("#3b82c4", "#e08a2c", "#3a9d5d", "#8b6cc6", "#a5744b", "#2aa5a0", "#9a9b2f", "#c25b4e", "#7b8794")
+_OTHERS = ("#1f77c4", "#d55e00", "#009e73", "#7f6bd0", "#a67c00", "#2a93b0", "#8a6a4f", "#b0528a", "#7b8794")
 _LEGEND_COLUMNS = 3
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)))
 
@@ -81,8 +81,8 @@ def dashes(ranking: Ranking) -> dict[str, Any]:
 
 
 def names(ranking: Ranking) -> dict[str, str]:
-    """`3  slow opening` for every entry: its place and its name."""
-    return {row.entry: f"{place}  {words.label(row.entry)}" for place, row in enumerate(ranking.rows, 1)}
+    """`3  slow opening` for every entry: its place, or a letter where it is not ranked, and its name."""
+    return {row.entry: f"{ranking.mark(row)}  {words.label(row.entry)}" for row in ranking.rows}
 
 
 def log_percent(axes: Axes, which: str = "y", ticks: Sequence[float] = (0.5, 1, 2, 5, 10, 20, 50, 100)) -> None:

@@ -1,10 +1,10 @@
-"""The figures of a study, for the report and for notebooks; each function returns a matplotlib Figure."""
+"""The figures of a study for notebooks and for paper; each function returns a matplotlib Figure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, ParamSpec
+from typing import ParamSpec
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,8 +16,6 @@ from eval.comparison.results import Results
 from eval.report import drawing, panels, words
 from eval.report.drawing import BAND, INK, REFERENCE
 from eval.statistics import Interval
-
-_TARGETS = (0.10, 0.05, 0.02)
 
 P = ParamSpec("P")
 
@@ -91,32 +89,6 @@ def _floor(ranking: Ranking) -> float:
 
 
 @_styled
-def differences(study: Results, ranking: Ranking) -> Figure:
-    """True information of every entry minus the reference's on the same patient."""
-    figure = Figure(figsize=(9.6, 0.8 + 0.32 * len(ranking.rows)), layout="constrained")
-    axes = figure.subplots()
-    colour = drawing.colours(ranking)
-    reference = study.of(ranking.reference)["information_true"].to_numpy()
-    rng = np.random.default_rng(0)
-    floor = _floor(ranking) - max(float(reference.mean()), 0.0)
-    axes.axvline(0.0, color=REFERENCE, lw=1.0)
-    for place, row in enumerate(ranking.rows):
-        if row.difference is None:
-            axes.plot(0.0, place, "o", mfc="none", mec=REFERENCE)
-            continue
-        gained = study.of(row.entry)["information_true"].to_numpy() - reference
-        shaken = place + rng.uniform(-0.24, 0.24, len(gained))
-        seen = gained >= floor
-        axes.scatter(
-            gained[seen], shaken[seen], s=7, color=colour[row.entry], alpha=0.35, lw=0, rasterized=len(gained) > 200
-        )
-        _bar(axes, row.difference, place, colour[row.entry], floor)
-    drawing.entries_down(axes, ranking)
-    axes.set(xlabel=f"true information minus that of {words.label(ranking.reference)}, nats, patient by patient")
-    return figure
-
-
-@_styled
 def sd_over_time(study: Results, ranking: Ranking) -> Figure:
     """Median sd of every parameter over time, all entries."""
     head = drawing.legend_height(ranking)
@@ -132,18 +104,6 @@ def sd_over_time(study: Results, ranking: Ranking) -> Figure:
     return figure
 
 
-@_styled
-def sd_of_entry(study: Results, entry: str, colour: str = "#3b82c4") -> Figure:
-    """Sd of every parameter over time of one entry: median, middle 80 % of the patients, and the bound."""
-    figure = Figure(figsize=(9.6, panels.height(study)))
-    for parameter, axes in panels.grid(figure, study).items():
-        time, curve = _curve(study, entry, f"sd/{parameter}")
-        axes.fill_between(time, curve["low"], curve["high"], color=colour, alpha=0.22, lw=0)
-        axes.plot(time, curve["centre"], color=colour)
-        axes.plot(time, curve["bound"], color=INK, ls=(0, (4, 2)), lw=1.0)
-    return figure
-
-
 def _curve(study: Results, entry: str, quantity: str, points: int = 90) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """One curve, thinned to what a small panel can show."""
     curves = study.curves
@@ -151,34 +111,6 @@ def _curve(study: Results, entry: str, quantity: str, points: int = 90) -> tuple
     picked = np.unique(np.linspace(0, len(table) - 1, points).round().astype(int))
     thin = table.iloc[picked]
     return thin["time_s"].to_numpy(), {name: thin[name].to_numpy() for name in ("low", "centre", "high", "bound")}
-
-
-@_styled
-def time_to_target(study: Results, ranking: Ranking) -> Figure:
-    """Share of the patients whose worst sd has reached 10, 5 and 2 %, over time."""
-    figure = Figure(figsize=(9.6, 2.6 + drawing.legend_height(ranking)), layout="constrained")
-    all_axes = figure.subplots(1, len(_TARGETS), sharey=True)
-    colour, dash = drawing.colours(ranking), drawing.dashes(ranking)
-    longest = float(study.patients["duration_s"].max())
-    for axes, target in zip(all_axes, _TARGETS, strict=True):
-        for row in reversed(ranking.rows):
-            seconds = np.sort(study.of(row.entry)[f"time_to_{target:g}_s"].to_numpy())
-            reached = seconds[np.isfinite(seconds)]
-            time = np.concatenate([[0.0], reached, [longest]])
-            share = np.concatenate([[0.0], np.arange(1, len(reached) + 1), [len(reached)]]) / len(seconds)
-            axes.step(
-                time, 100.0 * share, where="post", color=colour[row.entry], ls=dash[row.entry],
-                lw=2.2 if row.trained else 1.4, clip_on=False,
-            )  # fmt: skip
-        axes.set(
-            title=f"All {ranking.n_parameters} within {100 * target:g} %",
-            xlabel="time, s",
-            xlim=(0.0, longest),
-            ylim=(0.0, 101.0),
-        )
-    all_axes[0].set_ylabel("patients, %")
-    drawing.legend_above(figure, ranking)
-    return figure
 
 
 @_styled
@@ -208,62 +140,4 @@ def calibration(study: Results, ranking: Ranking) -> Figure:
     drawing.entries_down(left, ranking)
     for axes in (*coverage, right):
         drawing.entries_down(axes, ranking, labelled=False)
-    return figure
-
-
-@_styled
-def nees_over_time(study: Results, ranking: Ranking) -> Figure:
-    """Mean NEES of every entry over time, with the band of an honest filter."""
-    figure = Figure(figsize=(9.6, 2.6 + drawing.legend_height(ranking)), layout="constrained")
-    axes = figure.subplots()
-    colour, dash = drawing.colours(ranking), drawing.dashes(ranking)
-    axes.axhspan(*ranking.band, color=BAND, alpha=0.45, lw=0)
-    highest = lowest = float(ranking.n_parameters)
-    for row in reversed(ranking.rows):
-        time, curve = _curve(study, row.entry, "nees", points=200)
-        axes.plot(time, curve["centre"], color=colour[row.entry], ls=dash[row.entry], lw=2.2 if row.trained else 1.4)
-        highest, lowest = max(highest, curve["centre"].max()), min(lowest, curve["centre"].min())
-    if highest > 5.0 * lowest:
-        axes.set_yscale("log")
-    axes.set(xlabel="time, s", ylabel="mean NEES", xlim=(0.0, float(study.curves["time_s"].max())))
-    drawing.legend_above(figure, ranking)
-    return figure
-
-
-@_styled
-def discomfort(study: Results, ranking: Ranking) -> Figure:
-    """True information against discomfort, both with intervals; the number is the place in the ranking."""
-    figure = Figure(figsize=(9.6, 3.2 + drawing.legend_height(ranking)), layout="constrained")
-    axes = figure.subplots()
-    colour = drawing.colours(ranking)
-    floor = _floor(ranking)
-    for place, row in enumerate(ranking.rows, 1):
-        x, y = row.discomfort_s, row.information_true
-        height, below = max(y.value, floor), y.value < floor
-        ends: dict[str, Any] = {"color": colour[row.entry], "lw": 1.6, "alpha": 0.7}
-        if x.known and y.known:
-            axes.plot([x.low, x.high], [height, height], **ends)
-            axes.plot([x.value, x.value], [max(y.low, floor), max(y.high, floor)], **ends)
-        axes.plot(x.value, height, "o", ms=13, color=colour[row.entry], mec="white", mew=0.8, zorder=3)
-        number: dict[str, Any] = {
-            "color": "white",
-            "fontsize": 8,
-            "weight": "bold",
-            "ha": "center",
-            "va": "center_baseline",
-        }
-        axes.text(x.value, height, str(place), zorder=4, **number)
-        remarks = ["\u2193"] if below else []
-        if row.violated.value > 0.0:
-            remarks.append(f"{words.percent(row.violated.value, 0)} % of the episodes stopped early")
-        axes.annotate(
-            " ".join(remarks), (x.value, height), xytext=(10, 7), textcoords="offset points", fontsize=8, color=INK
-        )
-    axes.set(
-        xlabel="discomfort, s (integral of the cost: 0 is within every soft limit)",
-        ylabel="true information, nats",
-    )
-    axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
-    axes.margins(x=0.12)
-    drawing.legend_above(figure, ranking)
     return figure

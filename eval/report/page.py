@@ -1,29 +1,28 @@
-"""One HTML file that shows a whole study; it needs no network and no other file."""
+"""One HTML file that shows a whole study and is explored in a browser; it needs no network and no other file.
+
+plotly.js (basic bundle, MIT licence) lies under `assets/` as published on npm, and is written into the page once.
+"""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.adaptation import adaptations
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import EARLY_S, Results
-from eval.report import drawing, figures, panels, template, verdict, words
-from eval.report.template import picture
+from eval.report import charts, panels, template, verdict, words
+from eval.report.learning import learning_charts
+from eval.report.playback import playback
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 
-
-@dataclass(frozen=True)
-class EntryFigure:
-    """The parameters of one entry over time."""
-
-    entry: str
-    picture: Markup
+ASSETS = Path(__file__).parent / "assets"
 
 
 def write(study: Results, ranking: Ranking, path: Path) -> Path:
@@ -47,6 +46,19 @@ def render(study: Results, ranking: Ranking) -> str:
         study: results of all entries.
         ranking: of the same study.
     """
+    moving = playback(study, ranking)
+    learning, learning_notes = learning_charts(study, ranking)
+    if moving is not None:
+        moving["end_s"] = max(motion["frames"]["time_s"][-1] for motion in moving["motions"].values())
+    titles = [panels.Panel.of(parameter).plain_title for parameter in ranking.parameters]
+    data: dict[str, Any] = {
+        "entries": charts.entries(ranking),
+        "charts": charts.all_charts(study, ranking) | learning,
+        "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
+        "curves": charts.curves(study, ranking),
+        "sd_range": charts.sd_range(study),
+        "playback": moving,
+    }
     return template.render(
         "report.html.j2",
         ranking=ranking,
@@ -55,36 +67,56 @@ def render(study: Results, ranking: Ranking) -> str:
         about=study.about,
         headline=verdict.headline(ranking),
         remarks=verdict.remarks(ranking),
-        pictures=dict(_pictures(study, ranking)),
-        entry_figures=list(_entry_figures(study, ranking)),
+        effects=verdict.effects(ranking),
+        bound_caption=verdict.bound_caption(ranking),
+        has_bound=charts.has_bound(ranking),
         muscles=[words.muscle(name) for name in ranking.parameters[::2]],
+        parameter_titles=titles,
         sided=panels.sided(ranking.parameters),
         shrinks=1.0 - math.exp(-1.0 / ranking.n_parameters),
         fibrosed_F_o_N=FIBROSED_F_O_N * whole_muscles_per_line(ranking.parameters),
         blocked_b=BLOCKED_B,
         confidence=CONFIDENCE,
         resamples=RESAMPLES,
+        limits=_limits(study),
+        use=_use_of_limits(study, ranking),
+        playback=moving is not None,
+        playback_order=list(moving["motions"]) if moving else [],
+        commands=list(next(iter(moving["motions"].values()))["commands"]) if moving else [],
+        end_s=moving["end_s"] if moving else 0.0,
+        learning=list(learning),
+        learning_notes=learning_notes,
+        data=_embedded(data),
+        plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
+        assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704
     )
 
 
-def _pictures(study: Results, ranking: Ranking) -> Iterator[tuple[str, Markup]]:
-    """Every figure that shows all entries, by its name."""
-    drawn = {
-        "overview": (figures.overview, "Information and worst standard deviation of every entry"),
-        "differences": (figures.differences, "Paired differences of information"),
-        "sd_over_time": (figures.sd_over_time, "Standard deviation of every parameter over time"),
-        "time_to_target": (figures.time_to_target, "Share of patients that reach a target over time"),
-        "calibration": (figures.calibration, "NEES, coverage and honesty gap"),
-        "nees_over_time": (figures.nees_over_time, "Mean NEES over time"),
-        "discomfort": (figures.discomfort, "Information against discomfort"),
-    }
-    for name, (draw, label) in drawn.items():
-        yield name, picture(draw(study, ranking), name, label)
+def _own_assets() -> list[Path]:
+    return [file for file in ASSETS.iterdir() if file.suffix in (".css", ".js") and "plotly" not in file.name]
 
 
-def _entry_figures(study: Results, ranking: Ranking) -> Iterator[EntryFigure]:
-    colour = drawing.colours(ranking)
-    for place, row in enumerate(ranking.rows, 1):
-        drawn = figures.sd_of_entry(study, row.entry, colour[row.entry])
-        label = f"Standard deviation of every parameter over time, {words.label(row.entry)}"
-        yield EntryFigure(row.entry, picture(drawn, f"entry{place}", label))
+def _embedded(data: dict[str, Any]) -> Markup:
+    """JSON that may stand inside a script element: no text in it can end the element."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return Markup(text.replace("<", "\\u003c"))  # noqa: S704
+
+
+def _limits(study: Results) -> list[str]:
+    """Names of the comfort limits; none in results that are older than their columns."""
+    return [name.removeprefix("used/") for name in map(str, study.patients) if name.startswith("used/")]
+
+
+def _use_of_limits(study: Results, ranking: Ranking) -> dict[str, dict[str, dict[str, float]]]:
+    """Largest use of every soft limit in any patient, and mean s beyond it, by entry and limit."""
+    found = {}
+    for row in ranking.rows:
+        table = study.of(row.entry)
+        found[row.entry] = {
+            limit: {
+                "largest": float(np.nanmax(table[f"used/{limit}"])),
+                "beyond_s": float(table[f"beyond/{limit}_s"].mean()),
+            }
+            for limit in _limits(study)
+        }
+    return found

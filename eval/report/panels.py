@@ -46,6 +46,12 @@ class Panel:
         """What stands above it."""
         return f"{self.muscle.replace('_', ' ')}  {_SYMBOLS[self.symbol]} {self.side}".strip()
 
+    @property
+    def plain_title(self) -> str:
+        """The same without TeX, as `F_o of the masseter left`."""
+        symbol = self.symbol.removeprefix("log_")
+        return f"{symbol} of {self.muscle.replace('_', ' ')} {self.side}".strip().replace("of  ", "of ")
+
 
 def sided(parameters: Sequence[str]) -> bool:
     """Whether muscles of the left and of the right are told apart."""

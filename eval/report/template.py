@@ -29,6 +29,7 @@ def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
         "percent": words.percent,
         "interval": words.interval,
         "label": words.label,
+        "raw": words.raw,
         "in_percent": lambda estimate: words.scaled(estimate, 100.0),
     }
     return environment.get_template(name).render(**values)

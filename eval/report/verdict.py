@@ -2,28 +2,93 @@
 
 from __future__ import annotations
 
-from eval.comparison.ranking import Ranking, Row
+import numpy as np
+
+from eval.comparison.ranking import GAP_NATS, KNOWN, Ranking, Row
 from eval.report import words
 
 
 def headline(ranking: Ranking) -> str:
-    """Who is best, and what that is worth."""
-    best, number = ranking.rows[0], ranking.n_parameters
-    tail = (
-        f"In half of the patients the worst of its {number} sd is {words.percent(best.worst_sd_median.value)} % or "
-        f"smaller, in nine of ten {words.percent(best.worst_sd_p90.value)} %"
+    """Who is best, and what that is worth; before it what the filter did not know, if anything."""
+    number = ranking.n_parameters
+    what = f"the {number} parameters of {ranking.env}"
+    known = f"With {effects(ranking)}, which the filter does not know, " if ranking.effects else ""
+    if not ranking.believed:
+        least = max(ranking.rows, key=lambda row: row.information_true.value)
+        return _sentence(
+            f"{known}nothing here identifies {what}: the sds are false. Even {words.label(least.entry)}, the least "
+            f"misled, claims {words.number(least.information_claimed.value)} nats and has "
+            f"{words.number(least.information_true.value)}."
+        )
+    if not ranking.ranked:
+        return _sentence(f"{known}no entry can be ranked: the table says why.")
+    best = ranking.ranked[0]
+    tied = [words.label(row.entry) for row in ranking.ranked[1:] if _tied(row)]
+    also = (
+        f" In true information it cannot be told from {_list(tied)}." if tied and _is_reference(ranking, best) else ""
     )
-    tail += ", but these sd are too small: see below." if ranking.calibration(best) == "overconfident" else "."
-    tied = [words.label(row.entry) for row in ranking.rows[1:] if _tied(row)] if ranking.reference == best.entry else []
-    also = f" Not distinguishable from it on these patients: {_list(tied)}." if tied else ""
-    what = f"The {number} parameters of {ranking.env}"
-    return f"{what} are identified best by {words.label(best.entry)}. {tail}{also}"
+    small = " These sds are too small: see below." if ranking.calibration(best) == "overconfident" else ""
+    by = f"{known}{what} are identified best by {words.label(best.entry)}."
+    return _sentence(f"{by} {_soon(ranking, best)}{small}{also}")
+
+
+def effects(ranking: Ranking) -> str:
+    """`creep_share = 0.3`: what acted on the truth and was unknown to the filter."""
+    return ", ".join(f"{name} = {value:g}" for name, value in ranking.effects.items())
+
+
+def bound_caption(ranking: Ranking) -> str:
+    """What the bound in the figures is, and what it means where the truth exceeds it."""
+    if ranking.effects or ranking.estimator:
+        return "No bound is drawn: it holds for a filter whose model is true."
+    caption = (
+        "Upright line: the posterior Cramér–Rao bound, the most that an unbiased estimator could learn from that "
+        "maneuver, on average over noise and over patients drawn from the filter's prior."
+    )
+    beyond = [
+        words.label(row.entry) for row in ranking.rows if row.information_true.value > row.information_bound.value
+    ]
+    if beyond:
+        caption += (
+            f" {_sentence(_list(beyond))} {'lies' if len(beyond) == 1 else 'lie'} beyond it on these patients, as "
+            "averages of few may, and where patients lie nearer the prior's mean than the prior says."
+        )
+    return caption
+
+
+def _soon(ranking: Ranking, best: Row) -> str:
+    """How soon all are known, or how well at the end where few get there."""
+    number, share = ranking.n_parameters, best.share_to[KNOWN].value
+    late = words.number(best.time_to_p90[KNOWN].value)
+    if np.isfinite(best.time_to[KNOWN].value):
+        tail = (
+            f"in nine of ten within {late} s" if late != "never" else f"in {words.percent(share, 0)} % of them at all"
+        )
+        seconds = words.number(best.time_to[KNOWN].value)
+        return f"In half of the patients all {number} are known to {100 * KNOWN:g} % within {seconds} s, {tail}."
+    if share == 0.0:
+        reached = f"In no patient do all {number} become known to {100 * KNOWN:g} % within the episode"
+    else:
+        rate = words.percent(share, 0)
+        reached = f"All {number} become known to {100 * KNOWN:g} % in {rate} % of the patients only"
+    worst = words.percent(best.worst_sd_median.value)
+    return f"{reached}; at the end the worst sd is {worst} % or smaller in half of the patients."
+
+
+def _is_reference(ranking: Ranking, row: Row) -> bool:
+    return row.entry == ranking.reference
+
+
+def _sentence(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def remarks(ranking: Ranking) -> list[str]:
     """What a reader must know before believing the ranking: agents, honesty, comfort."""
     lines = [_of_agent(ranking, row) for row in ranking.rows if row.trained]
+    lines += [f"Not ranked: {words.label(row.entry)}, {row.excluded}." for row in ranking.others]
     lines += _of_honesty(ranking)
+    lines += _of_gaps(ranking)
     lines += _of_comfort(ranking)
     if ranking.patients < 2:
         lines.append("One patient only: there is no interval, and no figure here says anything about other patients.")
@@ -41,10 +106,12 @@ def _tied(row: Row) -> bool:
 
 def _of_agent(ranking: Ranking, row: Row) -> str:
     """Where a trained agent stands."""
-    place, number = ranking.rows.index(row) + 1, len(ranking.rows)
+    place, number = ranking.place(row), len(ranking.ranked)
     name = f"The trained agent {words.label(row.entry)}"
-    if number == 1:
+    if len(ranking.rows) == 1:
         return f"{name} was played alone."
+    if place is None:
+        return f"{name} is not ranked."
     sentence = f"{name} is number {place} of {number}"
     if row.difference is not None:
         ahead = row.difference.value > 0.0
@@ -56,13 +123,9 @@ def _of_agent(ranking: Ranking, row: Row) -> str:
             chance = "which may be chance" if _tied(row) else "which is not chance"
             digits = 2 if abs(row.difference.value) < 10.0 else 1
             sentence += f" (95 % interval {words.interval(row.difference, digits)}, {chance})"
-    ahead_of_it = [words.label(other.entry) for other in ranking.rows[: place - 1] if not other.trained]
+    ahead_of_it = [words.label(other.entry) for other in ranking.ranked[: place - 1] if not other.trained]
     if ahead_of_it:
         sentence += f". Ahead of it: {_list(ahead_of_it)}"
-    below = [other for other in ranking.rows[place:] if not other.trained]
-    clear = [words.label(other.entry) for other in below if not row.information_true.overlaps(other.information_true)]
-    if clear:
-        sentence += f". Its interval lies wholly above that of {_list(clear)}"
     return sentence + "."
 
 
@@ -92,12 +155,29 @@ def _of_honesty(ranking: Ranking) -> list[str]:
         )
         lines.append(f"Too cautious: {listed}. The mean NEES is below {low:.1f}: the truth is nearer than stated.{why}")
     if not lines:
-        lines.append(f"Every entry is honest: all mean NEES lie within {low:.1f} … {high:.1f}.")
-    claimed = max(ranking.rows, key=lambda row: row.information_claimed.value)
-    if claimed is not ranking.rows[0]:
         lines.append(
-            f"By what the filter claims, {words.label(claimed.entry)} would be first; by the truth it is number "
-            f"{ranking.rows.index(claimed) + 1}."
+            f"Every entry is honest: all mean NEES lie within {low:.1f} … {high:.1f}, as in 19 of 20 honest studies."
+        )
+    return lines
+
+
+def _of_gaps(ranking: Ranking) -> list[str]:
+    """Entries whose claimed and true information are far apart; and what honest ones would show on these patients."""
+    found = [row for row in ranking.rows if abs(row.honesty_gap.value) > GAP_NATS]
+    if not found:
+        return []
+    said = [
+        f"{words.label(row.entry)} claims {words.number(abs(row.honesty_gap.value))} nats "
+        f"{'more' if row.honesty_gap.value > 0.0 else 'less'} than is true"
+        for row in found
+    ]
+    lines = [f"Claimed against true information: {'; '.join(said)}."]
+    expected = 0.5 * (ranking.n_parameters - ranking.rows[0].nees_prior)
+    if abs(expected) > 0.5 * GAP_NATS:
+        lines.append(
+            f"Of these gaps {words.number(expected)} nats are the patients': their NEES is "
+            f"{words.number(ranking.rows[0].nees_prior)} before anything is measured, where that of patients drawn "
+            f"from the filter's prior is {ranking.n_parameters}."
         )
     return lines
 

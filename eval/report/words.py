@@ -26,6 +26,11 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
+def raw(value: float) -> str:
+    """A number for programs, as JavaScript reads it."""
+    return "Infinity" if math.isinf(value) else f"{value:.6g}".replace("nan", "NaN")
+
+
 def interval(estimate: Interval, digits: int = 1) -> str:
     """The ends of an interval, or nothing where there is none or all patients agree."""
     if not estimate.known or estimate.low == estimate.high:

@@ -1,5 +1,7 @@
 import json
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 
 import pandas as pd
@@ -7,9 +9,11 @@ import pytest
 
 from eval.cli import main
 from eval.comparison import compare as comparison
+from eval.comparison import results
 from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
 from eval.settings import Settings
 from jawenv.errors import InputError
+from tests.eval.studies import study
 
 SHORT = ["--patients", "2", "--episode-s", "0.5"]
 
@@ -119,6 +123,11 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
         (["hold_still", "--episode-s", "0"], "episode_s: 0.0 given"),
         (["hold_still", "--episode-s", "nan"], "episode_s: nan given"),
         (["hold_still", "--reference", "chirp"], "reference: 'chirp' given, allowed are hold_still"),
+        (
+            ["hold_still", "--largest-discomfort-s", "-1"],
+            "largest-discomfort-s: -1.0 given, allowed is a finite number",
+        ),
+        (["hold_still", "--largest-violation", "2"], "largest-violation: 2.0 given, allowed is a share, 0 to 1"),
         (["no_such.yaml"], "no_such.yaml"),
         (["no_such.zip"], "no_such.zip"),
         (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
@@ -156,6 +165,26 @@ def test_a_damaged_kept_entry_is_named(tmp_path, capsys):
 def test_a_folder_without_results_is_named(tmp_path, capsys):
     assert main(["report", str(tmp_path)]) == 2
     assert "patients.parquet: no such file" in capsys.readouterr().err
+
+
+def test_a_reader_that_leaves_early_loses_nothing(tmp_path):
+    """``report | head -1``: the pipe breaks at the second line, the page is written."""
+    results.save(study(patients=3), tmp_path)
+    command = [sys.executable, "-m", "eval", "report", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        running.stdout.readline()
+        running.stdout.close()
+        assert running.stderr.read() == ""
+        assert running.wait() == 0
+    assert (tmp_path / "report.html").read_text().rstrip().endswith("</html>")
+
+
+@pytest.mark.parametrize("command", ["compare", "report", "play"])
+def test_help_shows_flags_without_a_value(command, capsys):
+    main([command, "--help"])
+    told = capsys.readouterr().out
+    assert "--help" in told
+    assert "bool" not in told
 
 
 def test_all_maneuvers_are_the_hand_made_ones_and_chance():

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from eval.comparison.ranking import rank
+from eval.comparison.admission import Admission
+from eval.comparison.ranking import CLAIRVOYANT, KNOWN, rank
 from eval.report import table, verdict, words
 from eval.statistics import Interval
 from jawenv.errors import InputError
+from jawenv.metrics import nees_band
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, TRAINED, study
 
 
@@ -21,9 +23,100 @@ def ranking(made):
     return rank(made)
 
 
-def test_entries_are_ordered_by_true_information(ranking):
-    assert [row.entry for row in ranking.rows] == [GOOD, TRAINED, BOASTFUL, IDLE]
-    assert ranking.reference == GOOD
+def test_what_costs_too_much_stands_below_with_its_reason(made, ranking):
+    assert [row.entry for row in ranking.ranked] == [GOOD, IDLE]
+    hurtful, boastful = ranking.others
+    assert (hurtful.entry, boastful.entry) == (TRAINED, BOASTFUL)
+    assert boastful.excluded == "sds are false: errors are 2.2 times what the filter states"
+    assert hurtful.excluded == "discomfort 6 s per 30 s, allowed 0.1"
+    assert hurtful.discomfort_rate == pytest.approx(30.0 / 20.0 * made.of(TRAINED)["discomfort_s"].mean())
+    assert ranking.place(hurtful) is None
+    assert [ranking.mark(row) for row in ranking.rows] == ["1", "2", "a", "b"]
+    assert ranking.place(ranking.ranked[1]) == 2
+
+
+def test_a_patient_one_may_hurt_more(made):
+    ranking = rank(made, admission=Admission(discomfort_s=6.5))
+    assert [row.entry for row in ranking.ranked] == [GOOD, TRAINED, IDLE]
+
+
+def test_the_first_is_who_knows_all_soonest_and_among_equals_who_knows_most(made, ranking):
+    soon = [(row.time_to[KNOWN].value, row.time_to_p90[KNOWN].value) for row in ranking.ranked]
+    assert soon == sorted(soon)
+    seconds = made.of(GOOD)[f"time_to_{KNOWN:g}_s"].to_numpy()
+    row = next(row for row in ranking.rows if row.entry == GOOD)
+    assert row.time_to_p90[KNOWN].value == np.quantile(seconds, 0.9, method="inverted_cdf")
+    never = made.patients.assign(**{f"time_to_{KNOWN:g}_s": np.inf})
+    equal = rank(type(made)(never, made.curves, made.about), admission=Admission(discomfort_s=9.0))
+    truth = [row.information_true.value for row in equal.ranked]
+    assert len(truth) == 3
+    assert truth == sorted(truth, reverse=True)
+
+
+def test_who_crosses_hard_limits_is_not_ranked(made):
+    hurt = made.patients.copy()
+    hurt.loc[(hurt["entry"] == GOOD) & (hurt["patient"] == 0), "violated"] = True
+    study = type(made)(hurt, made.curves, made.about)
+    reasons = {row.entry: row.excluded for row in rank(study).others}
+    assert reasons[GOOD] == "2.5 % of the episodes cross a hard limit, allowed 1.0 %"
+    assert GOOD not in {row.entry for row in rank(study, admission=Admission(violation=0.03)).others}
+
+
+def test_who_sees_the_truth_is_a_yardstick(made):
+    entries = [each | {"clairvoyant": each["label"] == GOOD} for each in made.about["entries"]]
+    ranking = rank(type(made)(made.patients, made.curves, made.about | {"entries": entries}))
+    assert next(row for row in ranking.others if row.entry == GOOD).excluded == CLAIRVOYANT
+
+
+def misled(made, factor):
+    """The study with errors that are so many times as large, as if by an effect that the filter does not know."""
+    patients = made.patients.copy()
+    before = patients["nees"].copy()
+    patients["nees"] *= factor**2
+    patients["information_true"] -= 0.5 * (patients["nees"] - before)
+    patients["honesty_gap"] += 0.5 * (patients["nees"] - before)
+    about = made.about | {"settings": made.about["settings"] | {"reality": {"creep_share": 0.3}}}
+    return type(made)(patients, made.curves, about)
+
+
+def test_false_sds_identify_nothing(made):
+    ranking = rank(misled(made, 12.0))
+    assert not ranking.ranked
+    assert not ranking.believed
+    first = verdict.headline(ranking)
+    assert first.startswith("With creep_share = 0.3, which the filter does not know, nothing here identifies the 12")
+    assert "are identified best" not in first
+    assert all("sds are false" in row.excluded for row in ranking.rows)
+
+
+def test_an_effect_that_does_little_is_named_all_the_same(made):
+    first = verdict.headline(rank(misled(made, 1.0)))
+    assert first.startswith(
+        "With creep_share = 0.3, which the filter does not know, the 12 parameters of jawenv/Jaw-v1"
+    )
+
+
+def test_claims_that_differ_from_the_truth_are_named(made, ranking):
+    (line,) = [line for line in verdict.remarks(ranking) if line.startswith("Claimed against true")]
+    gap = next(row for row in ranking.rows if row.entry == BOASTFUL).honesty_gap.value
+    assert f"boastful claims {gap:.1f} nats more than is true" in line
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"discomfort_s": float("nan")}, "largest-discomfort-s: nan given, allowed is a finite number, 0 or more"),
+        ({"discomfort_s": -1.0}, "largest-discomfort-s: -1.0 given"),
+        ({"violation": 1.5}, "largest-violation: 1.5 given, allowed is a share, 0 to 1"),
+    ],
+)
+def test_limits_that_make_no_sense_are_named(values, message):
+    with pytest.raises(InputError, match=message):
+        Admission(**values)
+
+
+def test_the_band_allows_for_the_number_of_entries(ranking):
+    assert ranking.band == nees_band(40, 12, 1.0 - 0.05 / 4)
 
 
 def test_claims_do_not_help(ranking):
@@ -32,15 +125,17 @@ def test_claims_do_not_help(ranking):
 
 
 def test_differences_are_paired(made, ranking):
-    row = ranking.rows[1]
+    assert ranking.reference == ranking.rows[0].entry == GOOD
+    assert ranking.rows[0].difference is None
+    row = next(row for row in ranking.rows if row.entry == TRAINED)
     gained = made.of(TRAINED)["information_true"].to_numpy() - made.of(GOOD)["information_true"].to_numpy()
     assert row.difference.value == pytest.approx(gained.mean())
-    assert ranking.rows[0].difference is None
 
 
 def test_another_reference_turns_the_differences_round(made, ranking):
     turned = rank(made, TRAINED)
-    assert turned.rows[0].difference.value == pytest.approx(-ranking.rows[1].difference.value)
+    before = next(row for row in ranking.rows if row.entry == TRAINED)
+    assert turned.rows[0].difference.value == pytest.approx(-before.difference.value)
 
 
 def test_an_unknown_reference_is_named(made):
@@ -54,13 +149,29 @@ def test_calibration_is_judged_by_the_band(ranking):
 
 
 def test_the_verdict_says_who_wins_who_lies_and_who_hurts(ranking):
-    assert verdict.headline(ranking).startswith("The 12 parameters of jawenv/Jaw-v1 are identified best by good one.")
+    first = verdict.headline(ranking)
+    assert first.startswith(
+        "The 12 parameters of jawenv/Jaw-v1 are identified best by good one. In half of the patients"
+    )
+    assert "sds" not in first
     told = " ".join(verdict.remarks(ranking))
-    assert "The trained agent ppo-seed0 is number 2 of 4" in told
-    assert "less than good one" in told
-    assert "Ahead of it: good one" in told
+    assert "The trained agent ppo-seed0 is not ranked." in told
+    assert "Not ranked: ppo-seed0, discomfort 6 s per 30 s, allowed 0.1." in told
     assert "Overconfident: boastful" in told
     assert "No hard comfort limit was crossed" in told
+
+
+def test_a_trained_agent_that_is_ranked_is_placed(made):
+    told = " ".join(verdict.remarks(rank(made, GOOD, Admission(discomfort_s=9.0))))
+    assert "The trained agent ppo-seed0 is number 2 of 3: " in told
+    assert "less than good one" in told
+    assert "Ahead of it: good one" in told
+
+
+def test_nobody_who_gets_there_is_said_so(made):
+    never = made.patients.assign(**{f"time_to_{KNOWN:g}_s": np.inf})
+    first = verdict.headline(rank(type(made)(never, made.curves, made.about)))
+    assert "In no patient do all 12 become known to 5 % within the episode; at the end the worst sd is" in first
 
 
 def test_few_patients_are_said_to_be_few():
@@ -72,9 +183,9 @@ def test_the_terminal_shows_calibration_beside_every_sd(ranking):
     console = Console(file=io.StringIO(), width=120)
     table.show(ranking, console)
     lines = console.file.getvalue().splitlines()
-    boastful = next(line for line in lines if "boastful" in line)
-    assert "too small" in boastful
-    assert words.percent(ranking.rows[2].worst_sd_median.value) in boastful
+    assert any("boastful" in line and "too small" in line for line in lines)
+    assert next(line for line in lines if "ppo-seed0" in line).split()[0] == "a"
+    assert any(line.startswith("a  ppo-seed0 is not ranked: discomfort 6 s per 30 s") for line in lines)
 
 
 def test_numbers_are_written_for_people():

@@ -38,7 +38,7 @@ def test_a_damaged_file_is_named(made, tmp_path):
     results.save(made, tmp_path)
     path = tmp_path / "patients.parquet"
     path.write_bytes(path.read_bytes()[:200])
-    with pytest.raises(InputError, match=r"patients\.parquet is damaged .*--fresh"):
+    with pytest.raises(InputError, match=r"patients\.parquet is damaged .*; repeat the comparison: entries"):
         results.load(tmp_path)
 
 

@@ -1,0 +1,66 @@
+"""Who is ranked: entries within comfort whose stated precision can be believed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from jawenv.errors import InputError
+
+PER_S = 30.0
+"""Discomfort is judged per so many seconds, the usual length of an episode."""
+FALSE_NEES = 4.0
+"""Mean NEES per parameter above which sds are false: errors are more than twice what the filter states."""
+
+
+@dataclass(frozen=True)
+class Admission:
+    """What an entry may cost the patient and still be ranked.
+
+    Attributes:
+        discomfort_s: largest mean discomfort, s per 30 s, >= 0.
+        violation: largest share of episodes that cross a hard limit, 0 to 1.
+
+    Raises:
+        InputError: a value is not allowed.
+    """
+
+    discomfort_s: float = 0.1
+    violation: float = 0.01
+
+    def __post_init__(self) -> None:
+        """Check both values."""
+        if not (math.isfinite(self.discomfort_s) and self.discomfort_s >= 0.0):
+            raise InputError(f"largest-discomfort-s: {self.discomfort_s} given, allowed is a finite number, 0 or more")
+        if not 0.0 <= self.violation <= 1.0:
+            raise InputError(f"largest-violation: {self.violation} given, allowed is a share, 0 to 1")
+
+    def reasons(self, discomfort_s: float, violation: float) -> list[str]:
+        """Why an entry is not admissible, a phrase for each limit that it exceeds.
+
+        Args:
+            discomfort_s: its mean discomfort, s per 30 s.
+            violation: share of its episodes that cross a hard limit.
+        """
+        found = []
+        if discomfort_s > self.discomfort_s:
+            found.append(f"discomfort {discomfort_s:.2g} s per {PER_S:g} s, allowed {self.discomfort_s:g}")
+        if violation > self.violation:
+            found.append(f"{violation:.1%} of the episodes cross a hard limit, allowed {self.violation:.1%}")
+        return [reason.replace("%", " %") for reason in found]
+
+
+def false_sd(nees: float, information_true: float, information_claimed: float, parameters: int) -> str:
+    """Why stated sds cannot be believed, or nothing where they can.
+
+    Args:
+        nees: mean over the patients.
+        information_true: mean, nats.
+        information_claimed: mean, nats.
+        parameters: how many there are, which is the mean NEES of an honest filter.
+    """
+    if nees > FALSE_NEES * parameters:
+        return f"sds are false: errors are {math.sqrt(nees / parameters):.1f} times what the filter states"
+    if information_true < 0.0 < information_claimed:
+        return "sds are false: the truth is less likely than before anything was measured"
+    return ""

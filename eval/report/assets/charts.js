@@ -1,0 +1,171 @@
+"use strict";
+// Draws the charts in the colours of the page, labels lines at their ends, and hides and shows entries in all of them.
+const report = { data: JSON.parse(document.getElementById("data").textContent), hidden: new Set(), charts: new Map() };
+
+(() => {
+  const NARROW_PX = 560;
+  const LABEL_PX = 14;
+  const root = document.documentElement;
+  const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const dashes = { solid: "", dash: "7 4", dot: "2 3", dashdot: "7 3 2 3", longdash: "12 4", longdashdot: "12 3 2 3" };
+
+  // The words in lines of at most so many characters.
+  const wrapped = (words, length) => words.split(" ").reduce((said, word) => (said.length - said.lastIndexOf(">") + word.length > length ? `${said}<br>${word}` : `${said} ${word}`));
+
+  function axis(given, length) {
+    const title = { text: wrapped(given.title ?? "", length), standoff: 6, font: { size: 12 } };
+    const grid = colour("--grid");
+    return { ...given, title, automargin: true, gridcolor: grid, zerolinecolor: colour("--muted"), linecolor: grid, zeroline: given.zeroline ?? false };
+  }
+
+  function layoutOf(chart, width) {
+    const narrow = width < NARROW_PX;
+    const room = !chart.labels ? 12 : narrow ? 26 : 175;
+    return {
+      ...chart.layout,
+      xaxis: axis(chart.layout.xaxis, width / 9),
+      yaxis: axis(chart.layout.yaxis, 60),
+      title: { text: chart.layout.heading ?? "", font: { size: 12.5 }, x: 0, xref: "paper", y: 0.97, yanchor: "top" },
+      margin: { l: 8, r: room, t: chart.layout.heading ? 34 : 12, b: 8 },
+      paper_bgcolor: "rgba(0,0,0,0)",
+      plot_bgcolor: "rgba(0,0,0,0)",
+      font: { family: colour("--font"), size: 12, color: colour("--text") },
+      hoverlabel: { bgcolor: colour("--panel"), bordercolor: colour("--muted"), font: { color: colour("--text"), size: 12.5 } },
+      showlegend: false,
+      dragmode: narrow ? false : "zoom",
+      width,
+      shapes: (chart.layout.shapes ?? []).map((shape) => (shape.type === "line" ? { ...shape, line: { ...shape.line, color: colour("--muted"), width: 1.5 } } : shape)),
+    };
+  }
+
+  const traces = (chart) =>
+    chart.data.map((trace) => {
+      const shown = { ...trace, visible: !report.hidden.has(trace.meta) };
+      if (trace.mode === "markers+text") shown.textfont = { size: 12, color: chart.inside ? "#ffffff" : colour("--text") };
+      if (trace.marker && !trace.marker.color) shown.marker = { ...trace.marker, color: colour("--muted") };
+      if (trace.ink) shown.line = { ...trace.line, color: colour("--text") };
+      return shown;
+    });
+
+  // The name of an entry, or only its place where there is little room, beside the end of its line; none over another.
+  function labelEnds(box, chart) {
+    const inner = box._fullLayout;
+    if (!chart.labels || !inner?._size) return;
+    const narrow = box.clientWidth < NARROW_PX;
+    const ends = [];
+    for (const trace of box._fullData) {
+      if (trace.visible !== true || trace.meta === undefined || !trace.x) continue;
+      let last = trace.y.length - 1;
+      while (last > 0 && trace.y[last] == null) last -= 1;
+      const x = inner.xaxis.d2p(trace.x[last]);
+      const y = inner.yaxis.d2p(trace.y[last]);
+      if (Number.isFinite(y)) ends.push({ i: trace.meta, x, y: Math.min(Math.max(y, 0), inner._size.h) });
+    }
+    ends.sort((a, b) => a.y - b.y);
+    const gap = Math.min(LABEL_PX, inner._size.h / Math.max(ends.length, 1));
+    ends.forEach((end, k) => (end.at = k ? Math.max(end.y, ends[k - 1].at + gap) : end.y));
+    for (let k = ends.length - 1; k >= 0; k -= 1) ends[k].at = Math.min(ends[k].at, inner._size.h - (ends.length - 1 - k) * gap);
+    const annotations = ends.map((end) => {
+      const entry = report.data.entries[end.i];
+      const text = narrow ? entry.place : `${entry.place} ${entry.name.length > 24 ? `${entry.name.slice(0, 23)}…` : entry.name}`;
+      const at = { xref: "paper", x: 1, xanchor: "left", xshift: 5, yref: "paper", y: 1 - end.at / inner._size.h, yanchor: "middle" };
+      return { ...at, text, showarrow: false, font: { size: 11.5, color: colour("--text") }, hovertext: entry.name };
+    });
+    Plotly.relayout(box, { annotations });
+  }
+
+  function draw(id) {
+    const box = document.getElementById(id);
+    const chart = report.charts.get(id);
+    const width = box.clientWidth;
+    const config = { displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], displayModeBar: width >= NARROW_PX ? "hover" : false };
+    Plotly.react(box, traces(chart), layoutOf(chart, width), config);
+    labelEnds(box, chart);
+    if (!box.dataset.ready) {
+      box.dataset.ready = "1";
+      box.on("plotly_relayout", (change) => { if (Object.keys(change).some((key) => key.includes("axis"))) labelEnds(box, report.charts.get(id)); });
+    }
+  }
+
+  const drawAll = () => report.charts.forEach((_, id) => draw(id));
+
+  // A panel per parameter: all entries, or one with the middle 80 % of the patients and, where there is one, the bound.
+  function panels(focus) {
+    for (const [k, parameter] of report.data.parameters.entries()) {
+      const one = report.data.entries.findIndex((entry) => entry.label === focus);
+      const data = one < 0 ? report.data.entries.map((entry, i) => lineOf(entry, i, parameter.key)) : bandOf(report.data.entries[one], parameter.key);
+      const ticks = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
+      const y = { type: "log", tickvals: ticks, ticktext: ticks.map((tick) => `${100 * tick} %`), range: report.data.sd_range };
+      report.charts.set(`parameter-${k}`, { data, layout: { xaxis: { title: "time, s" }, yaxis: y, height: 215, heading: parameter.title.replace("F_o", "F<sub>o</sub>"), hovermode: "closest" }, labels: false });
+    }
+  }
+
+  function lineOf(entry, i, key) {
+    const curves = report.data.curves[entry.label];
+    const line = { color: entry.colour, dash: entry.dash, width: entry.width };
+    return { x: curves.time, y: curves[key].centre, mode: "lines", meta: i, line, hovertemplate: `${entry.place} ${entry.name}<br>%{y:.1%} at %{x:.1f} s<extra></extra>` };
+  }
+
+  function bandOf(entry, key) {
+    const { time: x, [key]: curve } = report.data.curves[entry.label];
+    const plain = { x, mode: "lines", hoverinfo: "skip", line: { width: 0, color: entry.colour } };
+    const found = [
+      { ...plain, y: curve.low },
+      { ...plain, y: curve.high, fill: "tonexty", fillcolor: `${entry.colour}38` },
+      { x, y: curve.centre, mode: "lines", line: { color: entry.colour, width: 2 }, hovertemplate: "median %{y:.1%} at %{x:.1f} s<extra></extra>" },
+    ];
+    if (curve.bound) found.push({ x, y: curve.bound, mode: "lines", ink: true, line: { dash: "dash", width: 1.3 }, hovertemplate: "bound %{y:.1%} at %{x:.1f} s<extra></extra>" });
+    return found;
+  }
+
+  function chips() {
+    for (const box of document.querySelectorAll(".entries")) {
+      report.data.entries.forEach((entry, i) => {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.dataset.entry = i;
+        button.setAttribute("aria-pressed", "true");
+        const line = `<line x1="1" y1="5" x2="29" y2="5" stroke="${entry.colour}" stroke-width="2.6" stroke-dasharray="${dashes[entry.dash]}"/>`;
+        button.innerHTML = `<svg viewBox="0 0 30 10" aria-hidden="true">${line}</svg><span></span>`;
+        button.lastChild.textContent = `${entry.place} ${entry.name}`;
+        button.addEventListener("click", () => toggle(i));
+        box.append(button);
+      });
+    }
+  }
+
+  function toggle(i) {
+    if (!report.hidden.delete(i)) report.hidden.add(i);
+    for (const button of document.querySelectorAll(`.entries button[data-entry="${i}"]`)) button.setAttribute("aria-pressed", String(!report.hidden.has(i)));
+    drawAll();
+  }
+
+  for (const [id, chart] of Object.entries(report.data.charts)) report.charts.set(id, chart);
+  const focus = document.getElementById("focus");
+  panels("");
+  focus.addEventListener("change", () => {
+    panels(focus.value);
+    document.getElementById("focus-note").hidden = !focus.value;
+    report.data.parameters.forEach((_, k) => draw(`parameter-${k}`));
+  });
+  chips();
+  drawAll();
+  dark.addEventListener("change", drawAll);
+  let before = document.body.clientWidth;
+  new ResizeObserver(() => {
+    if (Math.abs(document.body.clientWidth - before) < 2) return;
+    before = document.body.clientWidth;
+    drawAll();
+  }).observe(document.body);
+  addEventListener("beforeprint", () => {
+    root.classList.add("printing");
+    document.querySelector("main").style.width = "680px";
+    drawAll();
+  });
+  addEventListener("afterprint", () => {
+    root.classList.remove("printing");
+    document.querySelector("main").style.width = "";
+    drawAll();
+  });
+})();

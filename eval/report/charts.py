@@ -1,0 +1,320 @@
+"""The charts of the report as plotly's traces and axes; `assets/charts.js` draws them in the colours of the page.
+
+Every trace of an entry has its number among the rows as ``meta``, by which the page hides and shows it.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from eval.comparison.ranking import Ranking
+from eval.comparison.results import Results
+from eval.report import drawing, words
+from eval.statistics import Interval
+
+Array = npt.NDArray[np.float64]
+Chart = dict[str, Any]
+
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+_ROW_PX, _MARGIN_PX = 34, 70
+_POINTS = 120
+_LEAST_DISCOMFORT = 1e-3  # s per 30 s: what is shown of less, on a log axis
+_NEES_TICKS: Chart = {"tickvals": [mantissa * 10**k for k in range(-1, 7) for mantissa in (1, 1.5, 2, 3, 5, 7)]}
+_SD_TICKS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+
+
+def entries(ranking: Ranking) -> list[dict[str, Any]]:
+    """Name, place, colour and dash of every row, in their order; no two share both colour and dash."""
+    colour = drawing.colours(ranking)
+    return [
+        {
+            "label": row.entry,
+            "name": words.label(row.entry),
+            "place": ranking.mark(row),
+            "colour": colour[row.entry],
+            "dash": DASHES[number % len(DASHES)],
+            "width": 3.0 if row.trained else 1.8,
+            "ranked": not row.excluded,
+        }
+        for number, row in enumerate(ranking.rows)
+    ]
+
+
+def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
+    """Every chart that shows all entries, by the id of its place on the page."""
+    charts = {
+        "information": information(ranking),
+        "worst_sd": worst_sd(study, ranking),
+        "nees": nees(ranking),
+        "nees_over_time": nees_over_time(study, ranking),
+        "discomfort": discomfort(ranking),
+    }
+    if len(ranking.rows) > 1:
+        charts["differences"] = differences(study, ranking)
+    charts |= {f"reached_{100 * target:g}": reached(study, ranking, target) for target in ranking.rows[0].time_to}
+    return charts
+
+
+def information(ranking: Ranking) -> Chart:
+    """True information with its interval, what is claimed, and the bound where there is one."""
+    floor = -0.1 * max(row.information_claimed.value for row in ranking.rows)
+    traces = []
+    for i, row in enumerate(ranking.rows):
+        true, name = row.information_true, words.label(row.entry)
+        hover = f"{name}<br>true {_said(true)} nats<br>claimed {words.number(row.information_claimed.value)}"
+        below = true.value < floor
+        point = _point(ranking, i, max(true.value, floor), i, true, hover)
+        if below:
+            point |= {"mode": "markers+text", "text": [words.number(true.value, 0)], "textposition": "middle right"}
+            point["marker"] |= {"symbol": "triangle-left", "size": 13}
+            del point["error_x"]
+        traces.append(point)
+        shape = {"symbol": "diamond-open", "size": 10, "color": drawing.colours(ranking)[row.entry]}
+        traces.append(_marks(i, row.information_claimed.value, i, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
+        if has_bound(ranking) and np.isfinite(row.information_bound.value):
+            tick = {"symbol": "line-ns-open", "size": 16, "line": {"width": 2}}
+            traces.append(_marks(i, row.information_bound.value, i, tick, f"{name}<br>bound %{{x:.1f}} nats"))
+    return _down(ranking, traces, {"title": "information, nats (more is better)", "zeroline": True})
+
+
+def has_bound(ranking: Ranking) -> bool:
+    """Whether the bound is one: it holds for a filter whose model is true."""
+    return not ranking.effects and not ranking.estimator
+
+
+def worst_sd(study: Results, ranking: Ranking) -> Chart:
+    """The worst sd of every patient, and its median."""
+    traces = []
+    for i, row in enumerate(ranking.rows):
+        table = study.of(row.entry)
+        traces.append(_cloud(ranking, i, table["worst_sd"].to_numpy(), table["seed"].to_numpy(), "%{x:.1%}"))
+        hover = f"{words.label(row.entry)}<br>median {words.percent(row.worst_sd_median.value)} %"
+        traces.append(_point(ranking, i, row.worst_sd_median.value, i, row.worst_sd_median, hover))
+    return _down(ranking, traces, _sd_axis(f"worst of the {ranking.n_parameters} sd at the end (less is better)"))
+
+
+def differences(study: Results, ranking: Ranking) -> Chart:
+    """True information of every entry minus the reference's on the same patient."""
+    reference = study.of(ranking.reference)["information_true"].to_numpy()
+    largest = max((abs(row.difference.value) for row in ranking.rows if row.difference), default=0.0)
+    traces, low, high = [], 0.0, 0.0
+    for i, row in enumerate(ranking.rows):
+        if row.difference is None:
+            continue
+        table = study.of(row.entry)
+        gained = table["information_true"].to_numpy() - reference
+        low, high = min(low, float(gained.min())), max(high, float(gained.max()))
+        traces.append(_cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
+        hover = f"{words.label(row.entry)}<br>mean difference {_said(row.difference)} nats"
+        traces.append(_point(ranking, i, row.difference.value, i, row.difference, hover))
+    title = f"true information minus that of {words.label(ranking.reference)}, nats"
+    return _down(
+        ranking,
+        traces,
+        {"title": title, "zeroline": True, "range": [max(low, -3.0 * largest) - 1.0, min(high, 3.0 * largest) + 1.0]},
+    )
+
+
+def nees(ranking: Ranking) -> Chart:
+    """Mean NEES of every entry, with the band of honest filters."""
+    traces = []
+    for i, row in enumerate(ranking.rows):
+        hover = f"{words.label(row.entry)}<br>mean NEES {_said(row.nees)}: {ranking.calibration(row)}"
+        traces.append(_point(ranking, i, row.nees.value, i, row.nees, hover))
+    chart = _down(ranking, traces, {"title": "mean NEES at the end", "type": "log", **_NEES_TICKS})
+    chart["layout"]["shapes"] = [_band(ranking, "x")]
+    return chart
+
+
+def nees_over_time(study: Results, ranking: Ranking) -> Chart:
+    """Mean NEES of every entry over time, with the band of honest filters."""
+    traces = [_line(study, ranking, i, "nees", "NEES %{y:.1f}") for i in range(len(ranking.rows))]
+    chart = _over_time(traces, {"title": "mean NEES", "type": "log", **_NEES_TICKS}, 380)
+    chart["layout"]["shapes"] = [_band(ranking, "y")]
+    return chart
+
+
+def reached(study: Results, ranking: Ranking, target: float) -> Chart:
+    """Share of the patients whose worst sd has come down to a target, over time."""
+    longest = float(study.patients["duration_s"].max())
+    traces = []
+    for i, row in enumerate(ranking.rows):
+        seconds = np.sort(study.of(row.entry)[f"time_to_{target:g}_s"].to_numpy())
+        found = seconds[np.isfinite(seconds)]
+        time = np.concatenate([[0.0], found, [longest]])
+        share = np.concatenate([[0.0], np.arange(1, len(found) + 1), [len(found)]]) / len(seconds)
+        trace = _styled(ranking, i, time, 100.0 * share, "%{y:.0f} % at %{x:.1f} s")
+        trace["line"]["shape"] = "hv"
+        traces.append(trace)
+    return _over_time(traces, {"title": "patients, %", "range": [-3.0, 104.0]}, 330)
+
+
+def discomfort(ranking: Ranking) -> Chart:
+    """True information against discomfort, with the line beyond which nobody is ranked."""
+    traces = []
+    for i, row in enumerate(ranking.rows):
+        x = max(row.discomfort_rate, _LEAST_DISCOMFORT)
+        hover = (
+            f"{words.label(row.entry)}<br>discomfort {row.discomfort_rate:.3g} s per 30 s<br>"
+            f"hard limit crossed in {words.percent(row.violated.value)} % of the episodes"
+        )
+        marker = {"size": 21, "color": drawing.colours(ranking)[row.entry]}
+        point = _marks(i, x, row.information_true.value, marker, hover)
+        traces.append(point | {"mode": "markers+text", "text": [ranking.mark(row)], "textposition": "middle center"})
+    highest = max(row.discomfort_rate for row in ranking.rows)
+    ticks = [_LEAST_DISCOMFORT, 0.01, 0.1, 1.0, 10.0, 100.0]
+    allowed = max(ranking.admission.discomfort_s, _LEAST_DISCOMFORT)
+    axis = {
+        "title": "discomfort, s per 30 s (0 is within every soft limit)",
+        "type": "log",
+        "range": [math.log10(_LEAST_DISCOMFORT) - 0.25, math.log10(max(highest, allowed, 1.0)) + 0.3],
+        "tickvals": ticks,
+        "ticktext": ["0", *(f"{tick:g}" for tick in ticks[1:])],
+    }
+    floor = -0.1 * max(row.information_claimed.value for row in ranking.rows)
+    true = [row.information_true.value for row in ranking.rows]
+    layout: Chart = {
+        "xaxis": axis,
+        "yaxis": {"title": "true information, nats"},
+        "height": 420,
+        "shapes": [
+            {"type": "line", "x0": allowed, "x1": allowed, "y0": 0, "y1": 1, "yref": "paper", "line": {"dash": "dot"}}
+        ],
+    }
+    if min(true) < floor < max(true):
+        layout["yaxis"]["range"] = [1.3 * floor, 1.1 * max(true)]
+    return {"data": traces, "layout": layout, "labels": False, "inside": True}
+
+
+def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
+    """Sd of every parameter over time, entry by entry: time, and of each parameter centre, low, high and bound."""
+    found: dict[str, Any] = {}
+    for row in ranking.rows:
+        of_entry: dict[str, Any] = {}
+        for parameter in study.parameters:
+            table = _thin(study, row.entry, f"sd/{parameter}")
+            of_entry["time"] = _plain(table["time_s"])
+            names = ("centre", "low", "high", "bound") if has_bound(ranking) else ("centre", "low", "high")
+            of_entry[parameter] = {name: _plain(table[name]) for name in names if np.isfinite(table[name]).all()}
+        found[row.entry] = of_entry
+    return found
+
+
+def sd_range(study: Results) -> list[float]:
+    """Ends of the axis that all panels of sds share, powers of ten."""
+    sd = study.curves[study.curves["quantity"].str.startswith("sd/")]
+    return [math.log10(0.8 * float(sd["low"].min())), math.log10(1.15 * float(sd["high"].max()))]
+
+
+def _down(ranking: Ranking, traces: list[Chart], axis: Chart) -> Chart:
+    """Entries on the vertical axis, the first at the top."""
+    number = len(ranking.rows)
+    names = ["<br>".join(textwrap.wrap(name, 20)) for name in drawing.names(ranking).values()]
+    layout: Chart = {
+        "xaxis": axis,
+        "yaxis": {
+            "tickvals": list(range(number)),
+            "ticktext": names,
+            "range": [number - 0.4, -0.6],
+            "showgrid": False,
+            "zeroline": False,
+        },
+        "height": _MARGIN_PX + _ROW_PX * number,
+        "hovermode": "closest",
+    }
+    return {"data": traces, "layout": layout, "labels": False}
+
+
+def _over_time(traces: list[Chart], axis: Chart, height: int) -> Chart:
+    layout = {"xaxis": {"title": "time, s"}, "yaxis": axis, "height": height, "hovermode": "closest"}
+    return {"data": traces, "layout": layout, "labels": True}
+
+
+def _sd_axis(title: str) -> Chart:
+    ticks = {"tickvals": list(_SD_TICKS), "ticktext": [f"{100 * tick:g} %" for tick in _SD_TICKS]}
+    return {"title": title, "type": "log", **ticks}
+
+
+def _styled(ranking: Ranking, i: int, x: Array, y: Array, hover: str) -> Chart:
+    entry = entries(ranking)[i]
+    return {
+        "x": _plain(x),
+        "y": _plain(y),
+        "mode": "lines",
+        "name": entry["name"],
+        "meta": i,
+        "line": {"color": entry["colour"], "dash": entry["dash"], "width": entry["width"]},
+        "hovertemplate": f"{entry['name']}<br>{hover}<extra></extra>",
+    }
+
+
+def _line(study: Results, ranking: Ranking, i: int, quantity: str, hover: str) -> Chart:
+    table = _thin(study, ranking.rows[i].entry, quantity)
+    return _styled(ranking, i, table["time_s"], table["centre"], f"{hover} at %{{x:.1f}} s")
+
+
+def _thin(study: Results, entry: str, quantity: str) -> dict[str, Array]:
+    """One curve, thinned to what a panel can show."""
+    table = study.curves[(study.curves["entry"] == entry) & (study.curves["quantity"] == quantity)]
+    picked = table.iloc[np.unique(np.linspace(0, len(table) - 1, _POINTS).round().astype(int))]
+    return {name: picked[name].to_numpy(dtype=np.float64) for name in ("time_s", "centre", "low", "high", "bound")}
+
+
+def _point(ranking: Ranking, i: int, x: float, y: float, interval: Interval, hover: str) -> Chart:
+    """A dot with its interval."""
+    colour = drawing.colours(ranking)[ranking.rows[i].entry]
+    point = _marks(i, x, y, {"size": 11, "color": colour}, hover)
+    known = interval.known and math.isfinite(interval.high)
+    high, low = (max(interval.high - x, 0.0), max(x - interval.low, 0.0)) if known else (0.0, 0.0)
+    error = {"type": "data", "array": [high], "arrayminus": [low], "symmetric": False, "color": colour}
+    return point | {"error_x": error | {"thickness": 3, "width": 0}}
+
+
+def _marks(i: int, x: float, y: float, marker: Chart, hover: str) -> Chart:
+    found: Chart = {"x": _plain(np.array([x])), "y": _plain(np.array([y])), "mode": "markers", "meta": i}
+    return found | {"marker": marker, "hovertemplate": f"{hover}<extra></extra>"}
+
+
+def _cloud(ranking: Ranking, i: int, values: Array, seeds: Array, unit: str) -> Chart:
+    """A small dot per patient, spread across the row so that none hides another."""
+    across = i + np.random.default_rng(0).uniform(-0.28, 0.28, len(values))
+    name, colour = words.label(ranking.rows[i].entry), drawing.colours(ranking)[ranking.rows[i].entry]
+    return {
+        "x": _plain(values),
+        "y": _plain(across),
+        "mode": "markers",
+        "meta": i,
+        "marker": {"size": 5, "color": colour, "opacity": 0.45},
+        "customdata": [int(seed) for seed in seeds],
+        "hovertemplate": f"{name}<br>patient of seed %{{customdata}}: {unit}<extra></extra>",
+    }
+
+
+def _band(ranking: Ranking, axis: str) -> Chart:
+    low, high = ranking.band
+    ends = {"x0": low, "x1": high, "y0": 0, "y1": 1} if axis == "x" else {"x0": 0, "x1": 1, "y0": low, "y1": high}
+    other = "yref" if axis == "x" else "xref"
+    return {
+        "type": "rect",
+        **ends,
+        other: "paper",
+        "fillcolor": drawing.BAND,
+        "opacity": 0.3,
+        "layer": "below",
+        "line": {"width": 0},
+    }
+
+
+def _said(interval: Interval) -> str:
+    ends = words.interval(interval)
+    return words.number(interval.value) + (f" ({ends})" if ends else "")
+
+
+def _plain(values: Array) -> list[float | None]:
+    """Numbers as JSON has them: four significant digits, and nothing where there is none."""
+    return [float(f"{value:.4g}") if math.isfinite(value) else None for value in values]

@@ -1,0 +1,64 @@
+"""Learning curves of the trained entries: what their runs' ``evaluations.csv`` holds, as charts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from eval.comparison.ranking import Ranking
+from eval.comparison.results import Results
+from eval.report import charts
+from jawenv.errors import InputError
+
+
+def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
+    """A chart of each panel of ``training.plot`` over environment steps, and what could not be read of the runs."""
+    trained = [each for each in study.about.get("entries", []) if each.get("trained")]
+    if not trained:
+        return {}, []
+    from training.plot import PANELS
+
+    tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
+    looks = charts.entries(ranking)
+    found = {}
+    for column, label, factor in PANELS if tables else ():
+        traces = []
+        for i, table in tables.items():
+            rows = [row for row in table if column in row]
+            traces.append(
+                {
+                    "x": [row["steps"] for row in rows],
+                    "y": [factor * row[column] for row in rows],
+                    "mode": "lines+markers",
+                    "name": looks[i]["name"],
+                    "meta": i,
+                    "line": {"color": looks[i]["colour"], "dash": looks[i]["dash"], "width": 2},
+                    "hovertemplate": f"{looks[i]['name']}<br>%{{y:.3g}} after %{{x:,}} steps<extra></extra>",
+                }
+            )
+        layout = {
+            "xaxis": {"title": "environment steps"},
+            "yaxis": {"title": label, "rangemode": "tozero"},
+            "height": 300,
+            "hovermode": "closest",
+        }
+        found[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
+    return found, notes
+
+
+def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
+    """Evaluations by the number of the row, of the runs that are still where they were."""
+    from training.evaluations import read_evaluations
+    from training.run import RunFolder
+
+    found, notes = {}, []
+    for i, row in enumerate(ranking.rows):
+        if row.entry not in specs or not Path(specs[row.entry]).is_dir():
+            continue
+        try:
+            table = read_evaluations(RunFolder(Path(specs[row.entry])))
+        except InputError as error:
+            notes.append(str(error))
+            continue
+        if table:
+            found[i] = table
+    return found, notes

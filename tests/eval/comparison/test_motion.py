@@ -1,0 +1,72 @@
+import json
+
+import numpy as np
+import pytest
+
+from eval.comparison import motion, results
+from eval.comparison.compare import compare
+from eval.entries import load_entries
+from eval.settings import Settings
+from jawenv.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def study():
+    settings = Settings(patients=2, control="targets", episode_s=2.0)
+    return compare(load_entries(["slow_opening", "hold_still"], settings.env_kwargs, settings.env), settings)
+
+
+def test_the_first_patient_is_watched_at_most_ten_times_a_second(study):
+    for control, steps in (("targets", 10), ("force", 20)):
+        settings = Settings(patients=1, control=control, episode_s=2.0)
+        (moved,) = compare(load_entries(["chirp"], settings.env_kwargs, settings.env), settings).motions.values()
+        times = moved["frames"]["time_s"]
+        assert len(times) == steps
+        assert np.diff(times) == pytest.approx(2.0 / steps)
+        assert len(moved["commands"]) == len(moved["frames"]["command"][0]) == 4
+
+
+def test_an_opening_opens_and_who_is_held_stays(study):
+    opening, held = (np.array(study.motions[name]["frames"]["moved"])[:, 0] for name in ("slow_opening", "hold_still"))
+    assert opening[-1] - opening[0] > 0.8
+    assert abs(held[-1] - held[0]) < 0.2
+    sd = np.array(study.motions["slow_opening"]["frames"]["sd"])
+    assert sd.shape == (10, 12)
+    assert (sd[-1] <= sd[0]).all()
+
+
+def test_frames_put_the_mouthpiece_where_it_is_said_to_be(study):
+    """Contact point and turn give the opening that stands beside them, to the four digits that are kept."""
+    from scipy.spatial.transform import Rotation
+
+    moved = study.motions["slow_opening"]
+    frames = moved["frames"]
+    turned = Rotation.from_rotvec(frames["turn"]).apply(moved["mouthpiece"])
+    opening = moved["mouthpiece"][2] - (np.array(frames["contact"]) + turned)[:, 2]
+    assert opening == pytest.approx(np.array(frames["moved"])[:, 0], abs=0.05)
+
+
+def test_watching_changes_no_result(study):
+    from jawenv.rollout import play
+
+    entry = load_entries(["slow_opening"], Settings(control="targets", episode_s=2.0).env_kwargs)[0]
+    plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)
+    assert study.of("slow_opening")["information_true"].to_numpy() == pytest.approx(plain.information_true[:, -1])
+
+
+def test_motions_come_back_as_they_were_saved(study, tmp_path):
+    results.save(study, tmp_path)
+    assert results.load(tmp_path).motions == study.motions
+    (tmp_path / "motions.json").unlink()
+    assert results.load(tmp_path).motions == {}
+
+
+@pytest.mark.parametrize("text", ["{", "[1]"])
+def test_a_damaged_file_is_named(text, tmp_path):
+    (tmp_path / "motions.json").write_text(text)
+    with pytest.raises(InputError, match=r"motions\.json (is damaged|holds a list)"):
+        motion.load(tmp_path / "motions.json")
+
+
+def test_numbers_are_plain(study):
+    assert json.loads(json.dumps(study.motions)) == study.motions

@@ -1,0 +1,137 @@
+"""The report in a browser: what is drawn, sorted, hidden, played back and pressed."""
+
+import pytest
+
+from eval.cli import main
+from tests.eval.report.browser import executable, opened
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """The report of two maneuvers that were really played."""
+    executable()
+    folder = tmp_path_factory.mktemp("study")
+    arguments = ["--control", "targets", "--patients", "3", "--episode-s", "3", "--output", str(folder)]
+    assert main(["compare", "chirp", "slow_opening", "opening_with_swings", *arguments]) == 0
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with opened(path) as page:
+        yield page
+
+
+def names(page):
+    return page.eval_on_selector_all("#ranking-table td.text .name", "cells => cells.map(c => c.textContent.trim())")
+
+
+def time_s(page):
+    return float(page.input_value("#time-slider"))
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
+def test_it_is_drawn_without_a_complaint_or_the_network(path, width, scheme):
+    with opened(path, width, scheme) as page:
+        assert page.complaints == []
+        assert [url for url in page.requests if not url.startswith(("data:", "blob:"))] == [path.as_uri()]
+        assert page.locator(".chart").count() == page.locator(".chart[data-ready]").count() > 12
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        smallest = "texts => Math.min(...texts.map(text => parseFloat(getComputedStyle(text).fontSize)))"
+        assert page.eval_on_selector_all(".chart svg text", smallest) >= 11.0
+
+
+def test_no_element_breaks_an_accessibility_rule_seriously(page):
+    from axe_playwright_python.sync_playwright import Axe
+
+    found = [rule for rule in Axe().run(page).response["violations"] if rule["impact"] in ("serious", "critical")]
+    assert [(rule["id"], rule["nodes"][0]["html"][:120]) for rule in found] == []
+
+
+def test_a_heading_sorts_up_and_down(page):
+    before = names(page)
+    heading = page.locator("#ranking-table th.text button")
+    heading.click()
+    assert names(page) == sorted(before)
+    heading.press("Enter")
+    assert names(page) == sorted(before, reverse=True)
+    assert page.get_attribute("#ranking-table th.text", "aria-sort") == "descending"
+    page.locator("#ranking-table thead tr:last-child button").first.click()
+    assert names(page) == before
+
+
+def test_the_filter_hides_rows_and_says_so(page):
+    page.fill("#filter", "chi")
+    assert page.locator("#ranking-table tbody tr:visible .name").all_inner_texts() == ["chirp"]
+    assert page.inner_text("#count") == "1 of 3 shown"
+    page.fill("#filter", "")
+    assert page.locator("#ranking-table tbody tr:visible").count() == 3
+
+
+def test_an_entry_is_hidden_in_every_chart(page):
+    lines = "#reached_5 .scatterlayer .trace"
+    assert page.locator(lines).count() == 3
+    chip = page.locator('.entries button[data-entry="1"]').first
+    chip.click()
+    assert chip.get_attribute("aria-pressed") == "false"
+    assert page.locator(lines).count() == 2
+    assert page.locator("#parameter-0 .scatterlayer .trace").count() == 2
+    chip.press("Enter")
+    assert page.locator(lines).count() == 3
+
+
+def test_a_line_is_named_at_its_end_and_under_the_pointer(page):
+    labels = page.locator("#nees_over_time .annotation-text").all_text_contents()
+    assert len(labels) == 3
+    assert any("chirp" in label for label in labels)
+    box = page.locator("#information .scatterlayer .point").first
+    box.scroll_into_view_if_needed()
+    box.hover(force=True)
+    page.wait_for_selector("#information .hoverlayer .hovertext")
+    assert "nats" in page.locator("#information .hoverlayer .hovertext").text_content()
+
+
+def test_one_entry_is_shown_with_its_spread_and_its_bound(page):
+    page.select_option("#focus", "chirp")
+    assert page.locator("#parameter-0 .scatterlayer .trace").count() == 4
+    assert page.locator("#focus-note").is_visible()
+    page.select_option("#focus", "")
+
+
+PIXELS = """canvas => {
+    const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    let sum = 0;
+    for (let i = 0; i < data.length; i += 4) sum = (31 * sum + data[i] + 7 * data[i + 3]) % 1000003;
+    return sum;
+}"""
+
+
+def test_the_jaw_moves_by_slider_keys_and_play(page):
+    views = page.locator("#player .views canvas")
+    assert views.count() == 4
+    page.locator("#time-slider").fill("0")
+    still = [view.evaluate(PIXELS) for view in views.all()]
+    assert len(set(still)) > 1
+    page.locator("#time-slider").fill("2")
+    assert all(a != view.evaluate(PIXELS) for a, view in zip(still, views.all(), strict=True))
+    assert "Opening" in page.locator("#player .now").first.inner_text()
+    page.locator("#player").focus()
+    page.keyboard.press("ArrowLeft")
+    assert time_s(page) == pytest.approx(1.8)
+    page.keyboard.press("Space")
+    page.wait_for_function("Number(document.getElementById('time-slider').value) > 2.1")
+    page.keyboard.press("Space")
+    assert page.inner_text("#play") == "Play"
+    stopped = time_s(page)
+    page.wait_for_timeout(200)
+    assert time_s(page) == stopped
+    page.locator(".stage select").nth(1).select_option("slow_opening")
+    assert page.complaints == []
+
+
+def test_on_paper_nothing_is_wider_than_the_sheet(page):
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    try:
+        assert page.locator("#nees_over_time .main-svg").first.bounding_box()["width"] <= 680
+    finally:
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
