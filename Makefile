@@ -10,22 +10,31 @@ DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control targets --s
 export PYTHON
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint bench clean
+.PHONY: help demo notebooks docs test lint bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-6s  %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s  %s\n", $$1, $$2 }' Makefile
 
 demo: ## train a correction of a maneuver for a few minutes, compare it with every maneuver: runs/demo/report.html
 	@.ci/setup train eval
 	$(BIN)/python -m training $(DEMO_TRAIN)
 	$(BIN)/python -m eval $(DEMO_COMPARE)
 
+notebooks: ## open the notebooks in JupyterLab
+	@.ci/setup train eval notebooks
+	$(BIN)/jupyter lab eval/notebooks
+
+docs: ## run the notebooks and build the site: runs/site/index.html
+	@.ci/setup train eval docs
+	$(BIN)/python docs/site/notebook_pages.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
 test: lint ## lint, types and all tests
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 
 lint: ## ruff and mypy
-	@.ci/setup train eval dev
+	@.ci/setup train eval docs dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy

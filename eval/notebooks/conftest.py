@@ -2,7 +2,7 @@
 
 import os
 
-os.environ.setdefault("JAWENV_NOTEBOOK_PATIENTS", "4")
-os.environ.setdefault("JAWENV_NOTEBOOK_EPISODE_S", "5")
+os.environ.setdefault("JAWENV_NOTEBOOK_PATIENTS", "3")
+os.environ.setdefault("JAWENV_NOTEBOOK_EPISODE_S", "4")
 os.environ.setdefault("JAWENV_NOTEBOOK_DRAWS", "2")
 os.environ.setdefault("JAWENV_NOTEBOOK_QUICK", "1")

@@ -30,7 +30,9 @@ import tempfile
 import textwrap
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+from IPython.display import Markdown
 
 from eval.thesis.catalogue import ITEMS
 from eval.thesis.run import Settings, draw_all
@@ -72,7 +74,14 @@ look_at("kinematics")
 # ## Least squares
 #
 # The law of a muscle, $F = F_o \exp(b\,(l - l_o)/l_o)$, expanded about zero stretch is linear in $F_o$ and $F_o b$. It
-# is also wrong: at b = 8 and a stretch of 30 % it gives 3.4 for 11.0.
+# is also wrong:
+
+# %%
+b, stretch = 8.0, 0.3
+Markdown(
+    f"At b = {b:g} and a stretch of {stretch:.0%} the straight line gives {1 + b * stretch:.1f} times F_o, "
+    f"and the law {np.exp(b * stretch):.1f} times."
+)
 
 # %%
 look_at("linear")
@@ -112,6 +121,6 @@ look_at("two_stage")
 # ## Next
 #
 # - `look_at("ekf_sides")`, `"ekf_full"`, `"ekf_noise"` and `"rates"` are about the extended Kalman filter; they take
-#   about half a second per draw.
+#   longer.
 # - `python -m eval thesis --only ekf_sides --draws 100` draws one result and writes a report of it.
-# - `docs/recordings.md` says how a recording of a device of your own is evaluated by the same estimators.
+# - `04_your_own_recording.ipynb` evaluates a recording from a file by the same estimators.

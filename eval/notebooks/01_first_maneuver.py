@@ -22,16 +22,21 @@
 
 # %%
 import os
+import tempfile
+from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
 import pandas as pd
+from IPython.display import Markdown, Video
+from rich.console import Console
 
 import jawenv
 from agents import registry
 from eval.comparison.compare import compare
 from eval.comparison.ranking import rank
 from eval.entries import load_entries
+from eval.film import Film, write
 from eval.report import figures
 from eval.settings import Settings
 
@@ -56,9 +61,16 @@ pd.DataFrame(
     index=info["parameter_names"],
 ).round(2)
 
+# %%
+F_o, b = (np.array([name.startswith(kind) for name in info["parameter_names"]]) for kind in ("log_F_o/", "log_b/"))
+prior_sd = 100 * info["belief_sd"]
+Markdown(
+    f"Before anything is measured every muscle is believed to be like the average patient's, give or take "
+    f"{prior_sd[F_o].mean():.0f} % in F_o and {prior_sd[b].mean():.0f} % in b."
+)
+
 # %% [markdown]
-# Before anything is measured every muscle is believed to be like the average patient's, give or take 50 % in F_o and
-# 30 % in b. Now the maneuver is played to its end.
+# Now the maneuver is played to its end.
 
 # %%
 agent = registry.load_agent(MANEUVER)
@@ -75,11 +87,23 @@ pd.DataFrame(
 ).round(2)
 
 # %% [markdown]
+# ## What the jaw does
+#
+# The same patient and the same noise, as a film: the jaw from the side and from the front, the device's forces, and the
+# belief that becomes narrower.
+
+# %%
+(entry,) = load_entries([MANEUVER], Settings(episode_s=EPISODE_S).env_kwargs)
+film = Path(tempfile.mkdtemp()) / "jaw.mp4"
+print(write(Film(entry, seed=0, width=640, every=2), film, Console(quiet=True)))
+Video(str(film), embed=True, html_attributes="controls loop")
+
+# %% [markdown]
 # ## Many patients at once
 #
 # One patient proves little. `jawenv.play` plays the maneuver on many at the same time, and `jawenv.score` computes
-# every metric. The sd are what the filter *claims*; `nees` says whether to believe it: 12 is honest, more is too
-# sure of itself.
+# every metric. The sd are what the filter *claims*; `nees`, the normalised estimation error squared, says whether to
+# believe it: an honest filter's is on average the number of parameters, and more is too sure of itself.
 
 # %%
 recording = jawenv.play(agent, patients=PATIENTS, seed=100, env_kwargs={"episode_s": EPISODE_S})
@@ -132,6 +156,5 @@ pd.Series(100 * bound[-1], index=recording.parameter_names, name="bound, %").rou
 # ## Next
 #
 # - `python -m eval compare --all-maneuvers` ranks all hand-made maneuvers and writes a report.
-# - A maneuver is a short text file: copy one from `jawenv/maneuvers/shipped`, change it, and put its path into
-#   `MANEUVER`.
-# - `python -m training train sac` trains an agent; its run folder goes where a maneuver's name goes.
+# - `02_design_your_own.ipynb` writes a maneuver and compares it.
+# - `03_train_an_agent.ipynb` trains an agent.

@@ -1,0 +1,122 @@
+"""A page for each environment, made of Gymnasium's registry, the docstring, the spaces and the arguments' types.
+
+What an argument or an entry of the observation means stands once, in the tables of docs/environment.md.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+
+import jawenv  # noqa: F401  registers the environments
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.jaw import JawEnv, action_space, observation_space
+from jawenv.envs.observation import observation_layout, observation_size
+from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.ladder import MODELS, Model
+
+REFERENCE = Path(__file__).parents[1] / "environment.md"
+SECTION = re.compile(r"^## (.+)$", re.M)
+
+
+def pages() -> dict[str, str]:
+    """Place in the site -> Markdown, for every registered environment and their overview."""
+    made = {f"environments/{MODELS[model].title}-v1.md": _page(env_id) for env_id, model in ENVIRONMENTS.items()}
+    return {"environments/index.md": _overview()} | made
+
+
+def _overview() -> str:
+    rows = [
+        f"| [`{env_id}`]({MODELS[name].title}-v1.md) | {len(MODELS[name].muscles.parameter_names)} | "
+        f"{MODELS[name].shows} | {MODELS[name].hides} |"
+        for env_id, name in ENVIRONMENTS.items()
+    ]
+    table = "\n".join(["| id | parameters | can show | cannot show |", "|---|--:|---|---|", *rows])
+    return f"# Environments\n\nSix models of the jaw with one interface, simplest first.\n\n{table}\n"
+
+
+def _page(env_id: str) -> str:
+    """The sections of Gymnasium's own pages, in their order."""
+    spec, model = gym.spec(env_id), MODELS[ENVIRONMENTS[env_id]]
+    parts = [f"# {model.title}-v{spec.version}", _facts(env_id, spec, model)]
+    for title, text in _docstring().items():
+        text = _of_model(text, model) if title in ("Description", "Action Space", "Observation Space") else text
+        parts.append(f"## {title}\n\n{text}")
+        if title == "Observation Space":
+            parts.append(_observation(model))
+        if title == "Arguments":
+            parts.append(_arguments(spec))
+    return "\n\n".join(parts) + "\n"
+
+
+def _docstring() -> dict[str, str]:
+    """Sections of the class's docstring; what stands before the first is left out."""
+    text = inspect.cleandoc(JawEnv.__doc__ or "").replace("``", "`")
+    _, *pieces = SECTION.split(text)
+    return {title: body.strip() for title, body in zip(pieces[::2], pieces[1::2], strict=True)}
+
+
+def _of_model(text: str, model: Model) -> str:
+    """The docstring is of the reference environment; numbers that depend on the model are put in."""
+    numbers = {name: len(MODELS[name].muscles.parameter_names) for name in ("jaw", model.name)}
+    sizes = {name: observation_size(number) for name, number in numbers.items()}
+    text = text.replace(f"({sizes['jaw']},)", f"({sizes[model.name]},)")
+    return text.replace(f"all {numbers['jaw']} F_o", f"all {numbers[model.name]} F_o")
+
+
+def _facts(env_id: str, spec: Any, model: Model) -> str:
+    names = model.muscles.parameter_names
+    space = observation_space(observation_size(len(names)))
+    rows = {
+        "Import": f'`import jawenv`, then `gymnasium.make("{env_id}")`',
+        "Vector form": f'`gymnasium.make_vec("{env_id}", num_envs=256)`, native',
+        "Action space": f"`{action_space()}`",
+        "Observation space": f"`{space}`",
+        "Parameters": f"{len(names)}: " + ", ".join(f"`{name}`" for name in names),
+        "Can show": model.shows,
+        "Cannot show": model.hides,
+        "Mechanics of the truth": model.plant,
+        "Mechanics that the filter believes in": model.estimator,
+        "Entry points": f"`{spec.entry_point}`, `{spec.vector_entry_point}`",
+    }
+    return "\n".join([f"| id | `{env_id}` |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows.items())])
+
+
+def _observation(model: Model) -> str:
+    """Where each part lies in this environment."""
+    content = {_name(row[1]): row[2] for row in _table("Observation")}
+    lines = ["| indices | name | content and scale |", "|---|---|---|"]
+    for name, place in observation_layout(len(model.muscles.parameter_names)).items():
+        last = place.stop - 1
+        indices = f"{place.start}–{last}" if last > place.start else f"{last}"
+        lines.append(f"| {indices} | `{name}` | {content[name]} |")
+    return "\n".join(lines)
+
+
+def _arguments(spec: Any) -> str:
+    """Names, types and defaults from the code; the meaning from the reference."""
+    meaning = {_name(row[0]): row[3] for row in _table("Making it")}
+    lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
+    for field in fields(Configuration):
+        default = spec.kwargs.get(field.name, field.default)
+        kind = inspect.signature(JawEnv.__init__).parameters[field.name].annotation.replace("|", "\\|")
+        lines.append(f"| `{field.name}` | `{kind}` | `{default!r}` | {meaning[field.name]} |")
+    return "\n".join(lines)
+
+
+def _table(heading: str) -> list[list[str]]:
+    """Cells of the first table under a heading of the reference, links led from this folder."""
+    section = REFERENCE.read_text(encoding="utf-8").split(f"\n## {heading}\n")[1]
+    rows = re.search(r"(?:^\|.*\n)+", section, re.M)
+    assert rows is not None
+    text = re.sub(r"\]\(#", "](../environment.md#", rows[0])
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()[2:]]
+
+
+def _name(cell: str) -> str:
+    return cell.split("`")[1]

@@ -1,0 +1,137 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#       jupytext_version: 1.19.6
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Design a maneuver of your own
+#
+# A maneuver is a text file: where the jaw is to be, over time, as fractions of what the patient tolerates. Here one is
+# written, looked at, played on simulated patients and compared with one that comes with the project.
+
+# %%
+import os
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from IPython.display import Markdown
+
+import jawenv
+from eval.comparison.compare import compare
+from eval.comparison.ranking import rank
+from eval.entries import load_entries
+from eval.report import figures
+from eval.settings import Settings
+from jawenv.device.channels import CHANNELS
+
+# %matplotlib inline
+
+PATIENTS = int(os.environ.get("JAWENV_NOTEBOOK_PATIENTS", "24"))
+EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
+FOLDER = Path(tempfile.mkdtemp())
+
+# %% [markdown]
+# ## The file
+#
+# `opening` is the only channel that a maneuver must have; `side`, `fore_aft` and `roll` can be added. The kinds of
+# signal are `keyframes`, `harmonics`, `chirp` and `prbs`. Change numbers and run the notebook again.
+
+# %%
+MANEUVER = """
+name: my_maneuver
+title: My maneuver
+description: Opens and closes slowly, while the jaw swings from side to side.
+source: this notebook
+channels:
+  opening:
+    kind: keyframes
+    repeat: true
+    points:
+      - {t_s: 0, value: 0}
+      - {t_s: 8, value: 0.8}
+      - {t_s: 16, value: 0}
+  side:
+    kind: harmonics
+    harmonics:
+      - {amplitude: 0.5, period_s: 4}
+"""
+file = FOLDER / "my_maneuver.yaml"
+file.write_text(MANEUVER)
+maneuver = jawenv.Maneuver.load(file)
+
+# %% [markdown]
+# A mistake gets one line that names the key:
+
+# %%
+wrong = FOLDER / "wrong.yaml"
+wrong.write_text(MANEUVER.replace("value: 0.8", "value: 8"))
+try:
+    jawenv.Maneuver.load(wrong)
+except jawenv.InputError as error:
+    print(str(error).replace(str(FOLDER), ""))
+
+# %% [markdown]
+# ## What it asks for
+
+# %%
+times = np.linspace(0, EPISODE_S, 600)
+values, _ = maneuver.targets(times)
+targets = pd.DataFrame(values, index=pd.Index(times, name="s"), columns=CHANNELS)
+axes = targets.plot(figsize=(8, 3), ylabel="fraction of what is comfortable")
+plt.close(axes.figure)
+axes.figure
+
+# %% [markdown]
+# ## Is it any good?
+#
+# It is played on the same patients, with the same disturbances, as two others: a straight opening, and holding still.
+
+# %%
+settings = Settings(patients=PATIENTS, seed=200, episode_s=EPISODE_S)
+study = compare(load_entries([str(file), "slow_opening", "hold_still"], settings.env_kwargs), settings)
+ranking = rank(study)
+figures.overview(study, ranking)
+
+# %%
+lines = [
+    f"- **{row.entry}**: {row.information_true.value:.1f} nats (95 % interval {row.information_true.low:.1f} to "
+    f"{row.information_true.high:.1f}), {ranking.calibration(row)}"
+    for row in ranking.rows
+]
+Markdown("Best first:\n\n" + "\n".join(lines))
+
+# %% [markdown]
+# Does it hurt? The cost of a comfort limit is 0 up to the soft limit and 1 at the hard one:
+
+# %%
+figures.discomfort(study, ranking)
+
+# %% [markdown]
+# ## What is still missing
+#
+# The combination of parameters that is known least after the maneuver, in words. It says which motion to add.
+
+# %%
+agent = jawenv.Player(maneuver, control="force")
+played = jawenv.play(agent, patients=1, seed=200, env_kwargs={"episode_s": EPISODE_S, "record": True})
+print(jawenv.identifiability(played.records[0]).describe())
+
+# %% [markdown]
+# ## Next
+#
+# - `agents/README.md` lists every key of a maneuver file.
+# - `python -m eval compare my_maneuver.yaml --all-maneuvers` compares it with every other one.
+# - `python -m training optimise` searches a maneuver, `python -m training design` plans one second by second.

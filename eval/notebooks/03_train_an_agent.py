@@ -1,0 +1,123 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#       jupytext_version: 1.19.6
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Train and evaluate an agent
+#
+# A hand-made maneuver treats all patients alike. An agent sees how the patient responds, and can correct the maneuver.
+# Here one is trained as `make demo` does it, and is compared with the maneuver that it corrects. A few minutes of
+# training make no good agent; what counts is how to tell.
+
+# %%
+import os
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+from IPython.display import Image, Markdown
+from rich.console import Console
+
+import jawenv
+from eval.comparison.compare import compare
+from eval.comparison.ranking import rank
+from eval.entries import load_entries
+from eval.report import figures
+from eval.settings import Settings
+from training.config import TrainingConfig, config_file
+from training.plot import draw
+from training.run import RunFolder
+from training.train import start
+
+# %matplotlib inline
+
+PATIENTS = int(os.environ.get("JAWENV_NOTEBOOK_PATIENTS", "24"))
+EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
+QUICK = bool(int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")))
+RUN = Path(tempfile.mkdtemp()) / "agent"
+
+# %% [markdown]
+# ## The configuration
+#
+# Everything that decides a run is one tree. `training/configs/demo.yaml` is one; other values can be given.
+
+# %%
+config = TrainingConfig.load(config_file("demo"))
+if QUICK:  # as a test: one rollout of a few worlds
+    kwargs = {**config.env.kwargs, "episode_s": EPISODE_S}
+    ppo = config.ppo.model_copy(update={"n_steps": 20, "batch_size": 40, "n_epochs": 1})
+    evaluation = config.evaluation.model_copy(update={"every_steps": 40, "patients": 2})
+    config = config.changed(
+        steps=80,
+        n_envs=2,
+        env={"id": config.env.id, "kwargs": kwargs},
+        ppo=ppo.model_dump(),
+        evaluation=evaluation.model_dump(),
+    )
+Markdown(
+    f"{config.algorithm.upper()} takes {config.steps:,} steps in {config.n_envs} worlds. It corrects the maneuver "
+    f"`{config.residual.maneuver}` by at most {config.residual.scale:.0%} of what is comfortable, and may cost "
+    f"{config.comfort.target_discomfort_s:g} s of discomfort on average."
+)
+
+# %% [markdown]
+# ## The training
+#
+# On the command line: `python -m training train demo --output runs/my_agent`. The run's folder holds checkpoints, the
+# best policy and `evaluations.csv`.
+
+# %%
+start(config, RunFolder(RUN), Console(quiet=True))
+pd.read_csv(RUN / "evaluations.csv").tail().round(3)
+
+# %%
+Image(str(draw([RUN], RUN / "curves.png")))
+
+# %% [markdown]
+# ## Does it beat what it corrects?
+#
+# On patients that took no part in the training, in the same control mode, with the same noise.
+
+# %%
+settings = Settings(patients=PATIENTS, seed=300, episode_s=EPISODE_S, control="targets")
+study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.env_kwargs), settings)
+ranking = rank(study, config.residual.maneuver)
+figures.overview(study, ranking)
+
+# %%
+(agent,) = (row for row in ranking.rows if row.trained)
+gain = agent.difference
+verdict = "more than" if gain.low > 0 else "less than" if gain.high < 0 else "not distinguishable from"
+Markdown(
+    f"Patient by patient, the agent's information less that of the maneuver alone is {gain.value:.2f} nats "
+    f"(95 % interval {gain.low:.2f} to {gain.high:.2f}, {ranking.patients} patients): {verdict} the maneuver. "
+    f"Its filter is {ranking.calibration(agent)}."
+)
+
+# %% [markdown]
+# ## The agent in a loop of your own
+
+# %%
+from agents import load_agent
+
+agent = load_agent(RUN, control="targets")
+env_kwargs = {"control": "targets", "episode_s": EPISODE_S}
+recording = jawenv.play(agent, patients=2, seed=300, env_kwargs=env_kwargs)
+pd.Series(jawenv.score(recording).summary()).round(3)
+
+# %% [markdown]
+# ## Next
+#
+# - `training/README.md` lists algorithms and settings; `--seeds 0-4` trains five seeds, and one alone proves little.
+# - `python -m training export` makes a folder of the policy that anyone can play without PyTorch.

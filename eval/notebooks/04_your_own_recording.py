@@ -1,0 +1,117 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#       jupytext_version: 1.19.6
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Identify from a recording of your own
+#
+# A *recording* is what a device measured: where the mouthpiece was, how it moved, what force it felt. The estimators
+# get nothing else. So a table from a bench of your own is evaluated as a simulated one is. Put its path into `FILE`.
+
+# %%
+import os
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from IPython.display import Markdown
+
+import jawenv
+from agents import load_agent
+from jawenv.estimation.recordings.files import load_record, save_record
+from jawenv.estimation.references.extended_kalman import ExtendedKalman
+
+# %matplotlib inline
+
+FILE = None  # for example Path("bench.csv")
+EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
+
+# %% [markdown]
+# Without one, a patient is simulated and written to a file, true values included.
+
+# %%
+if FILE is None:
+    FILE = Path(tempfile.mkdtemp()) / "recording.csv"
+    agent = load_agent("opening_with_swings_and_fore_aft")
+    played = jawenv.play(agent, patients=1, seed=7, env_kwargs={"record": True, "episode_s": EPISODE_S})
+    save_record(played.records[0], FILE)
+table = pd.read_csv(FILE, comment="#")
+table.filter(regex="^(time|mouthpiece|pitch|force)").head()
+
+# %% [markdown]
+# ## From the file to a record
+#
+# Which columns there are and which units they have is in `docs/recordings.md`. The noise of the sensors decides how
+# much each reading is believed: `device=jawenv.Device(...)` describes a device of your own. `cohort=...` names the
+# population.
+
+# %%
+record = load_record(FILE)
+Markdown(
+    f"{record.time[-1]:.1f} s at {1 / record.dt:.3g} Hz; {len(record.parameter_names)} parameters are to be found. "
+    "The truth is " + ("in the file." if record.truth is not None else "not known.")
+)
+
+# %% [markdown]
+# A file that cannot be used gets one line with the column, the row and what is allowed:
+
+# %%
+damaged = Path(tempfile.mkdtemp()) / "damaged.csv"
+damaged.write_text(FILE.read_text().replace("force_x", "strength_x"))
+try:
+    load_record(damaged)
+except jawenv.InputError as error:
+    print(str(error).replace(str(damaged), damaged.name))
+
+# %% [markdown]
+# ## The estimate
+#
+# Estimates are of natural logarithms, so an sd of 0.05 is 5 %.
+
+# %%
+estimate = ExtendedKalman().estimate(record)
+mean, sd = estimate.mean[-1], estimate.sd[-1]
+found = pd.DataFrame({"estimate": np.exp(mean), "sd, %": 100 * sd}, index=record.parameter_names)
+if record.truth is not None:
+    found["true"] = np.exp(record.truth)
+    found["error / sd"] = (mean - record.truth) / sd
+found.round(2)
+
+# %% [markdown]
+# How the parameters become known:
+
+# %%
+figure, axes = plt.subplots(figsize=(8, 3))
+axes.plot(estimate.time, 100 * estimate.sd)
+axes.set(xlabel="s", ylabel="sd, %", yscale="log")
+plt.close(figure)
+figure
+
+# %% [markdown]
+# ## What the recording can tell
+#
+# This is about the motion and the device, and not about an estimator: what no estimator can tell from this recording.
+# It is computed at the estimate.
+
+# %%
+print(jawenv.identifiability(record, mean).describe())
+
+# %% [markdown]
+# ## Next
+#
+# - The same on the command line: `python examples/estimate_from_a_recording.py bench.csv`.
+# - `IteratedSmoother` and `ModeSearch` are slower and see more: `docs/recordings.md` says when.
+# - `05_thesis.ipynb` compares estimators on the cases of Young (2016).

@@ -1,0 +1,188 @@
+"""What the documentation shows can be done: Python blocks run, files load, commands are taken.
+
+Blocks run in the order of their page, in one namespace, with short episodes.
+"""
+
+import functools
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import click
+import gymnasium as gym
+import pytest
+import typer
+import yaml
+from documented import PAGES, ROOT, Block, blocks, needs_only_the_wheel
+from test_without_extras import BLOCKED
+
+import eval.cli
+import jawenv
+import jawenv.rollout
+import training.cli
+from agents.card import Result
+from jawenv.estimation.recordings.files import load_record
+
+EPISODE_S = 2.0
+NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
+COMMANDS = {"eval": eval.cli.app, "training": training.cli.app}
+
+ALONE = """
+import json, sys
+
+class NotInstalled:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {blocked!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, NotInstalled())
+import gymnasium as gym, jawenv, jawenv.rollout
+shortened = lambda make: lambda *given, **kwargs: make(*given, **({{"episode_s": {seconds}}} | kwargs))
+gym.make, gym.make_vec = shortened(gym.make), shortened(gym.make_vec)
+play = jawenv.rollout.play
+jawenv.play = lambda *given, env_kwargs, **rest: play(
+    *given, env_kwargs={{"episode_s": {seconds}}} | env_kwargs, **rest
+)
+for page in json.loads(sys.stdin.read()):
+    names = {{}}
+    for place, text in page:
+        exec(compile(text, place, "exec"), names)
+        print("ran:", place)
+"""
+
+
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Short episodes and trainings, and a folder of the example's own to write in."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("make", "make_vec"):
+        make = getattr(gym, name)
+        monkeypatch.setattr(gym, name, functools.partial(make, episode_s=EPISODE_S))
+    play = jawenv.rollout.play
+    monkeypatch.setattr(
+        jawenv,
+        "play",
+        lambda *given, env_kwargs, **rest: play(*given, env_kwargs={"episode_s": EPISODE_S} | env_kwargs, **rest),
+    )
+    return tmp_path
+
+
+def pages_with(*languages: str) -> list[Path]:
+    return [page for page in PAGES if blocks(page, *languages)]
+
+
+def run(found: list[Block]) -> dict[str, object]:
+    names: dict[str, object] = {"__name__": "example"}
+    for block in found:
+        exec(compile(block.text, block.place, "exec"), names)
+    return names
+
+
+@pytest.mark.parametrize("page", pages_with("python"), ids=lambda page: str(page.relative_to(ROOT)))
+def test_python_examples_run(page: Path, short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import stable_baselines3
+
+    learn = stable_baselines3.SAC.learn
+    monkeypatch.setattr(stable_baselines3.SAC, "learn", lambda model, steps, **kwargs: learn(model, min(steps, 16)))
+    if page.name == "recordings.md":  # a bench's file, of which the page speaks after it has made one of its own
+        first, *rest = blocks(page, "python")
+        names = run([first])
+        shutil.copy("recording.csv", "bench.csv")
+        for block in rest:
+            exec(compile(block.text, block.place, "exec"), names)
+    else:
+        run(blocks(page, "python"))
+
+
+def test_examples_that_need_only_the_wheel_run_without_anything_else(tmp_path: Path) -> None:
+    chosen = [needs_only_the_wheel(page) for page in PAGES]
+    places = {block.place.split(":")[0] for found in chosen for block in found}
+    assert {"README.md", "docs/environment.md", "agents/README.md"} <= places
+    code = ALONE.format(blocked=NOT_OF_THE_WHEEL, seconds=EPISODE_S)
+    given = json.dumps([[(block.place, block.text) for block in found] for found in chosen])
+    ran = subprocess.run([sys.executable, "-c", code], input=given, capture_output=True, text=True, cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.count("ran:") == sum(map(len, chosen))
+
+
+def test_what_an_example_needs_is_seen() -> None:
+    """Neither an example that imports another package, nor one that uses what such a one made."""
+    first, *others = blocks(ROOT / "docs" / "recordings.md", "python")
+    assert "from agents" in first.text and others
+    assert not set(needs_only_the_wheel(first.page)) & {first, *(block for block in others if "record" in block.text)}
+
+
+def test_a_maneuver_file_is_one(tmp_path: Path) -> None:
+    (example,) = blocks(ROOT / "agents" / "README.md", "yaml")
+    file = tmp_path / "maneuver.yaml"
+    file.write_text(example.text, encoding="utf-8")
+    assert jawenv.Maneuver.load(file).name == "open_and_swing"
+
+
+def test_a_file_of_results_is_one() -> None:
+    (example,) = blocks(ROOT / "training" / "README.md", "yaml")
+    rows = yaml.safe_load(example.text)["results"]
+    assert [Result(**row).metric for row in rows] == ["true information, nats"]
+
+
+def test_a_recording_is_one(tmp_path: Path) -> None:
+    (text,) = (block for block in blocks(ROOT / "docs" / "recordings.md", "") if block.text.startswith("time_s"))
+    file = tmp_path / "recording.csv"
+    file.write_text(text.text, encoding="utf-8")
+    assert len(load_record(file).time) == len(text.text.splitlines()) - 1
+
+
+def commands() -> list[tuple[str, str]]:
+    """(place, command line) of every shell block, comments left out, continued lines joined."""
+    found = []
+    for page in PAGES:
+        for block in blocks(page, "sh", "bash"):
+            lines = block.text.replace("\\\n", " ").splitlines()
+            found += [(block.place, line) for line in lines if shlex.split(line, comments=True)]
+    return found
+
+
+@pytest.mark.parametrize(("place", "line"), commands(), ids=lambda value: value[:60])
+def test_a_command_is_taken(place: str, line: str) -> None:
+    program, *words = shlex.split(line, comments=True)
+    if program == "make":
+        assert re.search(rf"^{words[0]}:", (ROOT / "Makefile").read_text(), re.M), place
+    elif program == "pip":
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+        assert set(re.findall(r"\[(\w+)\]", words[-1])) <= set(project["optional-dependencies"]), place
+    elif words[:1] == ["-m"]:
+        taken(COMMANDS[words[1]], words[2:])
+    elif program.endswith("python") and words[0] != "-c":
+        source = (ROOT / words[0]).read_text(encoding="utf-8")
+        for option in (word for word in words if word.startswith("--")):
+            assert f'"{option}"' in source, f"{place}: {words[0]} has no {option}"
+    else:
+        assert words[:1] == ["-c"] or program.endswith("tensorboard"), f"{place}: {line}"
+
+
+def taken(app: typer.Typer, words: list[str]) -> None:
+    """Parse the words as the program does, without doing what they say.
+
+    Raises:
+        click.UsageError: an unknown command, option or value.
+    """
+    group = typer.main.get_command(app)
+    assert isinstance(group, click.Group | typer.core.TyperGroup)
+    name, command, rest = group.resolve_command(group.make_context("", list(words)), list(words))
+    assert command is not None
+    command.make_context(name, rest)
+
+
+def test_an_unknown_option_is_not_taken() -> None:
+    with pytest.raises(Exception, match="No such option"):
+        taken(eval.cli.app, ["compare", "chirp", "--no-such-option"])
+
+
+def test_all_pages_are_read() -> None:
+    assert {page.name for page in PAGES} >= {"README.md", "environment.md", "recordings.md"}
+    assert len(commands()) > 20

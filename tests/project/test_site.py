@@ -1,0 +1,136 @@
+"""The documentation's site is built without a warning, and everything that its pages name is there."""
+
+import io
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import gymnasium as gym
+import nbformat
+import pytest
+from rich.console import Console
+
+import jawenv
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.registration import ENVIRONMENTS
+
+ROOT = Path(__file__).parents[2]
+SECTIONS = (
+    "Description",
+    "Action Space",
+    "Observation Space",
+    "Rewards",
+    "Starting State",
+    "Episode End",
+    "Arguments",
+    "Version History",
+)
+
+
+class Places(HTMLParser):
+    """What a page links to and loads, and the places in it that can be linked to."""
+
+    def __init__(self, page: Path) -> None:
+        super().__init__()
+        self.wanted: list[str] = []
+        self.anchors: set[str] = set()
+        self.feed(page.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name in ("href", "src") and value:
+                self.wanted.append(value)
+            elif name == "id" and value:
+                self.anchors.add(value)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
+    built = subprocess.run(build, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert built.returncode == 0, built.stderr
+    return folder
+
+
+def test_every_link_leads_somewhere_without_a_server(site: Path) -> None:
+    pages = {page: Places(page) for page in site.rglob("*.html") if page.name != "404.html"}
+    assert len(pages) > 15
+    for page, places in pages.items():
+        for link in places.wanted:
+            if re.match(r"(https?|data|mailto|javascript):", link):
+                continue
+            path, _, anchor = link.partition("#")
+            target = (page.parent / unquote(path)).resolve() if path else page
+            target = target / "index.html" if target.is_dir() else target
+            assert target.exists(), f"{page.relative_to(site)} names {link}"
+            if anchor and target.suffix == ".html" and not anchor.startswith("__"):
+                assert unquote(anchor) in pages[target].anchors, f"{page.relative_to(site)} names {link}"
+
+
+def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r'<(?:script|img|iframe)[^>]* src="https?:|<link[^>]*stylesheet[^>]*https?:', text), page
+
+
+@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+def test_an_environment_has_its_page(site: Path, env_id: str) -> None:
+    text = (site / "environments" / f"{env_id.removeprefix('jawenv/')}.html").read_text(encoding="utf-8")
+    headings = re.findall(r"<h2[^>]*>([^<]+)<", text)
+    assert [heading for heading in headings if heading in SECTIONS] == list(SECTIONS)
+    assert all(f"<code>{name}</code>" in text for name in Configuration.__dataclass_fields__)
+    env = gym.make(env_id)
+    assert f"({env.observation_space.shape[0]},)" in text
+    assert f"–{env.observation_space.shape[0] - 2}<" in text  # the last part but the time
+    env.close()
+
+
+def test_every_public_name_is_in_the_reference(site: Path) -> None:
+    anchors = Places(site / "api.html").anchors
+    for name in jawenv.__all__:
+        assert any(anchor.endswith(f".{name}") for anchor in anchors), name
+
+
+def test_formulas_need_no_script(site: Path) -> None:
+    text = (site / "model.html").read_text(encoding="utf-8")
+    assert text.count("<math") > 50
+    assert 'class="arithmatex"' not in text
+
+
+def test_a_notebooks_outputs_are_on_its_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is printed stays one block, blank lines too, and is no HTML; the kernel's warnings are left out."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
+    import notebook_pages
+
+    new = nbformat.v4
+    outputs = [
+        new.new_output("stream", name="stdout", text="a < b\n\nend\n"),
+        new.new_output("stream", name="stderr", text="a warning"),
+        new.new_output("execute_result", data={"text/markdown": "**44 %**", "text/plain": "<Markdown>"}),
+    ]
+    notebook = new.new_notebook(cells=[new.new_code_cell("1 + 1", outputs=outputs)])
+    path = tmp_path / "small.ipynb"
+    path.write_text(nbformat.writes(notebook), encoding="utf-8")
+    page = notebook_pages._page(path)
+    assert "```python\n1 + 1\n```" in page
+    assert "a &lt; b\n&nbsp;\nend" in page and "a warning" not in page
+    assert "<strong>44 %</strong>" in page and "&lt;Markdown&gt;" not in page
+
+
+def test_a_notebook_that_fails_names_itself_and_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
+    import notebook_pages
+
+    path = tmp_path / "wrong.ipynb"
+    cells = [nbformat.v4.new_code_cell("raise ValueError('no such muscle')")]
+    path.write_text(nbformat.writes(nbformat.v4.new_notebook(cells=cells)), encoding="utf-8")
+    monkeypatch.setattr(notebook_pages, "SOURCES", [path])
+    monkeypatch.setattr(notebook_pages, "KEPT", tmp_path / "kept")
+    printed = io.StringIO()
+    assert notebook_pages.execute_all(Console(file=printed)) == 1
+    assert "error: wrong.ipynb: ValueError: no such muscle" in printed.getvalue()
+    assert not list((tmp_path / "kept").iterdir())
