@@ -1,0 +1,39 @@
+"""The policies that come with the project: what their cards say, and that they are ahead of hand-made maneuvers."""
+
+import numpy as np
+import pytest
+
+import jawenv
+from agents import load_agent
+from agents.card import SHIPPED, exported_place, policy_names, read_card
+from jawenv.errors import InputError
+from jawenv.maneuvers import Maneuver
+from jawenv.seeds import REPORTS
+
+
+def test_they_have_names() -> None:
+    assert policy_names() == ("ppo_one_sided", "ppo_trismus")
+    assert exported_place("ppo_trismus") == SHIPPED / "ppo_trismus"
+    with pytest.raises(InputError, match="ppo_one_sided, ppo_trismus"):
+        load_agent("ppo_nobody")
+
+
+@pytest.mark.parametrize("name", policy_names())
+def test_a_card_tells_what_it_corrects_how_it_was_made_and_what_it_reached(name: str) -> None:
+    card = read_card(SHIPPED / name)
+    assert card.residual is not None and card.residual.maneuver == Maneuver.named(card.residual.maneuver.name)
+    assert [command.split()[3] for command in card.commands] == ["train", "export"]
+    assert {result.patients for result in card.results} == {200}
+    for result in card.results:
+        assert all(any(seed in seeds for seeds in REPORTS) for seed in result.seeds)
+
+
+@pytest.mark.parametrize("name", policy_names())
+def test_it_knows_more_than_a_hand_made_maneuver(name: str) -> None:
+    kwargs = {**read_card(SHIPPED / name).environment.kwargs(), "episode_s": 10.0, "track_bound": False}
+    worst = {}
+    for spec in (name, "opening_with_swings_and_fore_aft"):
+        played = jawenv.play(load_agent(spec, control="targets"), patients=6, seed=5000, env_kwargs=kwargs)
+        worst[spec] = np.log(played.belief_sd[:, -1].max(axis=1)).mean()
+        assert not played.violation.any()
+    assert worst[name] < worst["opening_with_swings_and_fore_aft"] - 0.3
