@@ -117,7 +117,7 @@ Markdown("Best first:\n\n" + "\n".join(lines))
 # Does it hurt? The cost of a comfort limit is 0 up to the soft limit and 1 at the hard one:
 
 # %%
-figures.discomfort(study, ranking)
+study.patients.groupby("entry", sort=False)[["discomfort_s", "largest_fraction", "violated"]].mean()
 
 # %% [markdown]
 # ## What is still missing
