@@ -52,4 +52,4 @@ def connect(workers: int | None = None) -> int:
         supports_return_generator = True
 
     register_parallel_backend("ray", Backend)
-    return int(ray.cluster_resources()["CPU"])  # type: ignore[no-untyped-call]
+    return int(ray.cluster_resources()["CPU"])
