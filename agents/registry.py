@@ -53,7 +53,10 @@ def load_agent(
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     if (place := exported_place(spec)) is not None:
-        return load_exported(place, env_id=model.env_id)
+        exported = load_exported(place, env_id=model.env_id)
+        if isinstance(exported, ResidualPolicy):
+            _check_settings(exported, control, control_hz)
+        return exported
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.suffix == ".npz":

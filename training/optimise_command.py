@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -101,11 +102,14 @@ def _write(output: Path, design: Any, found: Any) -> None:
 
 
 def check_output(output: Path) -> None:
-    """Make sure that a maneuver file can be written there.
+    """Make sure that a maneuver file can be written there, before minutes are spent on it.
 
     Raises:
-        InputError: another ending than .yaml, a folder that does not exist, or a stem that is no maneuver's name.
+        InputError: another ending than .yaml, a folder that does not exist or may not be written, or a stem that is no
+            maneuver's name.
     """
+    if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
+        raise InputError(f"--output: {output} given, but {output.parent} may not be written")
     if output.suffix != ".yaml" or not output.parent.is_dir():
         raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
     if not output.stem.isidentifier() or output.stem != output.stem.lower():

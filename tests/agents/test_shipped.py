@@ -18,6 +18,13 @@ def test_they_have_names() -> None:
         load_agent("ppo_nobody")
 
 
+def test_a_correction_of_targets_is_not_played_as_thrust() -> None:
+    with pytest.raises(InputError, match="^control 'force': a residual on a maneuver needs control 'targets'$"):
+        load_agent("ppo_trismus")
+    with pytest.raises(InputError, match="^control_hz 20: .* was trained at 5$"):
+        load_agent("ppo_trismus", control="targets", control_hz=20.0)
+
+
 @pytest.mark.parametrize("name", policy_names())
 def test_a_card_tells_what_it_corrects_how_it_was_made_and_what_it_reached(name: str) -> None:
     card = read_card(SHIPPED / name)

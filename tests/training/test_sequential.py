@@ -75,3 +75,9 @@ def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
 def test_what_is_not_allowed_is_named(field, value, message):
     with pytest.raises(InputError, match=message):
         SequentialDesign(**{field: value})
+
+
+def test_a_folder_that_may_not_be_written_is_named_at_once(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("os.access", lambda *_: False)
+    assert main(["design", "--output", str(tmp_path / "mine.yaml")]) == 2
+    assert f"{tmp_path} may not be written" in capsys.readouterr().err
