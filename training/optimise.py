@@ -9,9 +9,9 @@ candidate that breaks it ranks behind all that keep it, by how far it does (Deb 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import cma
 import gymnasium as gym
@@ -21,11 +21,12 @@ from numpy.typing import NDArray
 import jawenv
 from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.envs.configuration import Control, configure
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.maneuvers import Maneuver, Player
 from jawenv.maneuvers.maneuver import Targets
 from jawenv.seeds import TUNING
+from training.search_settings import SearchSettings
 from training.waveform import START, START_FADE_S, maneuver_of, numbers_of
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ INFEASIBLE = 1e3  # worse than any criterion
 
 
 @dataclass(frozen=True)
-class Design:
+class Design(SearchSettings):
     """What is searched.
 
     Attributes:
@@ -75,13 +76,8 @@ class Design:
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        for name, kind in (("criterion", Criterion), ("over", Over)):
-            if getattr(self, name) not in get_args(kind):
-                allowed = ", ".join(get_args(kind))
-                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
-        for name, least in (("patients", 1), ("generations", 1), ("population", 4), ("seed", 0)):
-            if getattr(self, name) < least:
-                raise InputError(f"{name} is {getattr(self, name)}; allowed: {least} or more")
+        self.check_choices(criterion=Criterion, over=Over)
+        self.check_least(patients=1, generations=1, population=4, seed=0)
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs)
@@ -90,10 +86,6 @@ class Design:
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
         return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
-
-    def about(self) -> dict[str, Any]:
-        """All fields."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 class Judged(NamedTuple):

@@ -9,19 +9,20 @@ back to rest, and all again.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from typing import Any, Literal, get_args
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from agents.planning import Plan, Planner
 from agents.replay import maneuver_of_targets, targets_of
 from jawenv.envs.configuration import configure
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver
 from jawenv.protocol import Action, Mask, Observation, State
 from jawenv.rollout import play
 from jawenv.seeds import TUNING
+from training.search_settings import SearchSettings
 
 Goal = Literal["mixed", "worst", "uncertainty"]
 Over = Literal["mean", "tail"]
@@ -35,7 +36,7 @@ START = ("opening_with_swings_and_fore_aft",)
 
 
 @dataclass(frozen=True)
-class SequentialDesign:
+class SequentialDesign(SearchSettings):
     """What is designed.
 
     Attributes:
@@ -68,17 +69,12 @@ class SequentialDesign:
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        for name, kind in (("goal", Goal), ("over", Over)):
-            if getattr(self, name) not in get_args(kind):
-                allowed = ", ".join(get_args(kind))
-                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
-        for name, least in (("patients", 1), ("rounds", 1), ("candidates", ELITES), ("seed", 0)):
-            if getattr(self, name) < least:
-                raise InputError(f"{name} is {getattr(self, name)}; allowed: {least} or more")
+        self.check_choices(goal=Goal, over=Over)
+        self.check_least(patients=1, rounds=1, candidates=ELITES, seed=0)
         if not 0.2 <= self.look_ahead_s <= 30.0:
             raise InputError(f"look_ahead_s is {self.look_ahead_s:g}; allowed: 0.2 to 30")
-        if not self.comfort_weight >= 0.0:
-            raise InputError(f"comfort_weight is {self.comfort_weight:g}; allowed: 0 or more")
+        if not 0.0 <= self.comfort_weight < float("inf"):
+            raise InputError(f"comfort_weight is {self.comfort_weight:g}; allowed: 0 or more, finite")
         configure(self.env_kwargs)
 
     @property
@@ -90,10 +86,6 @@ class SequentialDesign:
     def steps(self) -> int:
         """Control steps of the maneuver."""
         return configure(self.env_kwargs).steps
-
-    def about(self) -> dict[str, Any]:
-        """All fields."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def plan(self, name: str) -> Plan:
         """How the planner searches."""

@@ -68,7 +68,8 @@ def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
         ("patients", 0, "^patients is 0; allowed: 1 or more$"),
         ("candidates", 3, "^candidates is 3; allowed: 6 or more$"),
         ("look_ahead_s", float("nan"), "^look_ahead_s is nan; allowed: 0.2 to 30$"),
-        ("comfort_weight", float("nan"), "^comfort_weight is nan; allowed: 0 or more$"),
+        ("comfort_weight", float("nan"), "^comfort_weight is nan; allowed: 0 or more, finite$"),
+        ("comfort_weight", float("inf"), "^comfort_weight is inf; allowed: 0 or more, finite$"),
         ("cohort", "nobody", "nobody"),
     ],
 )
