@@ -171,8 +171,13 @@ def targets_of(actions: Array, period: float) -> Array:
     Returns:
         (N, T, 4) fractions of the patient's comfort.
     """
-    low, fastest = np.array(LOWEST), np.array(FASTEST_TARGET) * period
-    goals = low + 0.5 * (HIGHEST - low) * (np.asarray(actions, dtype=np.float64) + 1.0)
+    low = np.array(LOWEST)
+    return followed(low + 0.5 * (HIGHEST - low) * (np.asarray(actions, dtype=np.float64) + 1.0), period)
+
+
+def followed(goals: Array, period: float) -> Array:
+    """Targets (N, T, 4) from rest towards goals (N, T, 4), one each ``period`` (s), as fast as the device lets them."""
+    fastest = np.array(FASTEST_TARGET) * period
     targets, last = np.empty_like(goals), np.zeros_like(goals[:, 0])
     for step in range(goals.shape[1]):
         last = last + np.clip(goals[:, step] - last, -fastest, fastest)

@@ -1,7 +1,9 @@
 """Optimal experiment design: search the maneuver after which a cohort's parameters are known best, within comfort.
 
-CMA-ES (Hansen & Ostermeier 2001, Evol. Comput. 9:159) over the numbers of ``waveform``. All candidates of a generation
-are played with the same patients and the same noise, in one call of the batched core. Comfort is a constraint: a
+CMA-ES (Hansen & Ostermeier 2001, Evol. Comput. 9:159) over the numbers of ``waveform``; or over those of ``knots``
+about a maneuver that is refined, by the form with a diagonal covariance (Ros & Hansen 2008, PPSN X, 296), since they
+are a hundred. All candidates of a generation are played with the same patients and the same noise, in one call of the
+batched core. Comfort is a constraint: a
 candidate that breaks it ranks behind all that keep it, by how far it does (Deb 2000, Comput. Methods Appl. Mech. Eng.
 186:311), which CMA-ES, knowing ranks alone, needs no weight for.
 """
@@ -23,21 +25,23 @@ from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.envs.configuration import Control, configure
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.maneuvers import Maneuver, Player
+from jawenv.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.maneuvers.maneuver import Targets
 from jawenv.seeds import TUNING
+from training.knots import Knots
 from training.search_settings import SearchSettings
-from training.waveform import START, START_FADE_S, maneuver_of, numbers_of
+from training.waveform import Sines
 
 Array = NDArray[np.float64]
 Criterion = Literal["worst", "D", "A"]
 Over = Literal["mean", "tail", "nominal"]
 
-EARLY, EARLY_WEIGHT = 0.6, 0.3  # of the horizon: what is known there counts as well, with this weight
+WEIGHTS = {0.35: 0.2, 0.65: 0.2, 1.0: 0.6}  # of what is known at these shares of the horizon
 TAIL = 1.0 / 3.0  # of the patients, those known least, that ``over="tail"`` looks at
 DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is allowed
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
 INFEASIBLE = 1e3  # worse than any criterion
+CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate")
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,7 @@ class Design(SearchSettings):
         generations: of CMA-ES.
         population: candidates in a generation.
         sigma: first step size, of numbers from 0 to 1.
+        refine: name or file of the maneuver that is refined; empty: two sines on each channel are searched.
         seed: of the search.
     """
 
@@ -68,6 +73,7 @@ class Design(SearchSettings):
     generations: int = 120
     population: int = 14
     sigma: float = 0.12
+    refine: str = ""
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -81,11 +87,23 @@ class Design(SearchSettings):
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs)
+        self.form()
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
         return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
+
+    def form(self) -> Sines | Knots:
+        """What makes maneuvers of numbers.
+
+        Raises:
+            InputError: the maneuver that is refined is unknown, or its file is wrong.
+        """
+        if not self.refine:
+            return Sines()
+        named = self.refine in maneuver_names()
+        return Knots(Maneuver.named(self.refine) if named else Maneuver.load(self.refine), self.horizon_s)
 
 
 class Judged(NamedTuple):
@@ -151,16 +169,15 @@ class Judge:
         observation, info = self._env.reset(seed=seeds, options=options)
         player = _Candidates(candidates, patients, design.control, configuration.steps_per_s)
         discomfort, violated, governor = np.zeros(worlds), np.zeros(worlds, dtype=bool), np.zeros(worlds)
-        early = None
+        ends = [(max(1, round(share * configuration.steps)), weight) for share, weight in WEIGHTS.items()]
+        known = np.zeros(worlds)
         for step in range(configuration.steps):
             observation, _, _, _, info = self._env.step(player.predict(observation)[0])
             discomfort += info["cost"] / configuration.steps_per_s
             violated |= info["violation"]
             governor += info["governor"] / configuration.steps
-            if step + 1 == round(EARLY * configuration.steps):
-                early = self._criterion(info["belief_cov"])
-        assert early is not None
-        known = EARLY_WEIGHT * early + (1.0 - EARLY_WEIGHT) * self._criterion(info["belief_cov"])
+            if weight := sum(weight for end, weight in ends if end == step + 1):
+                known += weight * self._criterion(info["belief_cov"])
         worst = np.sqrt(np.diagonal(info["belief_cov"], axis1=1, axis2=2)).max(axis=1)
         columns = (known, discomfort, violated, governor, worst)
         return [self._judge(*parts) for parts in zip(*(c.reshape(len(candidates), -1) for c in columns), strict=True)]
@@ -228,10 +245,10 @@ def search(
     Raises:
         InputError: the log is damaged, or of another search.
     """
-    judge = judge or Judge(design)
-    start = numbers_of(START, START_FADE_S)
+    judge, form = judge or Judge(design), design.form()
     options = {"popsize": design.population, "seed": design.seed + 1, "verbose": -9, "maxiter": design.generations}
-    strategy = cma.CMAEvolutionStrategy(start, design.sigma, options)
+    options["CMA_diagonal"] = bool(design.refine)
+    strategy = cma.CMAEvolutionStrategy(form.start, design.sigma, options)
     kept = _read_log(log, design)
     best: Array | None = None
     lowest = np.inf
@@ -240,7 +257,7 @@ def search(
         if generation < len(kept):
             losses = kept[generation]
         else:
-            losses = [one.loss for one in judge([maneuver_of(numbers) for numbers in asked])]
+            losses = [one.loss for one in judge([form.maneuver(numbers, CANDIDATE) for numbers in asked])]
             _append_log(log, design, losses)
         strategy.tell(asked, losses)
         if min(losses) < lowest:
@@ -249,7 +266,7 @@ def search(
             assert best is not None
             report(generation + 1, Found(best, Judged(lowest, lowest, *[np.nan] * 4)))
     assert best is not None
-    return Found(best, judge([maneuver_of(best)])[0])
+    return Found(best, judge([form.maneuver(best, CANDIDATE)])[0])
 
 
 def _read_log(log: Path, design: Design) -> list[list[float]]:

@@ -34,13 +34,15 @@ def optimise(
     generations: Annotated[int, typer.Option(help="Generations of CMA-ES.", metavar="N")] = 120,
     population: Annotated[int, typer.Option(help="Candidates in a generation.", metavar="N")] = 14,
     sigma: Annotated[float, typer.Option(help="First step size, of numbers from 0 to 1.")] = 0.12,
+    refine: Annotated[str, typer.Option(help="Maneuver (name or file) whose targets are varied.", metavar="M")] = "",
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew where a search was left off.")] = False,
 ) -> int:
     """Search the open-loop maneuver after which the parameters are known best, within comfort.
 
     A search that was stopped goes on when the same command is given again. The losses so far stand beside the file,
-    in NAME.search.txt. Two sines on each of the four channels are searched.
+    in NAME.search.txt. Two sines on each of the four channels are searched; with --refine, offsets of a maneuver's
+    targets, one for each channel and 0.4 s.
     """
     from training.optimise import Design, search
 
@@ -55,6 +57,7 @@ def optimise(
         "generations": generations,
         "population": population,
         "sigma": sigma,
+        "refine": refine,
         "seed": seed,
     }
     design = Design(**settings)
@@ -86,19 +89,23 @@ def optimise(
 
 def _write(output: Path, design: Any, found: Any) -> None:
     """The maneuver file, with the command that made it."""
-    from training.waveform import content
-
+    searched = (
+        f"{Path(design.refine).stem!r} with its targets varied"
+        if design.refine
+        else "Two sines on opening, side, fore-aft force and roll,"
+    )
     about = {
         "name": output.stem,
         "title": title_of(output),
         "description": (
-            f"Two sines on opening, side, fore-aft force and roll, searched by CMA-ES for {CRITERIA[design.criterion]} "
+            f"{searched} by CMA-ES for {CRITERIA[design.criterion]} "
             f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
             f"the start, within comfort, in {design.control} control."
         ),
         "source": "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)",
     }
-    write_found(output, content(found.numbers, about), "optimise", design)
+    maneuver = design.form().maneuver(found.numbers, about)
+    write_found(output, maneuver.model_dump(mode="json", exclude_none=True, exclude_defaults=True), "optimise", design)
 
 
 def check_output(output: Path) -> None:

@@ -79,25 +79,26 @@ def waves_of(numbers: Array) -> tuple[dict[str, Wave], float]:
     return waves, _on_log(folded[-1], SHORTEST_FADE_S, LONGEST_FADE_S)
 
 
-def content(numbers: Array, about: dict[str, str]) -> dict[str, object]:
-    """A maneuver file's content; numbers are rounded, so that the file is what was judged.
+class Sines:
+    """Maneuvers of two sines on each channel.
 
-    Args:
-        numbers: (N_NUMBERS,).
-        about: name, title, description and source.
+    Attributes:
+        start: (N_NUMBERS,) where a search begins.
     """
-    waves, fade_s = waves_of(numbers)
-    return {
-        **about,
-        "fade_in_s": round(fade_s, 2),
-        "channels": {name: _channel(name, waves[name]) for name in CHANNELS},
-    }
 
+    def __init__(self) -> None:
+        self.start = numbers_of(START, START_FADE_S)
 
-def maneuver_of(numbers: Array) -> Maneuver:
-    """The maneuver of (N_NUMBERS,), without a name of its own."""
-    about = dict.fromkeys(("title", "description", "source"), "candidate")
-    return Maneuver.model_validate(content(numbers, {"name": "candidate", **about}))
+    def maneuver(self, numbers: Array, about: dict[str, str]) -> Maneuver:
+        """The maneuver of numbers (N_NUMBERS,), which are rounded, so that a file is what was judged.
+
+        Args:
+            numbers: any real ones.
+            about: name, title, description and source.
+        """
+        waves, fade_s = waves_of(numbers)
+        channels = {name: _channel(name, waves[name]) for name in CHANNELS}
+        return Maneuver.model_validate({**about, "fade_in_s": round(fade_s, 2), "channels": channels})
 
 
 def _channel(name: str, wave: Wave) -> dict[str, object]:

@@ -12,8 +12,8 @@ from jawenv.device.channels import CHANNELS
 from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver, Player
 from training.cli import main
-from training.optimise import INFEASIBLE, Design, Judge, Judged, nominal_patient, search
-from training.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, maneuver_of, numbers_of, waves_of
+from training.optimise import CANDIDATE, INFEASIBLE, Design, Judge, Judged, nominal_patient, search
+from training.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, Sines, numbers_of, waves_of
 
 SHORT = {"horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
 
@@ -21,7 +21,7 @@ SHORT = {"horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
 @given(arrays(float, N_NUMBERS, elements=st.floats(-5.0, 5.0)))
 def test_any_numbers_make_a_maneuver_within_its_channels(numbers):
     """The file's own checks refuse one that leaves them."""
-    maneuver = maneuver_of(numbers)
+    maneuver = Sines().maneuver(numbers, CANDIDATE)
     for name in CHANNELS:
         low, high = maneuver.channels.signal(name).bounds(20.0)
         assert high <= PEAKS[name][1] + 1e-6 and low >= (0.0 if name == "opening" else -PEAKS[name][1]) - 1e-6
@@ -45,13 +45,16 @@ def test_numbers_come_back(numbers):
 def test_a_candidate_is_judged_as_it_is_played_alone(control):
     """Largest sd and discomfort of the second of two candidates, by the public way of playing a maneuver."""
     design = Design(**SHORT, control=control)
-    candidates = [maneuver_of(numbers_of(START, fade)) for fade in (1.0, 2.0)]
+    candidates = [Sines().maneuver(numbers_of(START, fade), CANDIDATE) for fade in (1.0, 2.0)]
     second = Judge(design)(candidates)[1]
     played = jawenv.play(Player(candidates[1], control=control), patients=2, seed=5_000, env_kwargs=design.env_kwargs)
     assert second.worst_sd == pytest.approx(np.median(played.belief_sd[:, -1].max(axis=1)), rel=1e-6)
-    early = np.log(played.belief_sd[:, round(0.6 * (len(played.time) - 1))].max(axis=1))
-    late = np.log(played.belief_sd[:, -1].max(axis=1))
-    assert second.criterion == pytest.approx(np.mean(0.3 * early + 0.7 * late), rel=1e-6)
+    steps = len(played.time) - 1
+    at = {
+        weight: np.log(played.belief_sd[:, k].max(axis=1)) for weight, k in ((0.6, steps), (0.2, round(0.65 * steps)))
+    }
+    early = np.log(played.belief_sd[:, round(0.35 * steps)].max(axis=1))
+    assert second.criterion == pytest.approx(np.mean(0.6 * at[0.6] + 0.2 * at[0.2] + 0.2 * early), rel=1e-6)
     assert second.discomfort_s == pytest.approx(jawenv.score(played).discomfort_s.mean(), abs=1e-9)
 
 
@@ -142,6 +145,7 @@ def test_a_log_of_another_search_is_refused(tmp_path):
         ("control", "thought", "control is 'thought'"),
         ("cohort", "knees", "knees"),
         ("horizon_s", -1.0, "episode_s is -1"),
+        ("refine", "nothing.yaml", "nothing.yaml"),
     ],
 )
 def test_what_is_not_allowed_is_named(field, value, said):
@@ -160,3 +164,6 @@ def test_the_command_writes_a_file_that_plays(tmp_path, capsys):
     assert main(["optimise", "--output", str(tmp_path / "no" / "x.yaml")]) == 2
     assert main(["optimise", "--output", str(tmp_path / "My File.yaml")]) == 2
     assert INFEASIBLE > 100.0
+    assert main(["optimise", "--output", str(tmp_path / "finer.yaml"), "--refine", str(output), *options]) == 0
+    finer = (tmp_path / "finer.yaml").read_text()
+    assert f"--refine {output}" in finer and Maneuver.load(tmp_path / "finer.yaml").description.startswith("'found_it'")
