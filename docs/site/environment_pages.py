@@ -100,7 +100,7 @@ def _observation(model: Model) -> str:
 
 def _arguments(spec: Any) -> str:
     """Names, types and defaults from the code; the meaning from the reference."""
-    meaning = {_name(row[0]): row[3] for row in _table("Making it")}
+    meaning = {_name(row[0]): row[3] for row in _table("Arguments")}
     lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
     for field in fields(Configuration):
         default = spec.kwargs.get(field.name, field.default)
@@ -114,7 +114,7 @@ def _table(heading: str) -> list[list[str]]:
     section = REFERENCE.read_text(encoding="utf-8").split(f"\n## {heading}\n")[1]
     rows = re.search(r"(?:^\|.*\n)+", section, re.M)
     assert rows is not None
-    text = re.sub(r"\]\(#", "](../environment.md#", rows[0])
+    text = re.sub(r"\]\((\w+\.md)?#", lambda link: f"](../{link[1] or REFERENCE.name}#", rows[0])
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()[2:]]
 
 

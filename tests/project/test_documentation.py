@@ -42,8 +42,8 @@ def named(cell: str) -> list[str]:
 
 def test_arguments() -> None:
     own = {"render_mode"}
-    assert {named(row[0])[0] for row in table("Making it")} == {field.name for field in fields(Configuration)} | own
-    stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Making it")}
+    assert {named(row[0])[0] for row in table("Arguments")} == {field.name for field in fields(Configuration)} | own
+    stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Arguments")}
     rates = f"{CONTROL_HZ['force']:g}; in targets control {CONTROL_HZ['targets']:g}"
     assert stated.pop("control_hz") == rates and CONTROL_HZ["trajectory"] == CONTROL_HZ["force"]
     for field in (field for field in fields(Configuration) if field.name != "control_hz"):
@@ -90,7 +90,7 @@ def test_device() -> None:
 
 
 def test_cohorts_and_parameters() -> None:
-    (cohorts,) = (row[1] for row in table("Making it") if row[0] == "`cohort`")
+    (cohorts,) = (row[1] for row in table("Arguments") if row[0] == "`cohort`")
     assert set(named(cohorts)) == set(jawenv.COHORTS)
     assert np.array_equal(OBSERVATION_LAYOUT["belief_mean"], slice(0, len(jawenv.PARAMETER_NAMES)))
 
