@@ -238,7 +238,7 @@ def _check_control(name: str, control: object) -> None:
         raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")
 
 
-_KNOWN = ("opening_with_swings_and_fore_aft", "designed")
+_KNOWN = ("opening_with_swings_and_fore_aft", "refined")
 _MYOPIC = Plan(
     name="myopic",
     description="Of sampled targets for the next second, the one of the largest predicted gain less discomfort.",
