@@ -104,7 +104,7 @@ def _arguments(spec: Any) -> str:
     lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
     for field in fields(Configuration):
         default = spec.kwargs.get(field.name, field.default)
-        kind = inspect.signature(JawEnv.__init__).parameters[field.name].annotation.replace("|", "\\|")
+        kind = inspect.signature(JawEnv.__init__).parameters[field.name].annotation
         lines.append(f"| `{field.name}` | `{kind}` | `{default!r}` | {meaning[field.name]} |")
     return "\n".join(lines)
 

@@ -31,6 +31,7 @@ MATRIX = re.compile(r"<mo>(&#x00028;|&#x0005B;)</mo>(<mtable>.*?</mtable>)<mo>(&
 FUNCTION = re.compile(
     r"(<mi>(?:arccos|arctan|cos|det|exp|ln|log|max|min|sin|tan)</mi>)(?=<m(?:i|n|sub|sup|over|frac|subsup)>)"
 )
+LONG_NAME = re.compile(r"(?<=<code>)\w{21,}(?=</code>)")
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', re.S)
 
 
@@ -60,13 +61,14 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
 
 
 def on_page_content(html: str, **_: Any) -> str:
-    """Formulas become MathML, which browsers draw without a script."""
+    """Formulas become MathML, which browsers draw without a script; long names may break after an underscore."""
 
     def drawn(formula: re.Match[str]) -> str:
         maths = str(convert(unescape(formula[3]), display="block" if formula[2] == "[" else "inline"))
         maths = MATRIX.sub(r'<mrow><mo form="prefix">\1</mo>\2<mo form="postfix">\3</mo></mrow>', maths)
         return FUNCTION.sub(r'\1<mspace width="0.17em"/>', maths)
 
+    html = LONG_NAME.sub(lambda name: name[0].replace("_", "_<wbr>"), html)
     return FORMULA.sub(drawn, html)
 
 
