@@ -43,13 +43,14 @@ def test_the_maneuvers_that_come_along() -> None:
     assert set(names()) == {
         "chirp",
         "designed",
-        "designed_one_sided",
         "hold_still",
         "information_optimal",
         "multisine",
         "opening_with_swings",
         "opening_with_swings_and_fore_aft",
         "prbs",
+        "refined",
+        "refined_one_sided",
         "slow_opening",
         "small_amplitude",
     }
