@@ -73,12 +73,13 @@ class SequentialDesign(SearchSettings):
             InputError: a field has a value that is not allowed.
         """
         self.check_choices(goal=Goal, over=Over)
-        self.check_least(patients=1, rounds=1, candidates=ELITES, seed=0)
+        self.check_least(patients=1, rounds=1, seed=0)
         if not 0.2 <= self.look_ahead_s <= 30.0:
             raise InputError(f"look_ahead_s is {self.look_ahead_s:g}; allowed: 0.2 to 30")
         if not 0.0 <= self.comfort_weight < float("inf"):
             raise InputError(f"comfort_weight is {self.comfort_weight:g}; allowed: 0 or more, finite")
         configure(self.env_kwargs)
+        self.plan("design")
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
