@@ -19,6 +19,7 @@ from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 from agents.prediction import Outcome, Prediction
+from jawenv.checks import whole_number
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Control
 from jawenv.envs.rewards import potential
@@ -32,6 +33,7 @@ LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 SPREAD = np.array([0.25, 0.4, 0.1, 0.4])
 """Sd of the first variations of a sequence; each round halves it."""
 KNOT_S = 1.0  # between knots of a variation
+MOST_CANDIDATES = 10_000  # each is a copy of the world, of some 50 kB with what it is stepped with
 FORBIDDEN = 1e6  # nats off the score of what crosses a hard limit
 
 
@@ -53,6 +55,9 @@ class Plan:
         goal: the potential whose growth is the gain; ``"mixed"``, ``"worst"`` or ``"uncertainty"``.
         common: share of the worlds, those known least, whose mean score decides for all of them; 0 where each world
             has a plan of its own. So a maneuver is designed for a cohort, whose worlds are all in the same step.
+
+    Raises:
+        InputError: fewer candidates than elites, or than sequences that are always tried, or too many.
     """
 
     name: str
@@ -67,6 +72,14 @@ class Plan:
     comfort_weight: float = 20.0
     goal: str = "mixed"
     common: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the number of candidates."""
+        # To stay, the maneuvers and, after the first plan, the last one are tried first.
+        known = len(self.maneuvers) + 2 if self.maneuvers else 1
+        least, number = max(self.elites, known), whole_number(self.candidates)
+        if number is None or not least <= number <= MOST_CANDIDATES:
+            raise InputError(f"candidates is {shown(self.candidates)}; allowed: {least} to {MOST_CANDIDATES}")
 
 
 class Planner:

@@ -52,7 +52,7 @@ class TrainedPolicy:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See `agents.protocol.Agent.predict`.
+        """See `jawenv.protocol.Agent.predict`.
 
         Raises:
             InputError: the observation has not the size that the policy was trained on.

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from jawenv.progress import Progress
-from training.optimise_command import Output, check_output, title_of, write_found
+from training.optimise_command import Output, Overwrite, already_done, check_output, search_log, title_of, write_found
 
 
 def design(
@@ -23,10 +23,12 @@ def design(
     rounds: Annotated[int, typer.Option(help="Rounds of a plan.", metavar="N")] = 5,
     comfort_weight: Annotated[float, typer.Option(help="Nats that a second of discomfort is worth.")] = 60.0,
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
+    overwrite: Overwrite = False,
 ) -> int:
     """Design an open-loop maneuver second by second: all patients are moved alike, by the plan that teaches most.
 
-    A few minutes for 10 s of a maneuver. Comfort is a price here; `optimise` has it as a constraint.
+    A few minutes for 10 s of a maneuver. Comfort is a price here; `optimise` has it as a constraint. A design that was
+    stopped goes on when the same command is given again. The plans so far stand beside the file, in NAME.search.txt.
     """
     from training.sequential import SequentialDesign, design_maneuver
 
@@ -52,8 +54,23 @@ def design(
         "source": "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search",
     }
     console = Console(highlight=False, markup=False, stderr=True)
-    with Progress(wanted.steps, "steps of the maneuver", console) as progress:
-        maneuver = design_maneuver(wanted, about, progress.advance_to)
+    log = search_log(output, overwrite)
+    try:
+        with Progress(wanted.steps, "steps of the maneuver", console) as progress:
+
+            def report(done: int, planned_now: bool) -> None:
+                if planned_now:
+                    progress.advance_to(done)
+                else:
+                    progress.skip(1)
+
+            maneuver, plans_made = design_maneuver(wanted, about, log, report)
+    except KeyboardInterrupt:
+        console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
+        return 130
+    if plans_made == 0 and output.exists():
+        console.print(already_done(output, log), soft_wrap=True)
+        return 0
     write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", wanted)
     console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
     return 0

@@ -15,6 +15,9 @@ from jawenv.files import atomic_write
 from jawenv.progress import Progress
 
 Output = Annotated[Path, typer.Option(metavar="FILE", help="Maneuver file to write; its stem is the maneuver's name.")]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the file, and begin anew where a search was left off.")
+]
 CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
 OVER = {
     "mean": "on average over {patients} patients",
@@ -36,7 +39,7 @@ def optimise(
     sigma: Annotated[float, typer.Option(help="First step size, of numbers from 0 to 1.")] = 0.12,
     refine: Annotated[str, typer.Option(help="Maneuver (name or file) whose targets are varied.", metavar="M")] = "",
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew where a search was left off.")] = False,
+    overwrite: Overwrite = False,
 ) -> int:
     """Search the open-loop maneuver after which the parameters are known best, within comfort.
 
@@ -61,9 +64,7 @@ def optimise(
         "seed": seed,
     }
     design = Design(**settings)
-    log = output.with_suffix(".search.txt")
-    if overwrite:
-        log.unlink(missing_ok=True)
+    log = search_log(output, overwrite)
     console = Console(highlight=False, markup=False, stderr=True)
     try:
         with Progress(generations, "generations", console) as progress:
@@ -76,6 +77,9 @@ def optimise(
     except KeyboardInterrupt:
         console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
         return 130
+    if progress.done == 0 and output.exists():
+        console.print(already_done(output, log), soft_wrap=True)
+        return 0
     _write(output, design, found)
     judged = found.judged
     console.print(
@@ -121,6 +125,29 @@ def check_output(output: Path) -> None:
         raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
     if not output.stem.isidentifier() or output.stem != output.stem.lower():
         raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+
+
+def search_log(output: Path, overwrite: bool) -> Path:
+    """The file beside a maneuver file that keeps what its search has found so far.
+
+    Args:
+        output: the maneuver file.
+        overwrite: begin anew, without what is kept.
+
+    Raises:
+        InputError: the maneuver file exists, and no search that could go on has left it.
+    """
+    log = output.with_suffix(".search.txt")
+    if overwrite:
+        log.unlink(missing_ok=True)
+    elif output.exists() and not log.exists():
+        raise InputError(f"--output: {output} exists already; replace it with --overwrite")
+    return log
+
+
+def already_done(output: Path, log: Path) -> str:
+    """What a command says that is given again after its search is done."""
+    return f"{output} is there already, and {log} has all of its search; nothing to do (--overwrite begins anew)"
 
 
 def title_of(output: Path) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -19,9 +20,11 @@ from agents.replay import maneuver_of_targets, targets_of
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver
-from jawenv.protocol import Action, Mask, Observation, State
+from jawenv.maneuvers.player import action_of
+from jawenv.protocol import Array, Mask
 from jawenv.rollout import play
 from jawenv.seeds import TUNING
+from training.search_log import SearchLog
 from training.search_settings import SearchSettings
 
 Goal = Literal["mixed", "worst", "uncertainty"]
@@ -70,12 +73,13 @@ class SequentialDesign(SearchSettings):
             InputError: a field has a value that is not allowed.
         """
         self.check_choices(goal=Goal, over=Over)
-        self.check_least(patients=1, rounds=1, candidates=ELITES, seed=0)
+        self.check_least(patients=1, rounds=1, seed=0)
         if not 0.2 <= self.look_ahead_s <= 30.0:
             raise InputError(f"look_ahead_s is {self.look_ahead_s:g}; allowed: 0.2 to 30")
         if not 0.0 <= self.comfort_weight < float("inf"):
             raise InputError(f"comfort_weight is {self.comfort_weight:g}; allowed: 0 or more, finite")
         configure(self.env_kwargs)
+        self.plan("design")
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
@@ -104,42 +108,81 @@ class SequentialDesign(SearchSettings):
         )
 
 
-class _Reporting(Planner):
-    """Draws from a seed of its own, keeps its actions, and tells how many there are."""
+class _Designer(Planner):
+    """A planner that draws from a seed of its own, and keeps its plans in a log: those it finds there it does not make.
 
-    def __init__(self, plan: Plan, seed: int, report: Callable[[int], None]) -> None:
-        self.actions: list[Action] = []
-        self._own_seed, self._report = seed, report
-        super().__init__(plan)
+    Worlds are deterministic and a plan's candidates depend on the step alone, so that the plans are all there is to
+    keep.
+
+    Attributes:
+        kept: plans that the log held at the beginning.
+        plans: (H, 4) targets of each plan so far.
+    """
+
+    def __init__(self, design: SequentialDesign, name: str, log: Path) -> None:
+        self._design, self._path = design, log
+        super().__init__(design.plan(name))
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """See ``Planner.reset``; the seed of the patients is not that of the search."""
-        super().reset(num_envs, self._own_seed)
+        super().reset(num_envs, self._design.seed)
+        self.plans: list[Array] = []
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``."""
-        action, after = super().predict(observation, state, episode_start, deterministic)
-        self.actions.append(action)
-        self._report(len(self.actions))
-        return action, after
+    def attach(self, env: Any) -> None:
+        """See ``Planner.attach``; reads the log.
+
+        Raises:
+            InputError: the log cannot be read, is damaged, or is of another search.
+        """
+        super().attach(env)
+        self._log = SearchLog(self._path, self._design, self._planned[0].size)
+        rows = self._log.rows()
+        self.kept, self._left = len(rows), iter(rows)
+
+    def actions(self, steps: int) -> Array:
+        """Actions (steps, 4) that follow each plan until the next."""
+        followed = np.concatenate([plan[: self._follow] for plan in self.plans])[:steps]
+        return action_of(followed).astype(np.float32).astype(np.float64)
+
+    def _search(self, step: Array, due: Mask) -> None:
+        kept = next(self._left, None)
+        if kept is None:
+            super()._search(step, due)
+        else:
+            self._planned[due] = np.reshape(kept, self._planned.shape[1:])
+            self._planned_at[due] = step[due]
+        plan = self._planned[np.flatnonzero(due)[0]].copy()  # all worlds have the same
+        if kept is None:
+            self._log.append(plan.ravel().tolist())
+        self.plans.append(plan)
 
 
-def design_maneuver(design: SequentialDesign, about: dict[str, str], report: Callable[[int], None]) -> Maneuver:
-    """Design a maneuver.
+def design_maneuver(
+    design: SequentialDesign, about: dict[str, str], log: Path, report: Callable[[int, bool], None]
+) -> tuple[Maneuver, int]:
+    """Design a maneuver, and keep its plans in ``log``, from which a design that was stopped goes on.
 
     Args:
         design: what is designed.
         about: name, title, description and source.
-        report: is told the control steps done.
+        log: text file, one line for each plan; made if it does not exist.
+        report: called after each control step with the number done and whether its plan was made now, not kept.
+
+    Returns:
+        The maneuver, and how many plans were made now.
+
+    Raises:
+        InputError: the log cannot be read or written, is damaged, or is of another search.
     """
-    planner = _Reporting(design.plan(about["name"]), design.seed, report)
-    recording = play(planner, patients=design.patients, seed=TUNING.start, env_kwargs=design.env_kwargs)
+    planner = _Designer(design, about["name"], log)
+    recording = play(
+        planner,
+        patients=design.patients,
+        seed=TUNING.start,
+        env_kwargs=design.env_kwargs,
+        progress=lambda step, _: report(step, len(planner.plans) > planner.kept),
+    )
     period = float(recording.time[1])
-    actions = np.array(planner.actions, dtype=np.float64)[:, 0]
-    return maneuver_of_targets(targets_of(actions[None], period)[0], period, about, return_s=RETURN_S)
+    actions = planner.actions(len(recording.time) - 1)
+    maneuver = maneuver_of_targets(targets_of(actions[None], period)[0], period, about, return_s=RETURN_S)
+    return maneuver, len(planner.plans) - planner.kept

@@ -71,6 +71,26 @@ def test_what_a_planner_cannot_do_without_is_named():
         agent.predict(np.zeros((2, 59), np.float32))
 
 
+@pytest.mark.parametrize(
+    ("name", "candidates", "allowed"),
+    [
+        ("myopic", 10**9, "1000000000; allowed: 1 to 10000"),
+        ("myopic", 0, "0; allowed: 1 to 10000"),
+        ("myopic", 64.0, "64.0; allowed: 1 to 10000"),
+        ("receding_horizon", 3, "3; allowed: 4 to 10000"),
+    ],
+)
+def test_a_number_of_candidates_that_cannot_be_tried_is_named(name, candidates, allowed):
+    with pytest.raises(InputError, match=f"^candidates is {allowed}$"):
+        replace(PLANNERS[name], candidates=candidates)
+
+
+def test_the_fewest_candidates_are_those_that_are_always_tried():
+    for name, fewest in (("myopic", 1), ("receding_horizon", 4)):
+        agent = Planner(replace(PLANNERS[name], candidates=fewest))
+        assert jawenv.play(agent, patients=1, seed=5000, env_kwargs=KWARGS).valid.all()
+
+
 @pytest.mark.parametrize("name", QUICK)
 @pytest.mark.parametrize("options", [{"track_bound": True, "record": True, "reward": "bound", "cohort": "wide"}, {}])
 def test_planning_changes_nothing_of_the_real_worlds(name, options):

@@ -1,14 +1,23 @@
 """Maneuvers designed second by second: one plan for all patients, written as a file that plays it."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import jawenv
+from agents.replay import Recorder
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver, Player
 from training.cli import main
-from training.sequential import SequentialDesign, _Reporting, design_maneuver
+from training.search_log import SearchLog
+from training.sequential import SequentialDesign, _Designer, design_maneuver
 
 QUICK = SequentialDesign(horizon_s=2.0, patients=3, look_ahead_s=1.0, candidates=8, rounds=2)
 ABOUT = {"name": "designed", "title": "Designed", "description": "For a test.", "source": "this test"}
@@ -18,36 +27,130 @@ def played(agent):
     return jawenv.play(agent, patients=QUICK.patients, seed=5000, env_kwargs=QUICK.env_kwargs)
 
 
-def test_all_patients_are_moved_alike():
-    steps = []
-    agent = _Reporting(QUICK.plan("designed"), 0, steps.append)
+def log_of(log):
+    """The plans that a design has left."""
+    return SearchLog(log, QUICK, 5 * 4).rows()
+
+
+def test_all_patients_are_moved_alike(tmp_path):
+    agent = Recorder(_Designer(QUICK, "designed", tmp_path / "log.txt"))
     played(agent)
     actions = np.array(agent.actions)
-    assert actions.shape == (10, 3, 4) and steps == list(range(1, 11))
+    assert actions.shape == (10, 3, 4)
     np.testing.assert_array_equal(actions, np.broadcast_to(actions[:, :1], actions.shape))
     assert np.ptp(actions, axis=0).max() > 0.1
 
 
-def test_the_file_moves_the_jaw_as_the_design_did():
-    agent = _Reporting(QUICK.plan("designed"), QUICK.seed, lambda _: None)
-    designed = played(agent)
-    maneuver = design_maneuver(QUICK, ABOUT, lambda _: None)
+def test_the_file_moves_the_jaw_as_the_design_did(tmp_path):
+    designed = played(_Designer(QUICK, "designed", tmp_path / "log.txt"))
+    steps = []
+    maneuver, made = design_maneuver(QUICK, ABOUT, tmp_path / "log_too.txt", lambda *step: steps.append(step))
+    assert made == 2 and steps == [(k, True) for k in range(1, 11)]
     np.testing.assert_allclose(played(Player(maneuver, control="targets")).belief_sd, designed.belief_sd, rtol=2e-3)
     targets = maneuver.targets(np.linspace(0.0, 2.0, 50)).value
     assert (targets >= np.array(LOWEST) - 1e-9).all() and (targets <= HIGHEST + 1e-9).all()
 
 
-def test_the_seed_of_the_search_is_not_that_of_the_patients():
-    first, second = (design_maneuver(SequentialDesign(**{**QUICK.about(), "seed": k}), ABOUT, id) for k in (0, 1))
+def test_the_seed_of_the_search_is_not_that_of_the_patients(tmp_path):
+    designs = [SequentialDesign(**{**QUICK.about(), "seed": k}) for k in (0, 1)]
+    first, second = (design_maneuver(d, ABOUT, tmp_path / f"{d.seed}.txt", lambda *_: None)[0] for d in designs)
     assert first.channels != second.channels
 
 
-def test_the_tail_is_of_those_who_are_known_least():
-    agent = _Reporting(SequentialDesign(**{**QUICK.about(), "over": "tail"}).plan("tail"), 0, lambda _: None)
+def test_the_tail_is_of_those_who_are_known_least(tmp_path):
+    agent = _Designer(SequentialDesign(**{**QUICK.about(), "over": "tail"}), "tail", tmp_path / "log.txt")
     played(agent)
     potential = -np.log(agent._env.simulation.worlds["belief"]["cov"].diagonal(axis1=1, axis2=2).max(axis=1))
     assert agent._least_known(np.ones(3, dtype=bool)).tolist() == [int(np.argmin(potential))]
     assert agent._least_known(np.arange(3) != np.argmin(potential)).tolist() != [int(np.argmin(potential))]
+
+
+def test_a_stopped_design_plans_the_rest_as_if_it_had_not_been_stopped(tmp_path):
+    whole, _ = design_maneuver(QUICK, ABOUT, tmp_path / "whole.txt", lambda *_: None)
+    head, first, _ = (tmp_path / "whole.txt").read_text().splitlines(keepends=True)
+    log, steps = tmp_path / "log.txt", []
+    log.write_text(head + first + first[:-20])  # stopped while the second plan was written
+    resumed, made = design_maneuver(QUICK, ABOUT, log, lambda *step: steps.append(step))
+    assert made == 1 and steps == [(k, k > 5) for k in range(1, 11)]
+    assert resumed == whole and log.read_text() == (tmp_path / "whole.txt").read_text()
+    again, made = design_maneuver(QUICK, ABOUT, log, lambda *_: None)
+    assert made == 0 and again == whole
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "# {'cohort': 'knees'}\n1.0\n",
+            r"log.txt is of another search \(# \{'cohort': 'knees'\}\); allowed: the same",
+        ),
+        ("a diary", r"log.txt is of another search \(a diary\)"),
+        ("{head}1.0 2.0\n", "log.txt is damaged: line 2 has not 20 finite numbers; --overwrite begins anew$"),
+        ("{head}" + "nan " * 20 + "\n", "log.txt is damaged: line 2 has not 20 finite numbers"),
+        ("{head}" + "one " * 20 + "\n", "log.txt is damaged: line 2: could not convert string to float: 'one'"),
+        (b"\xff\xfe", "log.txt is damaged: it is no text"),
+    ],
+)
+def test_a_log_that_is_damaged_or_foreign_is_named(tmp_path, text, message):
+    log = tmp_path / "log.txt"
+    log.write_bytes(text if isinstance(text, bytes) else text.replace("{head}", f"# {QUICK.about()}\n").encode())
+    with pytest.raises(InputError, match=message):
+        design_maneuver(QUICK, ABOUT, log, lambda *_: None)
+
+
+@pytest.mark.parametrize("text", ["", "# {'cohort':"])
+def test_a_design_that_was_stopped_before_its_first_plan_begins_anew(tmp_path, text):
+    log = tmp_path / "log.txt"
+    log.write_text(text)
+    assert log_of(log) == [] and log.read_text() == ""
+
+
+COMMAND = ["--horizon-s", "6", "--patients", "2", "--candidates", "16", "--rounds", "2"]
+
+
+def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
+    root = str(Path(__file__).parents[2])
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))}
+    command = [sys.executable, "-m", "training", "design", "--output", "mine.yaml", *COMMAND]
+    log = tmp_path / "mine.search.txt"
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL) as process:
+        for _ in range(6000):
+            if log.exists() and log.read_text().count("\n") >= 2:
+                break
+            assert process.poll() is None
+            time.sleep(0.02)
+        process.send_signal(signal.SIGKILL)
+    kept = log.read_text()
+    assert 2 <= kept.count("\n") < 7 and not (tmp_path / "mine.yaml").exists()
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, timeout=300, stderr=subprocess.DEVNULL)
+    assert log.read_text().startswith(kept[: kept.rfind("\n") + 1])
+    (tmp_path / "whole").mkdir()
+    assert main(["design", "--output", str(tmp_path / "whole" / "mine.yaml"), *COMMAND]) == 0
+    for name in ("mine.yaml", "mine.search.txt"):
+        assert (tmp_path / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("design", ["--horizon-s", "1", "--patients", "1", "--candidates", "8", "--rounds", "1"]),
+        ("optimise", ["--horizon-s", "1", "--patients", "1", "--population", "4", "--generations", "1"]),
+    ],
+)
+def test_a_file_that_exists_is_replaced_when_that_is_asked_for(tmp_path, capsys, command, options):
+    path = tmp_path / "mine.yaml"
+    path.write_text("by hand")
+    asked = [command, "--output", str(path), *options]
+    assert main(asked) == 2 and path.read_text() == "by hand"
+    assert f"--output: {path} exists already; replace it with --overwrite" in capsys.readouterr().err
+    assert main([*asked, "--overwrite"]) == 0
+    assert Maneuver.load(path).name == "mine"
+    path.write_text("by hand")
+    capsys.readouterr()
+    assert main(asked) == 0 and path.read_text() == "by hand"
+    assert f"{path} is there already" in capsys.readouterr().err
+    path.unlink()
+    assert main(asked) == 0 and Maneuver.load(path).name == "mine"
 
 
 def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
@@ -66,7 +169,8 @@ def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
         ("goal", "most", "^goal is 'most'; allowed: mixed, worst, uncertainty$"),
         ("over", "nominal", "^over is 'nominal'; allowed: mean, tail$"),
         ("patients", 0, "^patients is 0; allowed: 1 or more$"),
-        ("candidates", 3, "^candidates is 3; allowed: 6 or more$"),
+        ("candidates", 3, "^candidates is 3; allowed: 6 to 10000$"),
+        ("candidates", 10**9, "^candidates is 1000000000; allowed: 6 to 10000$"),
         ("look_ahead_s", float("nan"), "^look_ahead_s is nan; allowed: 0.2 to 30$"),
         ("comfort_weight", float("nan"), "^comfort_weight is nan; allowed: 0 or more, finite$"),
         ("comfort_weight", float("inf"), "^comfort_weight is inf; allowed: 0 or more, finite$"),
