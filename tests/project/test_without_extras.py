@@ -1,7 +1,10 @@
 """The library alone: what it does without the packages of its extras, and what it says where one is needed."""
 
+import json
 import subprocess
 import sys
+
+import pytest
 
 BLOCKED = ("matplotlib", "filterpy", "pymunk", "pygame", "yaml", "pandas", "pyarrow", "torch", "stable_baselines3")
 
@@ -31,34 +34,47 @@ def in_new_process(code: str) -> str:
     return ran.stdout.strip()
 
 
-def refusal(code: str) -> str:
-    """The message of the one-line error that the code raises."""
-    lines = "".join(f"    {line}\n" for line in code.splitlines())
-    return in_new_process(
-        "import gymnasium as gym, jawenv\n"
-        f"try:\n{lines}"
-        "except jawenv.InputError as error:\n"
-        "    assert isinstance(error, ImportError)\n"
-        "    print(error)"
-    )
+REFUSED = {
+    "contact": 'gym.make("jawenv/JawSagittal-v1")',
+    "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v1", num_envs=2)',
+    "contact, mechanics": "import jawenv.mechanics.sagittal",
+    "pictures": 'env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
+    "filters": "import jawenv.estimation.references.filterpy_filters",
+}
+REFUSALS = f"""
+import json
+import gymnasium as gym, jawenv
+told = {{}}
+for name, code in {REFUSED!r}.items():
+    try:
+        exec(code, {{"gym": gym}})
+    except jawenv.InputError as error:
+        assert isinstance(error, ImportError)
+        told[name] = str(error)
+print(json.dumps(told))
+"""
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, str]:
+    """The messages of the one-line errors that the codes of ``REFUSED`` raise, one after the other in one process."""
+    messages: dict[str, str] = json.loads(in_new_process(REFUSALS))
+    return messages
 
 
 def test_the_default_environment_is_played_and_judged() -> None:
     assert in_new_process(PLAYS) == ""
 
 
-def test_the_jaw_in_contact_names_its_extra_when_it_is_made() -> None:
-    message = 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'
-    assert refusal('gym.make("jawenv/JawSagittal-v1")') == message
-    assert refusal('gym.make_vec("jawenv/JawSagittal-v1", num_envs=2)') == message
-    assert refusal("import jawenv.mechanics.sagittal") == message
-
-
-def test_pictures_name_their_extra() -> None:
-    code = 'env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()'
-    assert refusal(code) == 'render_mode needs pygame: pip install "jawenv[render]"'
-
-
-def test_the_reference_filters_name_their_extra() -> None:
-    code = "import jawenv.estimation.references.filterpy_filters"
-    assert refusal(code) == 'a reference filter needs filterpy: pip install "jawenv[reference]"'
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("contact", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
+        ("contact, several worlds", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
+        ("contact, mechanics", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
+        ("pictures", 'render_mode needs pygame: pip install "jawenv[render]"'),
+        ("filters", 'a reference filter needs filterpy: pip install "jawenv[reference]"'),
+    ],
+)
+def test_what_needs_an_extra_names_it(told: dict[str, str], code: str, message: str) -> None:
+    assert told[code] == message

@@ -208,6 +208,8 @@ def test_one_point_is_judged_right():
         searched.append(share(record, estimate.mean[-1], estimate.cov[-1]))
         estimate = TensionFilter().estimate(record)
         followed.append(share(record, estimate.mean[-1], estimate.cov[-1]))
+    # Six calibrated normals stay below 3.2 in 99.9 % of draws. The search remains too sure of one of these (3.7), which
+    # the limit allows; it is there for false motions, such as the 119 of the online filter.
     assert max(searched) < 5.0
     assert np.mean(searched) < nees_band(6, 12, 0.999)[1] / 12.0
     assert max(followed) > 20.0, "and one of these it does follow"
