@@ -20,10 +20,11 @@ from eval import statistics
 from eval.statistics import Interval
 from eval.studies.cells import FACTORS, Levels, matches
 from eval.studies.design import Design, Pair
-from eval.studies.metrics import METRICS
+from eval.studies.metrics import COMPARED, METRICS
 
 Array = npt.NDArray[np.float64]
 ALL = "all settings"
+QUANTILES = {"median": 0.5, "p90": 0.9}
 NOT_KNOWN = Interval(float("nan"), float("nan"), float("nan"))
 _SD_LEVELS = np.geomspace(0.005, 1.0, 70)
 _TIMES = 61
@@ -38,7 +39,8 @@ def _values(rows: pd.DataFrame, metric: str) -> Array:
 def _with_interval(values: Array, metric: str) -> Interval:
     if np.isnan(values).any():
         return NOT_KNOWN
-    return statistics.mean(values) if METRICS[metric].statistic == "mean" else statistics.quantile(values, 0.5)
+    statistic = METRICS[metric].statistic
+    return statistics.mean(values) if statistic == "mean" else statistics.quantile(values, QUANTILES[statistic])
 
 
 def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
@@ -87,7 +89,7 @@ def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Desig
         if len(one):
             met.append((dict(zip(FACTORS, texts, strict=True)), one, other))
     sides = {"better": str(pair[0]), "than": str(pair[1])}
-    for metric in design.metrics:
+    for metric in filter(COMPARED.__contains__, design.metrics):
         tables = [_by_patient(one, other, metric) for _, one, other in met]
         for (place, *_), table in zip(met, tables, strict=True):
             yield sides | place | {"patients": len(table), "metric": metric} | _compared(table)

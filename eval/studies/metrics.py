@@ -23,7 +23,7 @@ class Metric:
         title: heading of its column, with its unit.
         of: its values (N,) from the rows of N patients and the number of parameters.
         better: which direction is better; None where neither is.
-        statistic: over the patients: their mean, or their median where some may be infinite.
+        statistic: over the patients: their mean, or, where some may be infinite, their median or 90 % quantile (`p90`).
         scale: what tables multiply it by.
         digits: behind the point in tables.
     """
@@ -31,13 +31,17 @@ class Metric:
     title: str
     of: Callable[[pd.DataFrame, int], Array]
     better: Better | None
-    statistic: Literal["mean", "median"] = "mean"
+    statistic: Literal["mean", "median", "p90"] = "mean"
     scale: float = 1.0
     digits: int = 1
 
 
 def _column(name: str) -> Callable[[pd.DataFrame, int], Array]:
     return lambda rows, parameters: rows[name].to_numpy(dtype=np.float64)
+
+
+def _reached(name: str) -> Callable[[pd.DataFrame, int], Array]:
+    return lambda rows, parameters: np.isfinite(rows[name].to_numpy(dtype=np.float64)).astype(np.float64)
 
 
 def _per_parameter(name: str) -> Callable[[pd.DataFrame, int], Array]:
@@ -56,16 +60,22 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "inside_3_sigma": Metric("inside 3 sd, %", _column("inside_3_sigma"), None, scale=100.0),
         "worst_sd": Metric("worst sd, %", _column("worst_sd"), "lower", "median", 100.0),
         "early_worst_sd": Metric("worst sd after 10 s, %", _column("early_worst_sd"), "lower", "median", 100.0),
+        "worst_sd_p90": Metric("worst sd, p90, %", _column("worst_sd"), "lower", "p90", 100.0),
+        "early_worst_sd_p90": Metric("worst sd after 10 s, p90, %", _column("early_worst_sd"), "lower", "p90", 100.0),
         "worst_bound_sd": Metric("worst sd of the bound, %", _column("worst_bound_sd"), "lower", "median", 100.0),
         "rmse": Metric("RMSE, %", _column("rmse"), "lower", scale=100.0),
         "identified": Metric("parameters known", _column("identified"), "higher"),
         "time_to_10": Metric("time to 10 %, s", _column("time_to_0.1_s"), "lower", "median"),
         "time_to_5": Metric("time to 5 %, s", _column("time_to_0.05_s"), "lower", "median"),
         "time_to_2": Metric("time to 2 %, s", _column("time_to_0.02_s"), "lower", "median"),
+        "time_to_5_p90": Metric("time to 5 %, p90, s", _column("time_to_0.05_s"), "lower", "p90"),
+        "reaches_5": Metric("reach 5 %, % of patients", _reached("time_to_0.05_s"), "higher", scale=100.0),
         "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=2),
         "violated": Metric("violating episodes, %", _column("violated"), "lower", scale=100.0),
         "governor": Metric("governor, % of the time", _column("governor"), "lower", scale=100.0),
     }
 )
 """Every figure by its name; sd are of natural logs, so 5 % is 5 % of the parameter."""
+COMPARED = {name for name, metric in METRICS.items() if metric.statistic != "p90"}
+"""Of these there are differences, patient by patient; a quantile's would be those of the median's metric again."""
 DEFAULT_METRICS = ("information_true", "worst_sd", "time_to_5", "nees_per_parameter", "discomfort_s")

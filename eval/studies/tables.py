@@ -16,7 +16,7 @@ from eval.statistics import Interval
 from eval.studies.cells import FACTORS
 from eval.studies.design import Design
 from eval.studies.estimates import ALL
-from eval.studies.metrics import METRICS
+from eval.studies.metrics import COMPARED, METRICS
 
 Rows = list[list[str]]
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
@@ -24,8 +24,8 @@ _SD_SHOWN = (0.02, 0.05, 0.10, 0.20)
 _TIMES_SHOWN = 3
 NOTE = (
     "Beside each figure its 95 % interval over the patients: bias-corrected and accelerated bootstrap for "
-    "means, percentile bootstrap for medians (worst sd, times), Wilson's for shares. sd are of natural logs: 5 % is "
-    "5 % of the parameter. NEES / p is 1 if the filter is honest. `never`: more than half of the patients do not get "
+    "means, percentile bootstrap for medians and p90 (worst sd, times), Wilson's for shares. sd are of natural logs: "
+    "5 % is 5 % of the parameter. NEES / p is 1 if the filter is honest. `never`: more than half of the patients do not get "
     "there."
 )
 PAIRS_NOTE = (
@@ -80,7 +80,7 @@ def of_pairs(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
     """
     factors = [factor for factor in FACTORS if len(set(table[factor]) - {ALL, ""}) > 1]
     head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
-    head += [METRICS[metric].title for metric in design.metrics]
+    head += [METRICS[metric].title for metric in design.metrics if metric in COMPARED]
     rows = []
     for place, figures in table.groupby(["better", "than", *FACTORS], sort=False):
         levels = dict(zip(FACTORS, place[2:], strict=True))

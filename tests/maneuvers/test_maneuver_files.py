@@ -43,6 +43,7 @@ def test_the_maneuvers_that_come_along() -> None:
     assert set(names()) == {
         "chirp",
         "designed",
+        "designed_one_sided",
         "hold_still",
         "information_optimal",
         "multisine",

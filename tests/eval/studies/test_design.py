@@ -117,9 +117,9 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["nothing"], "study 'nothing' is unknown; allowed: cohorts, headline"),
+        (["nothing"], "study 'nothing' is unknown; allowed: agents, cohorts, headline"),
         (["nothing.yaml"], "nothing.yaml: no such file"),
-        ([], "study: none given; allowed: cohorts, headline"),
+        ([], "study: none given; allowed: agents, cohorts, headline"),
         (["headline", "--backend", "dask"], "backend: 'dask' given, allowed are loky, ray"),
         (["headline", "--workers", "0"], "--workers"),
         (["broken.yaml"], "broken.yaml: damaged YAML"),

@@ -61,6 +61,16 @@ def test_cells_are_means_and_medians_of_their_rows(rng):
     assert (table["patients"] == PATIENTS).all()
 
 
+def test_a_metric_may_be_what_nine_of_ten_patients_reach(rng):
+    known, wanted = rows(rng), design(metrics=["time_to_5", "worst_sd_p90", "time_to_5_p90", "reaches_5"])
+    table = estimates.cells(known, wanted).query("control == 'force' and entry == 'good'").set_index("metric")["value"]
+    own = known[(known["control"] == "force") & (known["entry"] == "good")]
+    assert table["worst_sd_p90"] == np.quantile(own["worst_sd"], 0.9, method="inverted_cdf")
+    assert np.isfinite(table["time_to_5"]) and np.isinf(table["time_to_5_p90"]), "20 of 30 patients get there"
+    assert table["reaches_5"] == pytest.approx(20 / 30)
+    assert set(estimates.pairs(known, wanted)["metric"]) == {"time_to_5", "reaches_5"}
+
+
 def test_a_pair_is_compared_patient_by_patient_in_every_setting_and_over_all(rng):
     table = estimates.pairs(rows(rng), design()).set_index(["metric", "control"])
     information = table.loc["information_true"]
