@@ -324,8 +324,9 @@ def thesis_command(
 ) -> None:
     """Put the results of Young (2016) beside what the corrected equations give, on all cores.
 
-    Writes report.html, and a Parquet and a JSON file per result. 1,000 draws take about half an hour of one core.
-    Ctrl-C keeps the draws that are finished: the same command goes on from there.
+    Writes report.html, and a Parquet and a JSON file per result. 100 draws take up to ten minutes on two cores, 1,000
+    ten times as long; the first run compiles for some minutes before. Fewer than 20 get no verdict. Ctrl-C keeps the
+    draws that are finished: the same command goes on from there.
     """
     from eval.thesis.study import study
 

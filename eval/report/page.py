@@ -85,11 +85,18 @@ def render(study: Results, ranking: Ranking) -> str:
         commands=list(next(iter(moving["motions"].values()))["commands"]) if moving else [],
         end_s=moving["end_s"] if moving else 0.0,
         learning=list(learning),
+        learning_entries=_entries_in(learning, data["entries"]),
         learning_notes=learning_notes,
         data=_embedded(data),
         plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
         assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704
     )
+
+
+def _entries_in(found: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:
+    """Place and name of the entries that have a line in a chart."""
+    numbers = dict.fromkeys(trace["meta"] for chart in found.values() for trace in chart["data"])
+    return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]
 
 
 def _own_assets() -> list[Path]:

@@ -11,6 +11,7 @@ from matplotlib.patches import Ellipse
 from eval.report import drawing, words
 
 FORCE, EXPONENT = "#3b82c4", "#e08a2c"
+FEWEST_IN_BINS = 20  # fewer values are drawn one by one
 _SIDES = {"left": "#3b82c4", "right": "#8b6cc6"}
 
 
@@ -30,10 +31,15 @@ def _histogram(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     values = values[np.isfinite(values)]
     truth = float(rows["true_value"].iloc[0])
     force = name.startswith("log_F_o")
-    if len(values):
+    colour = FORCE if force else EXPONENT
+    if 0 < len(values) < FEWEST_IN_BINS:
+        axes.plot(values, np.linspace(0.2, 0.8, len(values)), "o", color=colour, markersize=5, alpha=0.75)
+        axes.axvline(float(values.mean()), color=drawing.INK, linestyle=(0, (4, 2)), linewidth=1.1)
+        axes.set_ylim(0.0, 1.0)
+    elif len(values):
         low, high = np.quantile(values, [0.02, 0.98])
         shown = values[(values >= low) & (values <= high)]
-        axes.hist(shown, bins=min(24, max(5, len(values) // 8)), color=FORCE if force else EXPONENT, alpha=0.75)
+        axes.hist(shown, bins=min(24, max(5, len(values) // 8)), color=colour, alpha=0.75)
         axes.axvline(float(shown.mean()), color=drawing.INK, linestyle=(0, (4, 2)), linewidth=1.1)
     axes.axvline(truth, color="#c25b4e", linewidth=1.6)
     axes.set_title(f"{'F_o, N' if force else 'b'}  {_short(name)}", fontsize=7.3)
@@ -41,6 +47,7 @@ def _histogram(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     axes.grid(axis="y", visible=False)
     axes.spines["left"].set_visible(False)
     axes.locator_params(axis="x", nbins=3)
+    axes.ticklabel_format(axis="x", useOffset=False)
 
 
 def _short(parameter: str) -> str:

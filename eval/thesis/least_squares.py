@@ -10,7 +10,7 @@ from eval import statistics
 from eval.report import words
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.histograms import histograms, physician_view
+from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
@@ -195,6 +195,11 @@ _PLANE = (
     "noise of our device."
 )
 
+_SHOWN = (
+    f", the outermost 4 % left out, or fewer than {FEWEST_IN_BINS} draws each as a dot; the line is the truth, the "
+    "dash the mean of those shown."
+)
+
 LINEAR = Item(
     "linear",
     "Linear least squares, 3 muscles",
@@ -205,8 +210,7 @@ LINEAR = Item(
     one_by_one(draw_linear),
     judge_linear,
     figure_linear,
-    "Estimates of all draws, the outermost 4 % left out; the line is the truth, the dash the mean of those shown. A "
-    "negative F_o has no meaning, and with it b = (F_o b) / F_o has none.",
+    f"Estimates of all draws{_SHOWN} A negative F_o has no meaning, and with it b = (F_o b) / F_o has none.",
 )
 PLANE = Item(
     "nonlinear_plane",
@@ -218,8 +222,7 @@ PLANE = Item(
     one_by_one(draw_plane),
     judge_plane,
     figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors, the outermost 4 % left out; the line is the truth, the "
-    "dash the mean of those shown.",
+    "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 FULL = Item(
     "nonlinear_full",
@@ -232,8 +235,7 @@ FULL = Item(
     one_by_one(draw_full),
     judge_full,
     figure_nonlinear,
-    "Estimates of all draws with the noise of the sensors, the outermost 4 % left out; the line is the truth, the "
-    "dash the mean of those shown.",
+    "Estimates of all draws with the noise of the sensors" + _SHOWN,
 )
 PHYSICIAN = Item(
     "physician_view",

@@ -16,13 +16,14 @@ from rich.text import Text
 from eval.report import template
 from eval.report.template import picture
 from eval.thesis.item import Finding, Item
-from eval.thesis.run import Settings
+from eval.thesis.run import ENOUGH, Settings
 
 _COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
+UNDECIDED = "too few draws"
 
 
-def show(items: Sequence[Item], findings: dict[str, Finding], console: Console) -> None:
-    """Print every result: where it stands, what is measured, the verdict."""
+def show(items: Sequence[Item], findings: dict[str, Finding], settings: Settings, console: Console) -> None:
+    """Print every result: where it stands, what is measured, the verdict if there are enough draws for one."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
     table.add_column("result", min_width=20)
     table.add_column("we measure", ratio=1)
@@ -30,8 +31,11 @@ def show(items: Sequence[Item], findings: dict[str, Finding], console: Console) 
     for item in items:
         finding = findings[item.key]
         name = Text.assemble((item.title, "bold"), "\n", (item.where, "dim"))
-        table.add_row(name, finding.measured, Text(finding.verdict, style=_COLOUR[finding.verdict]))
-        table.add_row("", Text(finding.why, style="dim"), "")
+        if settings.decisive:
+            table.add_row(name, finding.measured, Text(finding.verdict, style=_COLOUR[finding.verdict]))
+            table.add_row("", Text(finding.why, style="dim"), "")
+        else:
+            table.add_row(name, finding.measured, Text(UNDECIDED, style="dim"))
     console.print(table)
 
 
@@ -62,6 +66,9 @@ def write(
         findings=findings,
         pictures={item.key: picture(item.figure(tables[item.key]), item.key, item.title) for item in items},
         settings=asdict(settings),
+        decisive=settings.decisive,
+        undecided=UNDECIDED,
+        enough=ENOUGH,
         about=about,
         counts={verdict: sum(finding.verdict == verdict for finding in findings.values()) for verdict in _COLOUR},
     )

@@ -23,10 +23,13 @@ import jawenv
 from eval.chunks import Chunk, finish, folder_for
 from eval.tables import read_table, write_table
 from eval.thesis.item import Finding, Item
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
+from jawenv.rollout import LARGEST_SEED
 
 CHUNK = 10
+ENOUGH = 20
+"""Draws, below which no verdict is given."""
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
 
 
@@ -36,7 +39,7 @@ class Settings:
 
     Attributes:
         draws: of each item, >= 2.
-        seed: of all draws, >= 0.
+        seed: of all draws, 0 to ``jawenv.rollout.LARGEST_SEED``.
         quick: short episodes and fewer cases, to try the program out.
 
     Raises:
@@ -51,8 +54,13 @@ class Settings:
         """Check the numbers."""
         if self.draws < 2:
             raise InputError(f"draws: {self.draws} given, allowed is 2 or more")
-        if self.seed < 0:
-            raise InputError(f"seed: {self.seed} given, allowed is 0 or more")
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise InputError(f"seed: {shown(self.seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+
+    @property
+    def decisive(self) -> bool:
+        """Whether the draws are enough, and long enough, for a verdict."""
+        return self.draws >= ENOUGH and not self.quick
 
 
 def chunks_of(item: Item, settings: Settings, folder: Path) -> list[Chunk]:

@@ -48,7 +48,7 @@ def study(
     findings = {item.key: item.judge(tables[item.key]) for item in items}
     for item in items:
         keep(item, tables[item.key], findings[item.key], settings, output)
-    report.show(items, findings, console)
+    report.show(items, findings, settings, console)
     if not console.is_terminal:
         console.print("drawing the report")
     with console.status("drawing the report"):

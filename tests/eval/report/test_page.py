@@ -121,11 +121,14 @@ def test_learning_curves_of_a_run_are_shown_and_a_damaged_table_is_named(made, t
     )
     entries = [each | ({"spec": str(tmp_path)} if each["trained"] else {}) for each in made.about["entries"]]
     study = type(made)(made.patients, made.curves, made.about | {"entries": entries})
-    (curve,) = data_of(render(study, rank(study)))["charts"]["learning_worst_sd"]["data"]
+    page = render(study, rank(study))
+    (curve,) = data_of(page)["charts"]["learning_worst_sd"]["data"]
     assert (curve["x"], curve["y"]) == ([0.0, 9.0], [40.0, 20.0])
+    entry = data_of(page)["entries"][curve["meta"]]
+    assert f"At the end of a line stands the entry: {entry['place']} {entry['name']}. " in page
     (tmp_path / "evaluations.csv").write_text("steps,return\n0,nobody\n")
     page = render(study, rank(study))
-    assert f"Not shown: {tmp_path / 'evaluations.csv'} is damaged" in page
+    assert f"Not shown: {tmp_path / 'evaluations.csv'} is damaged" in page and "At the end of a line" not in page
     assert "learning_worst_sd" not in data_of(page)["charts"]
 
 

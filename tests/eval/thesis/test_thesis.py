@@ -9,6 +9,7 @@ from rich.console import Console
 
 from eval.cli import main
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
+from eval.thesis.histograms import histograms
 from eval.thesis.item import Finding, Item, one_by_one
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.anatomy.muscles import known_muscle_sets
@@ -39,7 +40,11 @@ def test_bad_input_is_refused_in_one_line(tmp_path, capsys):
     for arguments, told in (
         (["--only", "fig_6_3"], "fig_6_3"),
         (["--draws", "1"], "draws: 1 given"),
-        (["--seed", "-1"], "seed: -1 given"),
+        (["--seed", "-1"], "seed: -1 given, allowed is a whole number, 0 to 4294967295"),
+        (
+            ["--seed", "1" + 24 * "0"],
+            "seed: 1000000000000000000000000 given, allowed is a whole number, 0 to 4294967295",
+        ),
     ):
         assert main(["thesis", *arguments, "--output", str(tmp_path)]) == 2
         error = capsys.readouterr().err
@@ -102,6 +107,17 @@ def test_a_damaged_file_says_what_to_do(toy, tmp_path):
     chunk.write_text("no parquet")
     with pytest.raises(InputError, match="--fresh"):
         study.study(None, 3, 0, True, tmp_path, False, "", console)
+
+
+@pytest.mark.parametrize(("options", "shown"), [([], "reproduced"), (["--quick"], None), (["--draws", "19"], None)])
+def test_a_verdict_is_shown_where_the_draws_are_enough(toy, tmp_path, capsys, options, shown):
+    assert main(["thesis", "--draws", "20", *options, "--output", str(tmp_path)]) == 0
+    page, printed = (tmp_path / "report.html").read_text(), capsys.readouterr().out
+    for text in (page.partition("<body>")[2], printed):
+        assert ("it is a toy" in text) == (shown is not None)
+        assert ("too few draws" in text) == (shown is None)
+    assert page.count('<span class="badge reproduced">') == (2 if shown else 0)
+    assert page.count('<span class="badge">too few draws</span>') == (0 if shown else 2)
 
 
 def estimates(names, cases, draws=40, times=(30.0,), error=0.02, sd=0.02, bias=0.0, truth=1.0, nees=None):
@@ -239,6 +255,17 @@ def test_verdict_on_inverse_kinematics_follows_the_path(monkeypatch):
     assert verdicts(kinematics.judge, table, table.assign(pose_y_mm=9.0)) == ["reproduced", "not reproduced"]
     monkeypatch.setattr(kinematics, "_aside_range", lambda: np.array([-4.0, 4.0]))
     assert verdicts(kinematics.judge, table) == ["partly"]
+
+
+@pytest.mark.parametrize("draws", [4, 40])
+def test_few_estimates_are_drawn_one_by_one(draws):
+    table = estimates(PAIRS, ["linear"], draws)
+    for axes, name in zip(histograms(table, 6).axes, sorted(PAIRS, key=lambda name: "log_b" in name), strict=True):
+        values = table.loc[table["parameter"] == name, "value"].to_numpy()
+        dots = [line.get_xdata() for line in axes.lines if line.get_marker() == "o"]
+        if draws == 4:
+            np.testing.assert_array_equal(dots[0], values)
+        assert bool(axes.patches) == (draws == 40) and len(dots) == (draws == 4)
 
 
 def test_no_value_in_some_draws_counts_as_wrong_not_as_absent():
