@@ -4,13 +4,14 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
+STUDIES := headline agents cohorts rates ladder sensors robustness
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control targets --seed 500 --output $(DEMO)
 
 export PYTHON
 
 .DEFAULT_GOAL := help
-.PHONY: help demo notebooks docs test lint bench clean
+.PHONY: help demo notebooks docs tables test lint bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -30,8 +31,12 @@ docs: ## run the notebooks and build the site: runs/site/index.html
 	$(BIN)/python docs/site/notebook_pages.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
+tables: ## play all studies and renew the documentation's tables: docs/tables
+	@.ci/setup train eval
+	for study in $(STUDIES); do $(BIN)/python -m eval study $$study && cp runs/study/$$study/study.md docs/tables/$$study.md || exit 1; done
+
 test: lint ## lint, types and all tests
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 
 lint: ## ruff and mypy
 	@.ci/setup train eval docs dev

@@ -10,25 +10,6 @@ from jawenv.mechanics import build_jaw
 settings.register_profile("jawenv", deadline=None, derandomize=True)
 settings.load_profile("jawenv")
 
-# Begun first, in this order, so that no process is left with a long file when the others have nothing more to do. The
-# first compiles the models of the ladder one after the other, while another process compiles the default model.
-LONG = (
-    "tests/envs/test_every_model.py",
-    "tests/eval/studies/test_run.py",
-    "eval/notebooks/",
-    "tests/project/",
-    "tests/training/",
-    "tests/estimation/",
-    "tests/acceptance/",
-    "tests/eval/",
-)
-
-
-def pytest_collection_modifyitems(items):
-    """Sort the files as ``LONG`` says; the order within a file stays."""
-    last = len(LONG)
-    items.sort(key=lambda item: next((i for i, place in enumerate(LONG) if item.nodeid.startswith(place)), last))
-
 
 @pytest.fixture
 def jaw():

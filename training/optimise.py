@@ -24,11 +24,11 @@ import jawenv
 from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.envs.configuration import Control, configure
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
 from jawenv.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.maneuvers.maneuver import Targets
 from jawenv.seeds import TUNING
 from training.knots import Knots
+from training.search_log import SearchLog
 from training.search_settings import SearchSettings
 from training.waveform import Sines
 
@@ -249,7 +249,9 @@ def search(
     options = {"popsize": design.population, "seed": design.seed + 1, "verbose": -9, "maxiter": design.generations}
     options["CMA_diagonal"] = bool(design.refine)
     strategy = cma.CMAEvolutionStrategy(form.start, design.sigma, options)
-    kept = _read_log(log, design)
+    settings = {name: value for name, value in design.about().items() if name != "generations"}
+    losses_so_far = SearchLog(log, settings, design.population)
+    kept = losses_so_far.rows()
     best: Array | None = None
     lowest = np.inf
     for generation in range(design.generations):
@@ -258,7 +260,7 @@ def search(
             losses = kept[generation]
         else:
             losses = [one.loss for one in judge([form.maneuver(numbers, CANDIDATE) for numbers in asked])]
-            _append_log(log, design, losses)
+            losses_so_far.append(losses)
         strategy.tell(asked, losses)
         if min(losses) < lowest:
             lowest, best = min(losses), asked[int(np.argmin(losses))]
@@ -267,35 +269,3 @@ def search(
             report(generation + 1, Found(best, Judged(lowest, lowest, *[np.nan] * 4)))
     assert best is not None
     return Found(best, judge([form.maneuver(best, CANDIDATE)])[0])
-
-
-def _read_log(log: Path, design: Design) -> list[list[float]]:
-    """Losses of the generations that are done."""
-    if not log.exists():
-        return []
-    head, *lines = log.read_text(encoding="utf-8").splitlines()
-    if head != _head(design):
-        raise InputError(f"{log} is of another search ({head}); allowed: the same settings, or --overwrite")
-    try:
-        rows = [[float(text) for text in line.split()] for line in lines]
-    except ValueError as error:
-        raise InputError(f"{log} is damaged: {error}; --overwrite begins anew") from error
-    # A line that was being written when the search was stopped is shorter than the others.
-    whole = [row for row in rows if len(row) == design.population]
-    if len(whole) < len(rows) - 1:
-        raise InputError(f"{log} is damaged: a line has not {design.population} losses; --overwrite begins anew")
-    if len(whole) < len(rows):
-        with atomic_write(log) as unfinished:
-            unfinished.write_text("\n".join([head, *lines[: len(whole)]]) + "\n", encoding="utf-8")
-    return whole
-
-
-def _append_log(log: Path, design: Design, losses: list[float]) -> None:
-    new = not log.exists()
-    with log.open("a", encoding="utf-8") as file:
-        file.write((_head(design) + "\n" if new else "") + " ".join(f"{loss:.17g}" for loss in losses) + "\n")
-
-
-def _head(design: Design) -> str:
-    about = {name: value for name, value in design.about().items() if name != "generations"}
-    return f"# {about}"

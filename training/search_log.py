@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from training.search_settings import SearchSettings
 
 
 @dataclass(frozen=True)
@@ -18,12 +18,12 @@ class SearchLog:
 
     Args:
         path: of the file; made with the first row.
-        settings: of the search.
+        settings: of the search, without what only says how long it is.
         numbers: in each row.
     """
 
     path: Path
-    settings: SearchSettings
+    settings: Mapping[str, Any]
     numbers: int
 
     def rows(self) -> list[list[float]]:
@@ -68,7 +68,7 @@ class SearchLog:
 
     @property
     def _head(self) -> str:
-        return f"# {self.settings.about()}"
+        return f"# {dict(self.settings)}"
 
     def _row(self, line: str, number: int) -> list[float]:
         try:

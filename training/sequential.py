@@ -135,7 +135,7 @@ class _Designer(Planner):
             InputError: the log cannot be read, is damaged, or is of another search.
         """
         super().attach(env)
-        self._log = SearchLog(self._path, self._design, self._planned[0].size)
+        self._log = SearchLog(self._path, self._design.about(), self._planned[0].size)
         rows = self._log.rows()
         self.kept, self._left = len(rows), iter(rows)
 

@@ -29,7 +29,7 @@ def played(agent):
 
 def log_of(log):
     """The plans that a design has left."""
-    return SearchLog(log, QUICK, 5 * 4).rows()
+    return SearchLog(log, QUICK.about(), 5 * 4).rows()
 
 
 def test_all_patients_are_moved_alike(tmp_path):
