@@ -1,17 +1,15 @@
-"""Planners: agents that play candidates ahead from the filter's belief and begin the best of them.
+"""A planner: an agent that plays candidates ahead from the filter's belief and begins the best of them.
 
-Both sample sequences of targets, predict what each would teach and cost (``agents.prediction``), and plan again after a
-second. They are certainty-equivalent: the belief's mean is taken for the truth, so that they do not probe on purpose,
-but what they do follows from what was learnt of this patient. A clairvoyant one takes the truth for the truth. It is no
+It samples sequences of targets, predicts what each would teach and cost (``agents.prediction``), and plans again after
+a second. It is certainty-equivalent: the belief's mean is taken for the truth, so that it does not probe on purpose,
+but what it does follows from what was learnt of this patient. A clairvoyant one takes the truth for the truth. It is no
 contestant, but a yardstick of what adapting to the patient can be worth.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,7 +30,6 @@ LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 """Targets that are sampled lie in this box, fractions of the patient's comfort."""
 SPREAD = np.array([0.25, 0.4, 0.1, 0.4])
 """Sd of the first variations of a sequence; each round halves it."""
-KNOT_S = 1.0  # between knots of a variation
 MOST_CANDIDATES = 10_000  # each is a copy of the world, of some 50 kB with what it is stepped with
 FORBIDDEN = 1e6  # nats off the score of what crosses a hard limit
 
@@ -97,15 +94,18 @@ class Planner:
         description: that of the plan.
         decisions: plans made since ``reset``, over all worlds.
         seconds: time that they took in all.
+        knot_s: between knots of a variation.
 
     Raises:
         InputError: another control mode than targets.
     """
 
+    knot_s = 1.0
+
     def __init__(self, plan: Plan, *, control: Control = "targets") -> None:
         _check_control(plan.name, control)
         self.plan, self.name, self.description = plan, plan.name, plan.description
-        self._continuations = [Maneuver.named(name) for name in plan.maneuvers]
+        self._maneuvers = [Maneuver.named(name) for name in plan.maneuvers]
         self.reset(0)
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
@@ -172,17 +172,13 @@ class Planner:
     def _search(self, step: Array, due: Mask) -> None:
         """Plan anew for the worlds that are due."""
         number, plan = len(due), self.plan
-        own = np.zeros(number, dtype=int) if plan.common else np.arange(number)
-        streams = [np.random.default_rng([self._seed + int(own[i]), int(step[i])]) for i in range(number)]
-        keys = np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
+        streams, keys = self._chance(step)
         tried = np.zeros((number, plan.candidates, self._horizon, N_CHANNELS))
         best, best_score = self._planned.copy(), np.full(number, -np.inf)
         for i in np.flatnonzero(due):
             tried[i] = self._first(int(i), int(step[i]), streams[i])
         for size in 0.5 ** np.arange(1, plan.rounds + 1):
-            score = _score(self._prediction.try_out(action_of(tried), due, keys), plan.comfort_weight)
-            if plan.common:
-                score[:] = score[self._least_known(due)].mean(axis=0)
+            score = self._judge(tried, due, keys)
             for i in np.flatnonzero(due):
                 order = np.argsort(-score[i], kind="stable")
                 if score[i, order[0]] > best_score[i]:
@@ -191,6 +187,19 @@ class Planner:
                 tried[i] = self._vary(elites, plan.candidates, size, streams[i])
         self._planned[due] = best[due]
         self._planned_at[due] = step[due]
+
+    def _chance(self, step: Array) -> tuple[list[np.random.Generator], NDArray[np.uint64]]:
+        """A stream of random numbers for each world's candidates, and the (N, 2) keys of the noise in its copies."""
+        own = np.zeros(len(step), dtype=int) if self.plan.common else np.arange(len(step))
+        streams = [np.random.default_rng([self._seed + int(i), int(k)]) for i, k in zip(own, step, strict=True)]
+        return streams, np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
+
+    def _judge(self, tried: Array, due: Mask, keys: NDArray[np.uint64]) -> Array:
+        """What (N, K) the candidates (N, K, H, 4) are worth, nats."""
+        score = _score(self._prediction.try_out(action_of(tried), due, keys), self.plan.comfort_weight)
+        if self.plan.common:
+            score[:] = score[self._least_known(due)].mean(axis=0)
+        return score
 
     def _least_known(self, due: Mask) -> NDArray[np.intp]:
         """The worlds whose scores decide."""
@@ -201,17 +210,20 @@ class Planner:
         """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""
         start = self._env.simulation.worlds["tracker"]["target"][world].copy()
         known = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
-        ahead = np.arange(1, self._horizon + 1) / self._hz
-        for maneuver in self._continuations:
-            known.append(_approach(start, maneuver.targets(step / self._hz + ahead).value, ahead))
-        if self._continuations and 0 <= self._planned_at[world] < step:
+        known += self._continued(start, step)
+        if self._maneuvers and 0 <= self._planned_at[world] < step:
             left = np.minimum(np.arange(self._horizon) + step - self._planned_at[world], self._horizon - 1)
             known.append(self._planned[world, left])
         rest = self.plan.candidates - len(known)
-        varied = self._vary(np.array(known), rest // 2 if self._continuations else 0, 1.0, stream)
+        varied = self._vary(np.array(known), rest // 2 if self._maneuvers else 0, 1.0, stream)
         goals = stream.uniform(LOW, HIGH, (rest - len(varied), len(self._knots), N_CHANNELS))
         anywhere = start + np.einsum("hk,ckj->chj", self._between, goals - start)
         return np.concatenate([known, varied, anywhere])
+
+    def _continued(self, start: Array, step: int) -> list[Array]:
+        """Each maneuver from a step on (H, 4), reached from the targets ``start`` (4) within a second."""
+        ahead = np.arange(1, self._horizon + 1) / self._hz
+        return [approach(start, maneuver.targets(step / self._hz + ahead).value, ahead) for maneuver in self._maneuvers]
 
     def _vary(self, sequences: Array, number: int, size: float, stream: np.random.Generator) -> Array:
         """Variations (number, H, 4) of sequences (E, H, 4), each in turn, none of them at the start."""
@@ -223,7 +235,7 @@ class Planner:
     @property
     def _knots(self) -> Array:
         """(knots,) s after the start of a plan; the last is at its end."""
-        number = max(1, round(self._horizon / self._hz / KNOT_S))
+        number = max(1, round(self._horizon / self._hz / self.knot_s))
         return np.linspace(0.0, self._horizon / self._hz, number + 1)[1:]
 
     @property
@@ -234,7 +246,7 @@ class Planner:
         return np.stack([np.interp(ahead, times, row) for row in unit], axis=-1)
 
 
-def _approach(start: Array, targets: Array, ahead: Array) -> Array:
+def approach(start: Array, targets: Array, ahead: Array) -> Array:
     """Targets (H, 4) ``ahead`` s, reached from ``start`` (4) within a second."""
     share = np.minimum(ahead, 1.0)[:, None]
     return start + share * (targets - start)
@@ -249,38 +261,3 @@ def _score(outcome: Outcome, comfort_weight: float) -> Array:
 def _check_control(name: str, control: object) -> None:
     if control != "targets":
         raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")
-
-
-_KNOWN = ("opening_with_swings_and_fore_aft", "refined")
-_MYOPIC = Plan(
-    name="myopic",
-    description="Of sampled targets for the next second, the one of the largest predicted gain less discomfort.",
-    horizon_s=1.0,
-    candidates=64,
-)
-_RECEDING = Plan(
-    name="receding_horizon",
-    description="Searches for the targets of the next two seconds of the largest predicted gain less discomfort, from "
-    "two maneuvers and the last plan on; follows the first second.",
-    horizon_s=2.0,
-    candidates=24,
-    rounds=3,
-    elites=4,
-    maneuvers=_KNOWN,
-)
-
-
-def _clairvoyant(plan: Plan) -> Plan:
-    return replace(
-        plan,
-        name=f"clairvoyant_{plan.name}",
-        description=f"No contestant: knows the true patient, a yardstick of what adapting can be worth. "
-        f"{plan.description}",
-        clairvoyant=True,
-    )
-
-
-PLANNERS: Mapping[str, Plan] = MappingProxyType(
-    {plan.name: plan for plan in (_MYOPIC, _RECEDING, _clairvoyant(_MYOPIC), _clairvoyant(_RECEDING))}
-)
-"""Each by its name."""

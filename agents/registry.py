@@ -6,7 +6,7 @@ from agents.card import exported_place, policy_names
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
 from agents.own import load_own, names_own
-from agents.planning import PLANNERS, Planner
+from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy, check_control
@@ -49,7 +49,7 @@ def load_agent(
     if str(spec) in EXCITATIONS:
         return EXCITATIONS[str(spec)](_steps_per_s(control, control_hz))
     if str(spec) in PLANNERS:
-        return Planner(PLANNERS[str(spec)], control=control)
+        return PLANNERS[str(spec)].planner(control)
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     if (place := exported_place(spec)) is not None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from filelock import FileLock, Timeout
 from joblib import Parallel, delayed
 from rich.console import Console
 
@@ -74,13 +76,15 @@ def finish(
         console: where progress is shown; nowhere by default.
 
     Raises:
-        InputError: the package of the backend is not installed, or the cluster cannot be reached.
+        InputError: another run is at work on the same files, the package of the backend is not installed, or the
+            cluster cannot be reached.
     """
     missing = [replace(chunk, files=chunk.files if fresh else _missing_files(chunk)) for chunk in chunks]
     missing = [chunk for chunk in missing if chunk.files]
     total, left = _items(chunks), _items(missing)
     parallel = _parallel(backend, workers, max(len(missing), 1))
-    with warnings.catch_warnings(), Progress(total, unit, console or Console(quiet=True)) as progress:
+    progress = Progress(total, unit, console or Console(quiet=True))
+    with _alone(missing), warnings.catch_warnings(), progress:
         progress.say(f"making {total} {unit}")
         if left < total:
             progress.skip(total - left)
@@ -89,6 +93,22 @@ def finish(
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         for chunk in parallel(delayed(_worked)(work, chunk) for chunk in missing):
             progress.advance_to(progress.done + _items([chunk]), chunk.key)
+
+
+@contextmanager
+def _alone(chunks: Sequence[Chunk]) -> Iterator[None]:
+    """No other run works in the folders of the chunks; the system frees them when a process ends, whatever ends it."""
+    with ExitStack() as locks:
+        for folder in sorted({path.parent for chunk in chunks for _, path in chunk.files}):
+            try:
+                locks.enter_context(FileLock(folder / ".lock", timeout=0))
+            except Timeout:
+                raise InputError(
+                    f"{folder}: another run is at work there; wait for it, or name another folder"
+                ) from None
+            except OSError as error:
+                raise InputError(f"{folder}: cannot be written: {error.strerror}") from None
+        yield
 
 
 def _parallel(backend: Backend, workers: int | None, most: int) -> Parallel:

@@ -15,6 +15,7 @@ from rich.progress import Progress as Bar
 
 PLAIN_INTERVAL_S = 10.0
 RATE_WINDOW_S = 30.0
+RATE_SHARE = 0.5  # of the time so far, that the speed is measured over at least: some work is slower than other
 SLOWEST_RATE = 10.0  # per second: below it a rate is harder to read than the time left
 
 
@@ -74,7 +75,8 @@ class Progress:
             self._notes["item"] = item
         self._done = done
         self._history.append((now, done))
-        while now - self._history[0][0] > RATE_WINDOW_S and len(self._history) > 2:
+        window = max(RATE_WINDOW_S, RATE_SHARE * (now - self._begun_s))
+        while now - self._history[0][0] > window and len(self._history) > 2:
             self._history.popleft()
         self._show(now)
 
@@ -109,7 +111,8 @@ class Progress:
     def _restart(self, done: float) -> None:
         """Measure the speed from here on."""
         self._done = done
-        self._history: deque[tuple[float, float]] = deque([(time.monotonic(), done)])
+        self._begun_s = time.monotonic()
+        self._history: deque[tuple[float, float]] = deque([(self._begun_s, done)])
 
     def _show(self, now: float) -> None:
         if self._bar is not None:

@@ -10,6 +10,7 @@ candidate that breaks it ranks behind all that keep it, by how far it does (Deb 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,6 +41,7 @@ WEIGHTS = {0.35: 0.2, 0.65: 0.2, 1.0: 0.6}  # of what is known at these shares o
 TAIL = 1.0 / 3.0  # of the patients, those known least, that ``over="tail"`` looks at
 DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is allowed
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
+MOST_WORLDS = 10_000  # that are played at once; each takes about a megabyte
 INFEASIBLE = 1e3  # worse than any criterion
 CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate")
 
@@ -84,6 +86,9 @@ class Design(SearchSettings):
         """
         self.check_choices(criterion=Criterion, over=Over)
         self.check_least(patients=1, generations=1, population=4, seed=0)
+        if self.population * self.patients > MOST_WORLDS:
+            given = f"population is {self.population} and patients {self.patients}"
+            raise InputError(f"{given}; allowed: {MOST_WORLDS:,} worlds, population times patients, at most")
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs)
@@ -250,6 +255,8 @@ def search(
     options["CMA_diagonal"] = bool(design.refine)
     strategy = cma.CMAEvolutionStrategy(form.start, design.sigma, options)
     settings = {name: value for name, value in design.about().items() if name != "generations"}
+    if isinstance(form, Knots):
+        settings["refined"] = hashlib.sha256(form.base.model_dump_json().encode()).hexdigest()[:16]
     losses_so_far = SearchLog(log, settings, design.population)
     kept = losses_so_far.rows()
     best: Array | None = None

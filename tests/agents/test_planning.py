@@ -8,16 +8,19 @@ import pytest
 
 import agents
 import jawenv
-from agents.planning import PLANNERS, Planner
+from agents.planners import PLANNERS
+from agents.planning import Plan, Planner
+from agents.replay import Recorder
 from jawenv.errors import InputError
 from jawenv.protocol import Agent, Planning
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
 QUICK = {
-    "myopic": replace(PLANNERS["myopic"], candidates=6),
-    "receding_horizon": replace(PLANNERS["receding_horizon"], candidates=8, rounds=2, elites=2, horizon_s=2.0),
-    "clairvoyant_myopic": replace(PLANNERS["clairvoyant_myopic"], candidates=6),
+    "myopic": {"candidates": 6},
+    "receding_horizon": {"candidates": 8, "rounds": 2, "elites": 2, "horizon_s": 2.0},
+    "clairvoyant_myopic": {"candidates": 6},
 }
+SAMPLING = Plan("sampling", "Sampled.", 2.0, 8, rounds=2, elites=2, maneuvers=("refined_one_sided",))
 
 
 def vector(number=2, **kwargs):
@@ -36,17 +39,17 @@ class Replayed:
         return next(self.actions), None
 
 
-class Kept(Planner):
-    """A planner that keeps its actions."""
+def quick(name):
+    """A named planner that tries less, and one that has no name."""
+    if name == "sampling":
+        return Planner(SAMPLING)
+    return PLANNERS[name]._replace(plan=replace(PLANNERS[name].plan, **QUICK[name])).planner("targets")
 
-    def reset(self, num_envs, seed=None):
-        super().reset(num_envs, seed)
-        self.actions = []
 
-    def predict(self, *arguments, **named):
-        action, state = super().predict(*arguments, **named)
-        self.actions.append(action)
-        return action, state
+def actions_of(agent, **kwargs):
+    """What it is played to, and its actions (T, N, 4)."""
+    watched = Recorder(agent)
+    return jawenv.play(watched, env_kwargs=KWARGS, **kwargs), np.array(watched.actions)
 
 
 def test_every_planner_has_a_name_and_says_what_it_does():
@@ -59,7 +62,7 @@ def test_every_planner_has_a_name_and_says_what_it_does():
 def test_what_a_planner_cannot_do_without_is_named():
     with pytest.raises(InputError, match="^agent 'myopic': control is 'force'; allowed for a planner: targets$"):
         agents.load_agent("myopic", control="force")
-    agent = Planner(QUICK["myopic"])
+    agent = quick("myopic")
     with pytest.raises(InputError, match=r"^agent 'myopic': no environment; allowed: attach\(env\) before predict"):
         agent.predict(np.zeros((2, 59), np.float32))
     with pytest.raises(InputError, match="control is 'trajectory'; allowed for a planner: targets"):
@@ -77,42 +80,60 @@ def test_what_a_planner_cannot_do_without_is_named():
         ("myopic", 10**9, "1000000000; allowed: 1 to 10000"),
         ("myopic", 0, "0; allowed: 1 to 10000"),
         ("myopic", 64.0, "64.0; allowed: 1 to 10000"),
-        ("receding_horizon", 3, "3; allowed: 4 to 10000"),
+        ("receding_horizon", 5, "5; allowed: 6 to 10000"),
     ],
 )
 def test_a_number_of_candidates_that_cannot_be_tried_is_named(name, candidates, allowed):
     with pytest.raises(InputError, match=f"^candidates is {allowed}$"):
-        replace(PLANNERS[name], candidates=candidates)
+        replace(PLANNERS[name].plan, candidates=candidates)
 
 
 def test_the_fewest_candidates_are_those_that_are_always_tried():
-    for name, fewest in (("myopic", 1), ("receding_horizon", 4)):
-        agent = Planner(replace(PLANNERS[name], candidates=fewest))
+    for name, fewest in (("myopic", 1), ("receding_horizon", 3)):
+        plan, kind = PLANNERS[name]
+        agent = kind(replace(plan, candidates=fewest, elites=1, horizon_s=1.0))
         assert jawenv.play(agent, patients=1, seed=5000, env_kwargs=KWARGS).valid.all()
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", (*QUICK, "sampling"))
 @pytest.mark.parametrize("options", [{"track_bound": True, "record": True, "reward": "bound", "cohort": "wide"}, {}])
 def test_planning_changes_nothing_of_the_real_worlds(name, options):
-    agent, kwargs = Kept(QUICK[name]), {"track_bound": False, **KWARGS, **options}
-    planned = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs)
-    replayed = jawenv.play(Replayed(agent.actions), patients=2, seed=5000, env_kwargs=kwargs)
+    agent, kwargs = quick(name), {"track_bound": False, **KWARGS, **options}
+    watched = Recorder(agent)
+    planned = jawenv.play(watched, patients=2, seed=5000, env_kwargs=kwargs)
+    replayed = jawenv.play(Replayed(watched.actions), patients=2, seed=5000, env_kwargs=kwargs)
     np.testing.assert_array_equal(planned.belief_cov, replayed.belief_cov)
     np.testing.assert_array_equal(planned.belief_mean, replayed.belief_mean)
     np.testing.assert_array_equal(planned.bound_sd, replayed.bound_sd)
     assert agent.decisions == 4 and agent.ms_per_decision > 0.0
-    assert np.ptp(agent.actions, axis=0).max() > 0.1
+    assert np.ptp(watched.actions, axis=0).max() > 0.1
 
 
-def test_a_world_s_plan_depends_on_no_other_world():
-    both, one = Kept(QUICK["receding_horizon"]), Kept(QUICK["receding_horizon"])
-    jawenv.play(both, patients=2, seed=5000, env_kwargs=KWARGS)
-    jawenv.play(one, patients=1, seed=5001, env_kwargs=KWARGS)
-    np.testing.assert_array_equal(np.array(both.actions)[:, 1], np.array(one.actions)[:, 0])
+@pytest.mark.parametrize("name", ["receding_horizon", "sampling"])
+def test_a_world_s_plan_depends_on_no_other_world(name):
+    _, both = actions_of(quick(name), patients=2, seed=5000)
+    _, one = actions_of(quick(name), patients=1, seed=5001)
+    np.testing.assert_array_equal(both[:, 1], one[:, 0])
+
+
+def test_the_mean_of_many_small_gains_goes_further_than_the_best_of_them(monkeypatch):
+    """The goal lies beside the maneuver, by an eighth of a channel at every moment."""
+    far = {}
+    for agent in (quick("receding_horizon"), Planner(replace(SAMPLING, candidates=24, rounds=4, elites=6))):
+        agent.plan = replace(agent.plan, candidates=24, rounds=4, elites=6)
+        env = vector(1)
+        env.reset(seed=5000)
+        agent.reset(1, 0)
+        agent.attach(env)
+        goal = np.array(agent._continued(np.zeros(4), 0)[0]) + np.array([0.1, 0.2, 0.05, 0.2])
+        monkeypatch.setattr(agent, "_judge", lambda tried, *_, goal=goal: -((tried - goal) ** 2).sum(axis=(2, 3)))
+        agent.predict(np.zeros((1, 59), np.float32))
+        far[agent.name] = np.linalg.norm(agent._planned[0] - goal)
+    assert far["receding_horizon"] < 0.8 * far["sampling"]
 
 
 def test_a_new_episode_is_planned_from_its_start():
-    agent, env = Planner(QUICK["myopic"]), vector(1)
+    agent, env = quick("myopic"), vector(1)
     first, _ = env.reset(seed=5000)
     agent.reset(1, 3)
     agent.attach(env)
@@ -127,6 +148,6 @@ def test_a_new_episode_is_planned_from_its_start():
 def test_a_planner_learns_more_than_holding_still():
     kwargs = {**KWARGS, "episode_s": 3.0}
     worst = {}
-    for agent in (Planner(QUICK["myopic"]), agents.load_agent("hold_still", control="targets")):
+    for agent in (quick("myopic"), agents.load_agent("hold_still", control="targets")):
         worst[agent.name] = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs).belief_sd[:, -1].max(axis=1)
     assert (worst["myopic"] < 0.6 * worst["hold_still"]).all()

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from rich.console import Console
 
 from eval.chunks import Chunk, finish, folder_for
@@ -69,8 +70,8 @@ def test_only_missing_files_are_made(tmp_path):
 
 def test_processes_share_the_chunks(tmp_path):
     finish(chunks_in(tmp_path, 6), write_process, "items", workers=2)
-    processes = {path.read_text() for path in tmp_path.iterdir()}
-    assert len(list(tmp_path.iterdir())) == 6
+    processes = {path.read_text() for path in tmp_path.glob("*.txt")}
+    assert len(list(tmp_path.glob("*.txt"))) == 6
     assert str(os.getpid()) not in processes
 
 
@@ -101,3 +102,13 @@ def test_an_output_that_is_a_file_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=f"output {tmp_path / 'file'}: Not a directory"):
         folder_for(tmp_path / "file", "chunks")
+
+
+def test_two_runs_do_not_work_in_one_folder(tmp_path):
+    """The second says so; what is done already asks for no lock."""
+    chunks = chunks_in(tmp_path, 2)
+    with FileLock(tmp_path / ".lock"), pytest.raises(InputError, match="another run is at work there"):
+        finish(chunks, write_process, "items", workers=1)
+    finish(chunks, write_process, "items", workers=1)
+    with FileLock(tmp_path / ".lock"):
+        finish(chunks, write_process, "items", workers=1)

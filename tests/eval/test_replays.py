@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 from agents import planning
+from agents.planners import Named
 from eval.cli import main
 from jawenv.maneuvers import Maneuver
 from jawenv.seeds import REPLAYS
@@ -14,7 +15,8 @@ SHORT = ["--patients", "2", "--episode-s", "2"]
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
     """A planner of few candidates, and no report."""
-    plans = {"myopic": planning.Plan("myopic", "Quick.", horizon_s=1.0, candidates=4)}
+    plan = planning.Plan("myopic", "Quick.", horizon_s=1.0, candidates=4)
+    plans = {"myopic": Named(plan, planning.Planner)}
     monkeypatch.setattr("agents.registry.PLANNERS", plans)
     monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
 

@@ -11,6 +11,7 @@ import jawenv
 from jawenv.device.channels import CHANNELS
 from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver, Player
+from jawenv.maneuvers.maneuver import FOLDER
 from training.cli import main
 from training.optimise import CANDIDATE, INFEASIBLE, Design, Judge, Judged, nominal_patient, search
 from training.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, Sines, numbers_of, waves_of
@@ -135,11 +136,24 @@ def test_a_log_of_another_search_is_refused(tmp_path):
         search(Design(population=4, generations=3), log, lambda *_: None, bowl(0.4))
 
 
+def test_a_log_is_of_what_was_refined_not_of_its_name(tmp_path):
+    """A file that was changed meanwhile has other losses."""
+    base, log = tmp_path / "base.yaml", tmp_path / "log.txt"
+    base.write_text((FOLDER / "slow_opening.yaml").read_text())
+    design = Design(population=4, generations=1, refine=str(base))
+    search(design, log, lambda *_: None, bowl(0.4))
+    search(design, log, lambda *_: None, bowl(0.4))
+    base.write_text((FOLDER / "hold_still.yaml").read_text())
+    with pytest.raises(InputError, match="is of another search"):
+        search(design, log, lambda *_: None, bowl(0.4))
+
+
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
         ("criterion", "E", "criterion is 'E'; allowed: worst, D, A"),
         ("over", "all", "over is 'all'; allowed: mean, tail, nominal"),
+        ("population", 10**9, "population is 1000000000 and patients 12; allowed: 10,000 worlds"),
         ("patients", 0, "patients is 0; allowed: 1 or more"),
         ("sigma", 2.0, "sigma is 2; allowed: above 0, at most 1"),
         ("control", "thought", "control is 'thought'"),
