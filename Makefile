@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-STUDIES := agents
+STUDIES := agents headline
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control targets --seed 500 --output $(DEMO)
 
@@ -31,7 +31,7 @@ docs: ## run the notebooks and build the site: runs/site/index.html
 	$(BIN)/python docs/site/notebook_pages.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-tables: ## play the study of agents and renew its table: docs/tables
+tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables
 	@.ci/setup train eval
 	for study in $(STUDIES); do $(BIN)/python -m eval study $$study && cp runs/study/$$study/study.md docs/tables/$$study.md || exit 1; done
 

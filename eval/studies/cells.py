@@ -129,7 +129,7 @@ def _of_environment(design: Design, environment: Environment) -> Iterator[Cell]:
         checked = configure({**Settings(**fields).env_kwargs, "model": model_of_env(environment.env).name})
         labels: dict[str, str] = {}
         for choice in design.entries:
-            if choice.controls is None or control in choice.controls:
+            if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
                 number = min(choice.patients or design.patients, design.patients)
                 asked = Settings(patients=number, **fields)
                 entry = _checked(choice, asked, labels)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from eval.studies.metrics import DEFAULT_METRICS, METRICS
 from jawenv.anatomy import cohort
@@ -38,11 +38,13 @@ class Entry(InputModel):
     Attributes:
         agent: as ``python -m eval compare`` takes it.
         controls: control modes that it is played in; all of the study's by default.
+        cohorts: that it is played on; all of the study's by default.
         patients: on how many it is played, the first ones; all by default.
     """
 
     agent: str
     controls: tuple[Control, ...] | None = None
+    cohorts: tuple[str, ...] | None = None
     patients: int | None = Field(default=None, ge=1, le=MOST_PATIENTS)
 
 
@@ -152,6 +154,20 @@ class Design(InputModel):
         for name in given:
             cohort(name)
         return given
+
+    @model_validator(mode="after")
+    def _entries_fit(self) -> Design:
+        for entry in self.entries:
+            for name, own, allowed in (
+                ("controls", entry.controls, self.controls),
+                ("cohorts", entry.cohorts, self.cohorts),
+            ):
+                if outside := set(own or ()) - set(allowed):
+                    which = ", ".join(sorted(outside))
+                    raise ValueError(
+                        f"entry {entry.agent!r}: {name} {which}; allowed: the study's, {', '.join(allowed)}"
+                    )
+        return self
 
     @field_validator("reality")
     @classmethod

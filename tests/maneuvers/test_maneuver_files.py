@@ -51,6 +51,7 @@ def test_the_maneuvers_that_come_along() -> None:
         "opening_with_swings_and_fore_aft",
         "prbs",
         "refined",
+        "refined_force",
         "refined_one_sided",
         "slow_opening",
         "small_amplitude",

@@ -19,7 +19,7 @@ CONTROLS = ("trajectory", "force")
 # Allowed RMS of target less place: opening, side (the unmodelled force alone shakes it by 0.07 to 0.1), and force.
 TOLERANCE = {"trajectory": (0.015, 0.12, 0.06), "force": (0.06, 0.16, 0.02)}
 # What was searched uses the comfort that there is: its targets turn at once, which motors of 12 N/s cannot.
-SEARCHED = ("designed", "designed_one_sided", "refined", "refined_one_sided", "information_optimal")
+SEARCHED = ("designed", "designed_one_sided", "refined", "refined_one_sided", "refined_force", "information_optimal")
 TOLERANCE_SEARCHED = {"trajectory": (0.03, 0.2, 0.12), "force": (0.1, 0.25, 0.05)}
 
 

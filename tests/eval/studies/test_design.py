@@ -76,7 +76,18 @@ def test_shipped_studies_are_of_all_that_they_are_about():
         ({"patient": 3}, "unknown key 'patient'; allowed: title, description, entries"),
         ({"entries": []}, "entries"),
         ({"entries": ["hold_still", "hold_still"]}, "must not name one twice"),
-        ({"entries": [{"agents": "chirp"}]}, "unknown key 'entries.0.agents'; allowed: agent, controls, patients"),
+        (
+            {"entries": [{"agents": "chirp"}]},
+            "unknown key 'entries.0.agents'; allowed: agent, controls, cohorts, patients",
+        ),
+        (
+            {"entries": [{"agent": "chirp", "controls": ["targets"]}]},
+            "entry 'chirp': controls targets; allowed: the study's, force",
+        ),
+        (
+            {"entries": [{"agent": "chirp", "cohorts": ["wide"]}]},
+            "entry 'chirp': cohorts wide; allowed: the study's, trismus",
+        ),
         ({"entries": ["nobody"]}, "agent 'nobody': unknown; allowed: chirp"),
         ({"entries": ["myopic"]}, "agent 'myopic': control is 'force'; allowed for a planner: targets"),
         ({"cohorts": ["knees"]}, "cohort 'knees' is unknown; allowed: trismus"),
