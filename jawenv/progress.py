@@ -15,7 +15,6 @@ from rich.progress import Progress as Bar
 
 PLAIN_INTERVAL_S = 10.0
 RATE_WINDOW_S = 30.0
-RATE_SHARE = 0.5  # of the time so far, that the speed is measured over at least: some work is slower than other
 SLOWEST_RATE = 10.0  # per second: below it a rate is harder to read than the time left
 
 
@@ -75,8 +74,7 @@ class Progress:
             self._notes["item"] = item
         self._done = done
         self._history.append((now, done))
-        window = max(RATE_WINDOW_S, RATE_SHARE * (now - self._begun_s))
-        while now - self._history[0][0] > window and len(self._history) > 2:
+        while now - self._history[0][0] > RATE_WINDOW_S and len(self._history) > 2:
             self._history.popleft()
         self._show(now)
 
@@ -99,20 +97,21 @@ class Progress:
         self._console.print(text, soft_wrap=True)
 
     def describe(self) -> str:
-        """Speed, time left and notes, in one line."""
+        """Speed of late, time left at the speed of all so far, since some work is slower than other, and notes."""
         parts = []
-        (begun_s, before), (now_s, done) = self._history[0], self._history[-1]
-        if now_s > begun_s and done > before:
-            rate = (done - before) / (now_s - begun_s)
-            parts += [f"{rate:,.0f} {self._unit}/s"] if rate >= SLOWEST_RATE else []
-            parts.append(f"{_clock((self.total - done) / rate)} left")
+        now_s, done = self._history[-1]
+        recent, whole = (_rate(since, (now_s, done)) for since in (self._history[0], self._begun))
+        if recent >= SLOWEST_RATE:
+            parts.append(f"{recent:,.0f} {self._unit}/s")
+        if whole > 0.0:
+            parts.append(f"{_clock((self.total - done) / whole)} left")
         return " · ".join([*parts, *self._notes.values()])
 
     def _restart(self, done: float) -> None:
         """Measure the speed from here on."""
         self._done = done
-        self._begun_s = time.monotonic()
-        self._history: deque[tuple[float, float]] = deque([(self._begun_s, done)])
+        self._begun = (time.monotonic(), done)
+        self._history: deque[tuple[float, float]] = deque([self._begun])
 
     def _show(self, now: float) -> None:
         if self._bar is not None:
@@ -120,6 +119,11 @@ class Progress:
         elif now - self._last_line_s >= PLAIN_INTERVAL_S:
             figures = f"{int(self._done):,} of {self.total:,.0f} {self._unit} ({100.0 * self._done / self.total:.0f} %)"
             self.say(" · ".join(filter(None, (figures, self.describe()))))
+
+
+def _rate(since: tuple[float, float], now: tuple[float, float]) -> float:
+    """What was done per second between two moments, each a time and what was done; 0 where it cannot be said."""
+    return (now[1] - since[1]) / (now[0] - since[0]) if now[0] > since[0] and now[1] > since[1] else 0.0
 
 
 def _clock(seconds: float) -> str:

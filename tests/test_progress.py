@@ -57,14 +57,14 @@ def test_what_an_earlier_run_has_done_says_nothing_about_the_speed(clock: Clock)
 
 
 def test_slow_work_at_times_is_not_taken_for_the_speed_of_all(clock: Clock) -> None:
-    """Ten a second for 100 s, then a single one in 60 s: the later half of the time has seen 201, 2.5 a second."""
+    """Ten a second for 100 s, then a single one in 60 s: 1,001 in 160 s, 6.3 a second."""
     progress = Progress(2000, "episodes", Console(quiet=True))
     for done in range(10, 1001, 10):
         clock.now += 1.0
         progress.advance_to(done)
     clock.now += 60.0
     progress.advance_to(1001)
-    assert progress.describe() == "6:38 left"
+    assert progress.describe() == "2:40 left"
 
 
 def test_a_note_goes_when_it_is_empty(clock: Clock) -> None:

@@ -26,15 +26,19 @@ class Knots:
     Args:
         base: the maneuver.
         horizon_s: where the last knot lies.
+        then: what follows after the horizon, reached within ``RETURN_S``; the maneuver itself by default.
 
     Attributes:
         start: (n,) zeros: the maneuver itself.
     """
 
-    def __init__(self, base: Maneuver, horizon_s: float) -> None:
+    def __init__(self, base: Maneuver, horizon_s: float, then: Maneuver | None = None) -> None:
         self.base = base
         times: Array = STEP_S * np.arange(1.0, round(max(horizon_s, length_s(base)) / STEP_S) + 1)
         self._targets: Array = base.targets(times).value
+        if then is not None:
+            after = np.clip((times - horizon_s) / RETURN_S, 0.0, 1.0)[:, None]
+            self._targets += after * (then.targets(times).value - self._targets)
         knots = KNOT_S * np.arange(1, max(1, round(horizon_s / KNOT_S)) + 1)
         self._weights = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
         self.start = np.zeros(len(knots) * len(CHANNELS))

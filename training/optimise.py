@@ -63,6 +63,7 @@ class Design(SearchSettings):
         population: candidates in a generation.
         sigma: first step size, of numbers from 0 to 1.
         refine: name or file of the maneuver that is refined; empty: two sines on each channel are searched.
+        then: name or file of the maneuver that follows a refined one after the horizon; empty: it goes on itself.
         seed: of the search.
     """
 
@@ -76,6 +77,7 @@ class Design(SearchSettings):
     population: int = 14
     sigma: float = 0.12
     refine: str = ""
+    then: str = ""
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -103,12 +105,18 @@ class Design(SearchSettings):
         """What makes maneuvers of numbers.
 
         Raises:
-            InputError: the maneuver that is refined is unknown, or its file is wrong.
+            InputError: a maneuver is unknown, or its file is wrong, or one follows where none is refined.
         """
         if not self.refine:
+            if self.then:
+                raise InputError(f"then is {self.then!r}; allowed: nothing without refine")
             return Sines()
-        named = self.refine in maneuver_names()
-        return Knots(Maneuver.named(self.refine) if named else Maneuver.load(self.refine), self.horizon_s)
+        return Knots(_maneuver(self.refine), self.horizon_s, _maneuver(self.then) if self.then else None)
+
+
+def _maneuver(spec: str) -> Maneuver:
+    """A maneuver by its name or from its file."""
+    return Maneuver.named(spec) if spec in maneuver_names() else Maneuver.load(spec)
 
 
 class Judged(NamedTuple):

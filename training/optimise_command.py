@@ -38,6 +38,7 @@ def optimise(
     population: Annotated[int, typer.Option(help="Candidates in a generation.", metavar="N")] = 14,
     sigma: Annotated[float, typer.Option(help="First step size, of numbers from 0 to 1.")] = 0.12,
     refine: Annotated[str, typer.Option(help="Maneuver (name or file) whose targets are varied.", metavar="M")] = "",
+    then: Annotated[str, typer.Option(help="Maneuver that follows a refined one after the horizon.", metavar="M")] = "",
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
     overwrite: Overwrite = False,
 ) -> int:
@@ -61,6 +62,7 @@ def optimise(
         "population": population,
         "sigma": sigma,
         "refine": refine,
+        "then": then,
         "seed": seed,
     }
     design = Design(**settings)
@@ -105,6 +107,7 @@ def _write(output: Path, design: Any, found: Any) -> None:
             f"{searched} by CMA-ES for {CRITERIA[design.criterion]} "
             f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
             f"the start, within comfort, in {design.control} control."
+            + (f" Then {Path(design.then).stem!r}." if design.then else "")
         ),
         "source": "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)",
     }

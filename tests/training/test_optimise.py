@@ -160,6 +160,7 @@ def test_a_log_is_of_what_was_refined_not_of_its_name(tmp_path):
         ("cohort", "knees", "knees"),
         ("horizon_s", -1.0, "episode_s is -1"),
         ("refine", "nothing.yaml", "nothing.yaml"),
+        ("then", "refined", "then is 'refined'; allowed: nothing without refine"),
     ],
 )
 def test_what_is_not_allowed_is_named(field, value, said):
