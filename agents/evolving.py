@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from agents.planning import SPREAD, Planner, approach
+from agents.planning import SPREAD, Plan, Planner, approach
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.envs.configuration import Control
+from jawenv.errors import InputError
 from jawenv.protocol import Array, Mask
 
 SIZE = 0.5
@@ -24,9 +26,17 @@ class EvolvingPlanner(Planner):
     Candidates are the mean, the continuation of each maneuver (in the first round) and variations of the mean in pairs,
     one as far on one side of it as the other on the other. The mean goes to the elites' weighted mean. The best of all
     candidates is played.
+
+    Raises:
+        InputError: another control mode than targets, or a plan without a maneuver.
     """
 
     knot_s = 0.5
+
+    def __init__(self, plan: Plan, *, control: Control = "targets") -> None:
+        super().__init__(plan, control=control)
+        if not plan.maneuvers:
+            raise InputError(f"agent {plan.name!r}: maneuvers is (); allowed: one or more")
 
     def _search(self, step: Array, due: Mask) -> None:
         """Plan anew for the worlds that are due."""

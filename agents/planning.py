@@ -29,7 +29,7 @@ from jawenv.protocol import Action, Array, Mask, Observation, State
 LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 """Targets that are sampled lie in this box, fractions of the patient's comfort."""
 SPREAD = np.array([0.25, 0.4, 0.1, 0.4])
-"""Sd of the first variations of a sequence; each round halves it."""
+"""Sd of variations of a sequence, before a search makes them smaller from round to round."""
 MOST_CANDIDATES = 10_000  # each is a copy of the world, of some 50 kB with what it is stepped with
 FORBIDDEN = 1e6  # nats off the score of what crosses a hard limit
 

@@ -109,6 +109,12 @@ def test_planning_changes_nothing_of_the_real_worlds(name, options):
     assert np.ptp(watched.actions, axis=0).max() > 0.1
 
 
+def test_there_must_be_a_maneuver_that_goes_on():
+    plan, kind = PLANNERS["receding_horizon"]
+    with pytest.raises(InputError, match=r"^agent 'receding_horizon': maneuvers is \(\); allowed: one or more$"):
+        kind(replace(plan, maneuvers=()))
+
+
 @pytest.mark.parametrize("name", ["receding_horizon", "sampling"])
 def test_a_world_s_plan_depends_on_no_other_world(name):
     _, both = actions_of(quick(name), patients=2, seed=5000)
@@ -117,7 +123,7 @@ def test_a_world_s_plan_depends_on_no_other_world(name):
 
 
 def test_the_mean_of_many_small_gains_goes_further_than_the_best_of_them(monkeypatch):
-    """The goal lies beside the maneuver, by an eighth of a channel at every moment."""
+    """The goal lies beside the maneuver, by as much at every moment."""
     far = {}
     for agent in (quick("receding_horizon"), Planner(replace(SAMPLING, candidates=24, rounds=4, elites=6))):
         agent.plan = replace(agent.plan, candidates=24, rounds=4, elites=6)

@@ -71,13 +71,13 @@ def test_targets_are_reached_in_comfort(name: str, control: str) -> None:
     episode = play(name, control)
     assert not episode.violation.any()
     quick = name in SEARCHED
-    # In force control the governor has to hold back what was searched for the others more often.
-    foreign = control == "force" and name != "refined_force"
-    assert episode.governor.mean() < ((0.1 if foreign else 0.03) if quick else 0.005)
+    # In force control the governor has to hold back more often what was refined for servos.
+    foreign = control == "force" and name in ("refined", "refined_one_sided")
+    assert episode.governor.mean() < ((0.1 if foreign else 0.04) if quick else 0.005)
     error = np.sqrt(np.mean((episode.place - episode.wanted)[CONTROL_HZ:] ** 2, axis=(0, 1)))
     assert (error < (TOLERANCE_SEARCHED if quick else TOLERANCE)[control]).all(), error
     assert np.abs(np.diff(episode.action, axis=0)).mean() < (0.06 if quick else 0.025)
-    assert episode.size[..., :2].mean() > ((0.5 if foreign else 0.65) if quick else 0.8), (
+    assert episode.size[..., :2].mean() > ((0.5 if foreign else 0.6) if quick else 0.8), (
         "the targets themselves fit the typical patient"
     )
 
