@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,6 +131,12 @@ def action_of(targets: Array) -> Array:
     """Actions (N, 4) of targets control for targets (N, 4) as fractions of the patient's comfort."""
     actions: Array = 2.0 * (targets - _LOW) / (HIGHEST - _LOW) - 1.0
     return np.clip(actions, -1.0, 1.0)
+
+
+def goals_of(actions: NDArray[Any]) -> Array:
+    """Targets (..., 4) that actions (..., 4) of targets control ask for, as fractions of the patient's comfort."""
+    goals: Array = _LOW + 0.5 * (HIGHEST - _LOW) * (np.asarray(actions, dtype=np.float64) + 1.0)
+    return goals
 
 
 def checked_rows(observation: Observation) -> tuple[Observation, bool, int]:

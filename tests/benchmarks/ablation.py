@@ -48,7 +48,6 @@ ROWS = (
     Row("every window filtered again", {"tick.MOVED": 0.0}),
     Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
     Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
-    Row("one round of linearisation", {"posterior.ROUNDS": 1}),
     Row("series of the second order", {"step.ORDER": 2}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),

@@ -15,7 +15,7 @@ vanishes and the iteration is Newton's method for the mode.
 
 from __future__ import annotations
 
-from math import isfinite, nan, sqrt
+from math import isfinite, sqrt
 from typing import Any
 
 import numpy as np
@@ -23,11 +23,9 @@ import numpy as np
 from jawenv.compiled import njit
 from jawenv.estimation.online.basis import N_NODES, expand_coefficients
 
-LONGEST_STEP = 1.0  # prior sds, largest step of the mean in one round: the trust region of the expansion
+LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
 NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
 ROUNDING = 1e-13  # of a diagonal entry, below which a pivot counts as zero
-ROUNDS = 6  # largest number; needed where the truth is far from the prior mean
-CONVERGED = 0.3  # posterior sds: the step of the next round is of the order of its square
 
 
 def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
@@ -268,10 +266,11 @@ def invert_positive(matrix, inverse):
 
 @njit
 def update_belief(belief, settings, scratch):
-    """Refine the belief about the parameters by at most ``ROUNDS`` rounds; True when it has converged.
+    """Refine the belief about the parameters by one step of the iteration; False where there is no answer.
 
-    Information and score are those gathered so far, the score at ``belief.nominal``. The search starts at the last
-    belief, which stays where rounding or an overflow leaves no answer.
+    Information and score are those gathered so far, the score at ``belief.nominal``. One step is enough, since there is
+    one after every few readings, and each starts at the last belief. That stays where rounding or an overflow leaves no
+    answer.
 
     Args:
         belief: See ``state.belief_dtype``; its mean (p) and cov (p, p) change.
@@ -282,39 +281,34 @@ def update_belief(belief, settings, scratch):
     scratch.last_mean[:] = mean
     scratch.last_cov[:, :] = covariance
     without_gain(belief.information, belief.score, settings.gain_variance, scratch)
-    for _ in range(ROUNDS):
-        longest = refine(belief, settings, scratch)
-        if not isfinite(longest):
-            mean[:] = scratch.last_mean
-            covariance[:, :] = scratch.last_cov
-            return False
-        if longest < CONVERGED:
-            return True
+    if refine(belief, settings, scratch):
+        return True
+    mean[:] = scratch.last_mean
+    covariance[:, :] = scratch.last_cov
     return False
 
 
 @njit
 def refine(belief, settings, scratch):
-    """One round; returns the longest step of a parameter in sds, NaN where there is none."""
+    """One step of the iteration, within the trust region; False where there is none."""
     mean, covariance, prior_sd = belief.mean, belief.cov, settings.prior_sd
     parameters = mean.shape[0]
     expand_coefficients(belief.basis, mean, covariance, scratch.coefficients, scratch.by_log_twice)
     set_bent(belief.nominal, scratch)
     set_omega(covariance, scratch.omega)
     if not set_precision(mean, settings.prior_mean, prior_sd, scratch):
-        return nan
+        return False
     if not invert_positive(scratch.precision, covariance):
-        return nan
-    furthest, longest, total = 0.0, 0.0, 0.0
+        return False
+    furthest, total = 0.0, 0.0
     for i in range(parameters):
         step = 0.0
         for j in range(parameters):
             step += covariance[i, j] * scratch.right[j]
         scratch.precision[i, 0] = step
         furthest = max(furthest, abs(step) / prior_sd[i])
-        longest = max(longest, abs(step) / sqrt(covariance[i, i]))
         total += step
     share = min(1.0, LONGEST_STEP / furthest) if furthest > 0.0 else 1.0
     for i in range(parameters):
         mean[i] += share * scratch.precision[i, 0]
-    return longest if isfinite(total) else nan
+    return isfinite(total)

@@ -35,7 +35,7 @@ SMALLEST_SHARE = 0.1  # of a full step, below which the search ends
 DENSITY_GAIN = 2.0  # nats; with at least this gain of the log-density a step is accepted even if the next is longer
 # prior sds of log F_o by which two starts have one half of the muscles stronger and the other weaker
 START_OFFSET = 0.5
-SEARCHES = 5  # for the belief at the end of a pass: each of a few rounds
+STEPS = 20  # of the iteration, to the belief at the end of a pass
 
 
 class ModeSearch:
@@ -196,7 +196,7 @@ def filter_at(run, tick, parameters):
     for i in range(settings.prior_sd.shape[0]):
         deviation = (belief.mean[i] - settings.prior_mean[i]) / settings.prior_sd[i]
         density -= 0.5 * deviation * deviation
-    for _ in range(SEARCHES):
+    for _ in range(STEPS):
         learn(belief, settings, scratch.belief)
     return density + 0.5 * log_det(belief.cov, scratch.belief.posterior.precision)
 

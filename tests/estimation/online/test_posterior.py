@@ -57,17 +57,18 @@ class Problem:
         """(mK, p) derivative of the coefficients."""
         return twin.derivative(lambda v: self.coefficients(v).ravel(), theta)
 
-    def believe(self, gain_variance=0.0, calls=60):
-        """Mean, covariance and whether it has converged after so many calls that begin with the prior."""
+    def believe(self, gain_variance=0.0, steps=200):
+        """Mean, covariance and whether the last of so many steps, which begin at the prior, has moved nothing."""
         belief, known = self.belief, self.size + 1
         self.settings["gain_variance"] = gain_variance
         begin_belief(self.basis, belief, self.mean, self.sd)
         belief["nominal"] = self.nominal
         belief["information"][:known, :known], belief["score"][:known] = self.information, self.score
-        converged = False
-        for _ in range(calls):
-            converged = update_belief(belief, self.settings, self.scratch)
-        return belief["mean"].copy(), belief["cov"].copy(), converged
+        for _ in range(steps):
+            last = belief["mean"].copy()
+            assert update_belief(belief, self.settings, self.scratch)
+        mean, covariance = belief["mean"].copy(), belief["cov"].copy()
+        return mean, covariance, (np.abs(mean - last) < 1e-3 * np.sqrt(np.diag(covariance))).all()
 
 
 def definite(rng, size):
@@ -367,7 +368,7 @@ def test_without_an_answer_the_last_belief_stays(rng, bad):
     J = problem.slope(problem.mean)
     scale = 6.0 / np.abs(J).max(axis=1)
     problem.information[:-1, :-1] = definite(rng, problem.size) * np.outer(scale, scale) / problem.size
-    mean, covariance, _ = problem.believe(calls=3)
+    mean, covariance, _ = problem.believe(steps=3)
     problem.belief["information"][: problem.size, : problem.size] = np.diag(np.full(problem.size, bad))
     assert not update_belief(problem.belief, problem.settings, problem.scratch)
     np.testing.assert_array_equal(problem.belief["mean"], mean)
@@ -375,15 +376,20 @@ def test_without_an_answer_the_last_belief_stays(rng, bad):
     assert (np.diag(covariance) < 0.99 * problem.sd**2).any(), "and that was not the prior"
 
 
-def test_a_search_ends_when_what_is_left_is_small(rng):
-    """A second call then moves the mean by a hundredth of an sd at most; from far off one call is not enough."""
-    problem = Problem("whole")
+def test_a_step_is_newtons_and_ends_at_the_trust_region(rng):
+    """The error falls with its square where the belief is narrow; from far off no step is longer than a prior sd."""
+    problem = Problem("whole", prior_sd=0.05)
     J = problem.slope(problem.mean)
-    scale = 6.0 / np.abs(J).max(axis=1)
+    scale = 2e4 / np.abs(J).max(axis=1)
     problem.information[:-1, :-1] = definite(rng, problem.size) * np.outer(scale, scale) / problem.size
-    calls = 1
-    while not problem.believe(calls=calls)[2]:
-        calls += 1
-    mean, covariance, _ = problem.believe(calls=calls)
-    again, _, _ = problem.believe(calls=calls + 1)
-    assert (np.abs(again - mean) < 0.1 * np.sqrt(np.diag(covariance))).all()
+    shift = problem.coefficients(problem.mean + 0.04).real - problem.nominal
+    problem.score[:-1] = problem.information[:-1, :-1] @ shift.ravel()
+    end, covariance, converged = problem.believe()
+    assert converged
+    sd, distances = np.sqrt(np.diag(covariance)), []
+    for steps in (1, 2, 3):
+        distances.append(np.abs((problem.believe(steps=steps)[0] - end) / sd).max())
+    assert distances[0] < np.abs((problem.mean - end) / sd).max() and distances[2] < 0.1 * distances[1]
+    problem.score *= 1e3
+    once, _, _ = problem.believe(steps=1)
+    assert np.abs((once - problem.mean) / problem.sd).max() == pytest.approx(1.0)

@@ -85,7 +85,7 @@ def test_the_belief_is_made_of_the_information_of_a_filter_that_stays_there(reco
     short = record.until(0.5)
     parameters = short.prior.mean + 0.1
     running, search = Running(short, parameters).run(len(short.samples)), Search(short)
-    for _ in range(mode_search.SEARCHES):
+    for _ in range(mode_search.STEPS):
         learn(running.belief, running.settings, running.scratch["belief"])
     search.at(parameters)
     np.testing.assert_allclose(search.belief["mean"], running.belief["mean"], rtol=0, atol=1e-9)
