@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
+from agents.array_files import load_arrays, save_arrays
+from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 from jawenv.maneuvers import Maneuver
+from jawenv.maneuvers.player import goals_of
 from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
 from jawenv.rollout import DEFAULT_ENV, play
 
@@ -83,19 +85,14 @@ class Replay:
         Raises:
             InputError: no such file, or one that holds no actions.
         """
-        try:
-            with np.load(path, allow_pickle=False) as held:
-                name, actions = str(held["name"]), np.asarray(held["actions"], dtype=np.float64)
-        except (OSError, KeyError, ValueError) as error:
-            raise InputError(f"{path}: no recorded actions: {error}") from None
+        name, actions = load_arrays(path, ("name", "actions"), "recorded actions")
         if actions.ndim != 3 or actions.shape[2] != len(CHANNELS) or not (np.abs(actions) <= 1.0).all():
             raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
-        return cls(name, actions)
+        return cls(str(name), actions.astype(np.float64))
 
     def save(self, path: Path) -> None:
         """Write name and actions (.npz), wholly or not at all."""
-        with atomic_write(path) as unfinished, unfinished.open("wb") as file:
-            np.savez_compressed(file, name=self.name, actions=self._actions)
+        save_arrays(path, name=self.name, actions=self._actions)
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Begin again."""
@@ -171,8 +168,7 @@ def targets_of(actions: Array, period: float) -> Array:
     Returns:
         (N, T, 4) fractions of the patient's comfort.
     """
-    low = np.array(LOWEST)
-    return followed(low + 0.5 * (HIGHEST - low) * (np.asarray(actions, dtype=np.float64) + 1.0), period)
+    return followed(goals_of(actions), period)
 
 
 def followed(goals: Array, period: float) -> Array:

@@ -19,7 +19,7 @@ from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number
 from jawenv.maneuvers import Maneuver
 from jawenv.maneuvers.maneuver import SUFFIXES
-from jawenv.maneuvers.player import action_of
+from jawenv.maneuvers.player import action_of, goals_of
 from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
 
 STEPS_SEEN = 3
@@ -90,6 +90,10 @@ class BaseTargets:
         """
         wanted = self._at_end(step) + self.scale * np.asarray(residual, dtype=np.float64)
         return action_of(np.clip(wanted, LOWEST, HIGHEST)).astype(np.float32)
+
+    def residuals(self, step: NDArray[np.int64], action: Action) -> NDArray[Any]:
+        """The policy's actions (N, 4), in [-1, 1], that come nearest to actions (N, 4) of the environment."""
+        return np.clip((goals_of(action) - self._at_end(step)) / self.scale, -1.0, 1.0)
 
     def _at_end(self, step: NDArray[np.int64]) -> Array:
         """Targets (N, 4) at the end of steps (N,); worlds in the same step are computed once."""

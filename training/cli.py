@@ -1,22 +1,42 @@
-"""Commands: ``python -m training train CONFIG``, ``plot``, ``tune``, ``optimise``, ``design`` and ``export``."""
+"""The commands of ``python -m training``."""
 
 from __future__ import annotations
 
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from jawenv.errors import InputError, out_of_memory
 from training.design_command import design
+from training.distill_command import distill
 from training.help import Commands
 from training.optimise_command import optimise
-
-if TYPE_CHECKING:
-    from training.config import TrainingConfig
+from training.options import (
+    Cohort,
+    Config,
+    Continue,
+    Device,
+    Environment,
+    Figure,
+    Output,
+    Overwrite,
+    ResidualOn,
+    Resume,
+    Reward,
+    Runs,
+    Seed,
+    Seeds,
+    Steps,
+    Storage,
+    Study,
+    Trials,
+    Worlds,
+    configured,
+)
 
 app = typer.Typer(
     cls=Commands,
@@ -27,56 +47,7 @@ app = typer.Typer(
 )
 app.command("optimise")(optimise)
 app.command("design")(design)
-
-Config = Annotated[
-    str | None,
-    typer.Argument(metavar="CONFIG", help="A shipped configuration (ppo, sac, tqc, ...) or a YAML file."),
-]
-Environment = Annotated[
-    str | None,
-    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v1, or JawSides, or sides."),
-]
-ResidualOn = Annotated[
-    str | None,
-    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file), in targets control."),
-]
-Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of the patients: trismus, one_sided, ...")]
-Reward = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
-]
-Steps = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Environment steps to train for, over all worlds."),
-]
-Seed = Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")]
-Seeds = Annotated[
-    str | None,
-    typer.Option(metavar="LIST", help="Several seeds, 0-4 or 0,1,2, each into OUTPUT-seedK; finished ones are left."),
-]
-Worlds = Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")]
-Device = Annotated[str | None, typer.Option(metavar="NAME", help="Where the network runs: cpu, cuda, ...")]
-Resume = Annotated[
-    Path | None,
-    typer.Option(metavar="RUN", help="Go on with the run in this folder, from its latest checkpoint."),
-]
-Continue = Annotated[
-    bool,
-    typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
-]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the output folder.")]
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; those of several seeds are averaged.")]
-Figure = Annotated[Path, typer.Option(metavar="FILE", help="The picture to write, a .png.")]
-Trials = Annotated[int, typer.Option(metavar="N", help="Trials that the study shall have in the end.")]
-Storage = Annotated[
-    str,
-    typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
-]
-Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
+app.command("distill")(distill)
 
 
 @app.callback()
@@ -124,7 +95,7 @@ def train(
         return training.resume(RunFolder(resume), console, steps)
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    wanted, stem = _wanted(config, env, residual_on)
+    wanted, stem = configured(config, env, residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
     wanted = wanted.with_env_kwargs(cohort=cohort, reward=reward)
     if seeds is not None:
@@ -137,23 +108,6 @@ def train(
         run.check_settings(wanted)
         return training.resume(run, console, wanted.steps)
     return training.start(wanted, run, console, overwrite)
-
-
-def _wanted(config: str | None, env: str | None, residual_on: str | None) -> tuple[TrainingConfig, str]:
-    """The configuration that a command line asks for, and the stem of its runs' names."""
-    from jawenv.ladder import model_of_env
-    from training.config import TrainingConfig, config_file
-
-    if config is None:
-        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
-    source = config_file(config)
-    wanted, stem = TrainingConfig.load(source), source.stem
-    if env is not None:
-        model = model_of_env(env)
-        wanted, stem = wanted.in_env(model.env_id), f"{stem}-{model.title}"
-    if residual_on is not None:
-        wanted = wanted.on_maneuver(residual_on)
-    return wanted, stem
 
 
 @app.command("plot")
@@ -179,7 +133,7 @@ def tune(
     """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
     from training.tune import search
 
-    wanted, stem = _wanted(config, env, residual_on)
+    wanted, stem = configured(config, env, residual_on)
     name = study or stem
     folder = output or Path("runs") / f"tune-{name}"
     return search(wanted.changed(steps=steps), name, trials, storage, folder, Console(highlight=False, markup=False))

@@ -57,6 +57,9 @@ class Evaluations(BaseCallback):
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         report: is told steps and row of each evaluation.
 
+    Attributes:
+        last: steps of the latest row; None before the first.
+
     Raises:
         InputError: the table of a resumed run is damaged.
     """
@@ -80,44 +83,45 @@ class Evaluations(BaseCallback):
         self._limit = largest_discomfort_s
         self._report = report
         self.best: tuple[Score, int] | None = None
-        self._last: int | None = None
+        self.last: int | None = None
         for row in read_evaluations(run):
-            self._last = int(row["steps"])
+            self.last = int(row["steps"])
             self._compare(row)
         self._show_best()
 
     def _on_rollout_start(self) -> None:
-        if self._last is None or self.model.num_timesteps - self._last >= self._config.every_steps:
-            self._evaluate()
+        if self.last is None or self.model.num_timesteps - self.last >= self._config.every_steps:
+            self.evaluate()
 
     def _on_step(self) -> bool:
         return True
 
     def _on_training_end(self) -> None:
-        if self._last != self.model.num_timesteps and not self._interrupted():
-            self._evaluate()
+        if self.last != self.model.num_timesteps and not self._interrupted():
+            self.evaluate()
 
-    def _evaluate(self) -> None:
+    def evaluate(self) -> None:
+        """Evaluate now: add a row to the table, and save the model if it is the best."""
         self._progress.note("activity", "evaluating")
         outcome, sampled = self._play(deterministic=True), self._play(deterministic=False)
         self._progress.note("activity", "")
         if outcome is None or sampled is None:
             return
-        self._last = self.model.num_timesteps
+        self.last = self.model.num_timesteps
         figures = outcome.averages() | {
             "return_sampled": sampled.mean_return,
             "return_sd": float(outcome.figures["return"].std()),
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
-        _append(self._run, self._last, row)
+        _append(self._run, self.last, row)
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
-        self.logger.dump(self._last)
-        if self._compare(figures | {"steps": self._last}):
+        self.logger.dump(self.last)
+        if self._compare(figures | {"steps": self.last}):
             self._run.save_model(self.model, self._run.best_model)
             self._show_best()
         if self._report is not None:
-            self._report(self._last, row)
+            self._report(self.last, row)
 
     def _play(self, deterministic: bool) -> Evaluation | None:
         return evaluate(self.model, self._worlds, self._config.seed, deterministic, self._interrupted)

@@ -100,7 +100,7 @@ def _card(
         environment=environment,
         observation_size=trained.observation_size,
         architecture=Architecture(layers=network.layers, activation=network.activation, squash=network.squash),
-        algorithm=config.algorithm,
+        algorithm=_algorithm(run, config),
         seed=config.seed,
         steps=_steps(trained.path),
         residual=_residual(config.residual, run.path),
@@ -148,6 +148,14 @@ def _residual(setting: ResidualSetting | None, folder: Path) -> Residual | None:
     if setting is None:
         return None
     return Residual(maneuver=setting.load_maneuver(folder), scale=setting.scale)
+
+
+def _algorithm(run: RunFolder, config: TrainingConfig) -> str:
+    """What trained a run's policies."""
+    if not run.distillation_file.exists():
+        return config.algorithm
+    distilled = f"distillation of {read_mapping(run.distillation_file).get('planner')}"
+    return f"{distilled}, then {config.algorithm}" if len(_commands(run)) > 1 else distilled
 
 
 def _steps(checkpoint: Path) -> int:

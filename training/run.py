@@ -6,6 +6,8 @@
                 repeat.json        command lines, versions, git commit, seeds
                 env.json           specification of the environment
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
+                distillation.yaml  whose decisions were learnt, if it was distilled from a planner
+                labels/            round_<number>.npz, what the planner would do
                 best_model.zip     policy with the best evaluation
                 final_model.zip    policy at the end
                 checkpoints/       step_<steps>.zip, the latest few
@@ -55,6 +57,8 @@ class RunFolder:
         self.checkpoints = path / "checkpoints"
         self.evaluations = path / "evaluations.csv"
         self.tensorboard = path / "tensorboard"
+        self.distillation_file = path / "distillation.yaml"
+        self.labels = path / "labels"
 
     def exists(self) -> bool:
         """Whether the folder holds a run."""

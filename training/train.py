@@ -68,7 +68,7 @@ def start(
     """
     run.check_free(overwrite)
     base = base_targets(config)
-    with _Session(config, console, 0, base) as session:
+    with Session(config, console, 0, base) as session:
         run.create(config, session.env_spec, session.world_seed)
         if base is not None:
             run.save_base(base.maneuver)
@@ -101,7 +101,7 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
             "(--steps with a larger number goes on)"
         )
         return 0
-    with _Session(config, console, from_step, base_targets(config, run.path)) as session:
+    with Session(config, console, from_step, base_targets(config, run.path)) as session:
         if checkpoint is not None:
             session.restore(checkpoint)
         run.add_session(config, from_step, session.world_seed)
@@ -120,11 +120,19 @@ def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTarg
     return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, control_hz)
 
 
-class _Session:
-    """Environments and model of one process that trains, from ``from_step`` to ``config.steps``."""
+class Session:
+    """Environments and model of one process that trains, from ``from_step`` to ``config.steps``.
+
+    Attributes:
+        config: as given.
+        base: as given; the maneuver that is corrected.
+        model: the algorithm, untrained.
+        world_seed: of the first training world.
+        env_spec: specification of the environment, as JSON.
+    """
 
     def __init__(self, config: TrainingConfig, console: Console, from_step: int, base: BaseTargets | None) -> None:
-        self._config = config
+        self.config, self.base = config, base
         self._console = console
         self._from_step = from_step
         self.world_seed = world_seed(config.seed, from_step)
@@ -135,10 +143,10 @@ class _Session:
         self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
         self._worlds = wrapped(env, base, self._multiplier)
         self._validation = wrapped(make_worlds(config.env, config.evaluation.patients), base)
-        self._model = make_model(config, self._worlds)
+        self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
 
-    def __enter__(self) -> _Session:
+    def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -147,10 +155,10 @@ class _Session:
 
     def restore(self, checkpoint: Path) -> None:
         """Take over weights, optimiser state, counters and multiplier of a checkpoint."""
-        model: Any = self._model
+        model: Any = self.model
         try:
-            model.set_parameters(str(checkpoint), device=self._config.device)
-            _, _, variables = load_from_zip_file(str(checkpoint), device=self._config.device, load_data=False)
+            model.set_parameters(str(checkpoint), device=self.config.device)
+            _, _, variables = load_from_zip_file(str(checkpoint), device=self.config.device, load_data=False)
             for name, value in (variables or {}).items():
                 if value is not None:
                     attrgetter(name)(model).data.copy_(value.data)
@@ -160,13 +168,13 @@ class _Session:
                 self._multiplier.value = float(saved["comfort_multiplier"])
         except _DAMAGE as error:
             raise _damaged(checkpoint, error) from error
-        section = self._config.section
+        section = self.config.section
         if isinstance(section, SACConfig):
             model.learning_starts = model.num_timesteps + section.learning_starts
 
     def learn(self, run: RunFolder, report: Report | None = None) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
-        config, model = self._config, self._model
+        config, model = self.config, self.model
         total = _whole_updates(model, self._from_step, config.steps)
         if total != config.steps:
             self._console.print(
@@ -178,7 +186,7 @@ class _Session:
         interrupt = Interrupt()
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
-                evaluations = self._evaluations(run, interrupt, progress, report)
+                evaluations = self.evaluations(run, progress, interrupt.wanted, report)
                 callbacks = [StopOnSignal(interrupt), EpisodeLog(progress), *self._special_callbacks()]
                 callbacks += [Checkpoints(run, config.checkpoints), evaluations]
                 # On-policy algorithms log every rollout, the others after so many episodes.
@@ -208,7 +216,7 @@ class _Session:
 
     def _special_callbacks(self) -> list[BaseCallback]:
         """What only some configurations ask for."""
-        config = self._config
+        config = self.config
         callbacks: list[BaseCallback] = []
         if isinstance(config.section, PPOConfig) and config.section.network.final_log_std is not None:
             callbacks.append(FallingNoise(config.section.network, config.steps))
@@ -216,22 +224,27 @@ class _Session:
             callbacks.append(MultiplierUpdates(self._multiplier, config.comfort.episodes))
         return callbacks
 
-    def _evaluations(
-        self, run: RunFolder, interrupt: Interrupt, progress: Progress, report: Report | None
+    def evaluations(
+        self,
+        run: RunFolder,
+        progress: Progress,
+        interrupted: Callable[[], bool] = lambda: False,
+        report: Report | None = None,
     ) -> Evaluations:
-        comfort = self._config.comfort
+        """Evaluations on the validation patients, which keep the best model in the run's folder."""
+        comfort = self.config.comfort
         limit = None if comfort is None else comfort.target_discomfort_s
-        return Evaluations(run, self._config.evaluation, self._validation, interrupt.wanted, progress, limit, report)
+        return Evaluations(run, self.config.evaluation, self._validation, interrupted, progress, limit, report)
 
     def _report(self, run: RunFolder, evaluations: Evaluations, seconds: float) -> None:
-        steps = self._model.num_timesteps
+        steps = self.model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
         score, best_steps = evaluations.best
         kind = "mean return" if score.comfortable else "negative discomfort"
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best {kind} on "
-            f"{self._config.evaluation.patients} validation patients {score.value:.4g} "
+            f"{self.config.evaluation.patients} validation patients {score.value:.4g} "
             f"after {best_steps:,} steps: {run.best_model}",
             soft_wrap=True,
         )

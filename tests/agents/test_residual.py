@@ -71,6 +71,14 @@ def test_residual_moves_each_channel_by_its_scale_and_stops_at_the_limits() -> N
     np.testing.assert_array_equal(BaseTargets(BASE.maneuver, 2.0).actions(step, np.full((1, 4), -1.0)), -1.0)
 
 
+def test_residuals_of_actions_are_what_gives_these_actions() -> None:
+    base = BaseTargets(Maneuver.named("opening_with_swings"), 0.4)
+    step, residual = np.arange(8), np.random.default_rng(0).uniform(-0.2, 0.2, (8, 4))
+    residual[:, 0] = abs(residual[:, 0])  # the opening begins at its lowest
+    np.testing.assert_allclose(base.residuals(step, base.actions(step, residual)), residual, atol=1e-6)
+    assert (base.residuals(step, np.ones((8, 4))) == 1.0).any()  # as far as a correction reaches
+
+
 def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was() -> None:
     policy, seen = agent(), observations(2)
     _, state = policy.predict(seen)

@@ -179,7 +179,7 @@ def test_checkpoint_of_another_network_is_refused(
         (["--n-envs", "3"], "must be a multiple of ppo.batch_size"),
         (["--seed", "-1"], "command line: seed = -1"),
         (["nowhere.yaml"], "nowhere.yaml: no such file"),
-        (["nowhere"], "configuration 'nowhere': unknown; allowed: demo, plain_ppo, ppo, recurrent_ppo, sac, tqc, "),
+        (["nowhere"], "configuration 'nowhere': unknown; allowed: demo, distilled, plain_ppo, ppo, recurrent_ppo, "),
         (["--resume", "runs/a", "sac"], "CONFIG cannot be combined with --resume"),
         (["--resume", "runs/a", "--seeds", "1"], "--seeds cannot be combined with --resume"),
         (["--seeds", "0-2", "--seed", "1"], "--seed cannot be combined with --seeds"),

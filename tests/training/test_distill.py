@@ -1,0 +1,136 @@
+"""A planner distilled into a policy: what is learnt, in which states, and how it goes on after a stop."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import agents
+import jawenv
+from agents.replay import Recorder
+from jawenv.errors import InputError
+from training.cli import main
+from training.config import TrainingConfig
+from training.distill import Distillation, Labels, error_on, fit
+from training.evaluations import read_evaluations
+from training.export import export
+from training.run import RunFolder
+from training.train import Session, base_targets, world_seed
+
+CONFIG = """
+algorithm: ppo
+n_envs: 2
+env: {kwargs: {control: targets, reward: worst, episode_s: 1.0}}
+residual: {maneuver: opening_with_swings, scale: 2.0}
+ppo: {n_steps: 5, batch_size: 10, network: {policy: [16], value: [16]}}
+evaluation: {every_steps: 1000, patients: 2}
+"""
+SMALL = ["--planner", "myopic", "--patients", "5"]
+STEPS = 5  # of an episode
+
+
+@pytest.fixture
+def config_file(tmp_path: Path) -> Path:
+    path = tmp_path / "small.yaml"
+    path.write_text(CONFIG)
+    return path
+
+
+def weights(path: Path) -> list[np.ndarray]:
+    policy = agents.load_agent(path, control="targets").policy.policy
+    return [value.numpy() for value in policy.state_dict().values()]
+
+
+def test_a_policy_learns_what_it_is_told(config_file: Path) -> None:
+    config = TrainingConfig.load(config_file)
+    stream = np.random.default_rng(0)
+    with Session(config, Console(quiet=True), 0, base_targets(config)) as session:
+        seen = stream.normal(size=(5000, *session.model.observation_space.shape)).astype(np.float32)
+        wanted = 0.4 * np.tanh(seen[:, :4]).astype(np.float32)
+        told, others = Labels(seen[:4000], wanted[:4000]), Labels(seen[4000:], wanted[4000:])
+        before = error_on(session.model, others)
+        fit(session.model, [told], Distillation(), seed=0)
+        assert error_on(session.model, others) < 0.6 * np.sqrt(np.mean(wanted**2)) < 0.9 * before
+
+
+def test_a_planner_is_distilled_and_a_stopped_distillation_goes_on(config_file: Path, tmp_path: Path, capsys) -> None:
+    whole, halves = RunFolder(tmp_path / "whole"), RunFolder(tmp_path / "halves")
+    command = ["distill", str(config_file), *SMALL]
+    assert main([*command, "--rounds", "2", "--output", str(whole.path)]) == 0
+    assert main([*command, "--rounds", "1", "--output", str(halves.path)]) == 0
+    halves.final_model.unlink()  # as if it had been stopped in the second round
+    assert main([*command, "--rounds", "2", "--output", str(halves.path)]) == 0
+    for a, b in zip(weights(whole.final_model), weights(halves.final_model), strict=True):
+        np.testing.assert_array_equal(a, b)
+    shutil.rmtree(halves.path / "labels")  # and stopped before the policy was fitted: labels alone decide
+    shutil.copytree(whole.path / "labels", halves.path / "labels")
+    halves.final_model.unlink()
+    assert main([*command, "--rounds", "2", "--output", str(halves.path)]) == 0
+    for a, b in zip(weights(whole.final_model), weights(halves.final_model), strict=True):
+        np.testing.assert_array_equal(a, b)
+    rows = read_evaluations(whole)
+    assert [row["steps"] for row in rows] == [5 * STEPS, 10 * STEPS]
+    capsys.readouterr()
+    assert main([*command, "--rounds", "2", "--output", str(whole.path)]) == 0
+    assert "nothing to do" in capsys.readouterr().err
+    assert main([*command, "--rounds", "2", "--seed", "1", "--output", str(whole.path)]) == 2
+    assert "other settings (seed)" in capsys.readouterr().err
+    # The planner plays the first round itself: those labels are what it did.
+    first = Labels.load(whole.path / "labels" / "round_00.npz")
+    env = {"control": "targets", "reward": "worst", "episode_s": 1.0}
+    planner = Recorder(agents.load_agent("myopic", control="targets"))
+    jawenv.play(planner, patients=5, seed=world_seed(0, 0), env_kwargs={**env, "track_bound": False})
+    base = agents.load_agent(whole.path, control="targets").base
+    done = np.array([base.residuals(np.full(5, k), action) for k, action in enumerate(planner.actions)])
+    within = np.abs(done).max(axis=(0, 2)) < 1.0  # what is out of a correction's reach is played otherwise
+    assert within.any()
+    np.testing.assert_allclose(first.residual.reshape(STEPS, 5, 4)[:, within], done[:, within], atol=1e-5)
+
+
+def test_a_distilled_run_is_trained_on(config_file: Path, tmp_path: Path) -> None:
+    run = RunFolder(tmp_path / "run")
+    assert main(["distill", str(config_file), *SMALL, "--rounds", "1", "--output", str(run.path)]) == 0
+    before = weights(run.final_model)
+    assert export(run, tmp_path / "distilled").algorithm == "distillation of myopic"
+    assert main(["train", "--resume", str(run.path), "--steps", "45"]) == 0
+    assert [row["steps"] for row in read_evaluations(run)] == [25, 45]
+    assert export(run, tmp_path / "trained").algorithm == "distillation of myopic, then ppo"
+    after = weights(run.final_model)
+    assert any((a != b).any() for a, b in zip(before, after, strict=True))
+    assert all(np.abs(a - b).max() < 0.05 for a, b in zip(before, after, strict=True))  # it went on from there
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "message"),
+    [
+        ({}, ["--planner", "nobody"], "planner"),
+        ({}, ["--patients", "0"], "patients"),
+        ({}, ["--rounds", "0"], "rounds"),
+        ({"residual: {maneuver: opening_with_swings, scale: 2.0}": ""}, [], "--residual-on"),
+        ({"algorithm: ppo": "algorithm: sac", "ppo: {": "sac: {}  # {"}, [], "allowed to be distilled into: ppo"),
+    ],
+)
+def test_bad_input_is_one_line(config_file: Path, tmp_path: Path, capsys, changes, options, message) -> None:
+    text = CONFIG
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    config_file.write_text(text)
+    assert main(["distill", str(config_file), "--output", str(tmp_path / "run"), *options]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and error.count("\n") == 1 and message in error
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("damage", ["cut", "nan", "length"])
+def test_damaged_labels_are_named(tmp_path: Path, damage: str) -> None:
+    path = tmp_path / "labels" / "round_00.npz"
+    seen, wanted = np.zeros((10, 3), dtype=np.float32), np.zeros((10, 4))
+    if damage == "nan":
+        wanted[3, 1] = np.nan
+    Labels(seen, wanted[:9] if damage == "length" else wanted).save(path)
+    if damage == "cut":
+        path.write_bytes(path.read_bytes()[:40])
+    with pytest.raises(InputError, match=r"round_00\.npz: (no|damaged) labels"):
+        Labels.load(path)

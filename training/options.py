@@ -1,0 +1,84 @@
+"""Options that commands have in common, and the configuration that they ask for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from jawenv.errors import InputError
+
+if TYPE_CHECKING:
+    from training.config import TrainingConfig
+
+Config = Annotated[
+    str | None,
+    typer.Argument(metavar="CONFIG", help="A shipped configuration (ppo, sac, tqc, ...) or a YAML file."),
+]
+Environment = Annotated[
+    str | None,
+    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v1, or JawSides, or sides."),
+]
+ResidualOn = Annotated[
+    str | None,
+    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file), in targets control."),
+]
+Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of the patients: trismus, one_sided, ...")]
+Reward = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
+]
+Output = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
+]
+Steps = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Environment steps to train for, over all worlds."),
+]
+Seed = Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")]
+Seeds = Annotated[
+    str | None,
+    typer.Option(metavar="LIST", help="Several seeds, 0-4 or 0,1,2, each into OUTPUT-seedK; finished ones are left."),
+]
+Worlds = Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")]
+Device = Annotated[str | None, typer.Option(metavar="NAME", help="Where the network runs: cpu, cuda, ...")]
+Resume = Annotated[
+    Path | None,
+    typer.Option(metavar="RUN", help="Go on with the run in this folder, from its latest checkpoint."),
+]
+Continue = Annotated[
+    bool,
+    typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the output folder.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; those of several seeds are averaged.")]
+Figure = Annotated[Path, typer.Option(metavar="FILE", help="The picture to write, a .png.")]
+Trials = Annotated[int, typer.Option(metavar="N", help="Trials that the study shall have in the end.")]
+Storage = Annotated[
+    str,
+    typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
+]
+Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
+
+
+def configured(config: str | None, env: str | None, residual_on: str | None) -> tuple[TrainingConfig, str]:
+    """The configuration that a command line asks for, and the stem of its runs' names.
+
+    Raises:
+        InputError: none is named, or it is not what it should be.
+    """
+    from jawenv.ladder import model_of_env
+    from training.config import TrainingConfig, config_file
+
+    if config is None:
+        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
+    source = config_file(config)
+    wanted, stem = TrainingConfig.load(source), source.stem
+    if env is not None:
+        model = model_of_env(env)
+        wanted, stem = wanted.in_env(model.env_id), f"{stem}-{model.title}"
+    if residual_on is not None:
+        wanted = wanted.on_maneuver(residual_on)
+    return wanted, stem
