@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from agents.card import WEIGHTS, Architecture, ModelCard, read_card
+from agents.following import decision_hz
 from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
@@ -111,7 +112,7 @@ def _on_maneuver(policy: ExportedPolicy, folder: Path) -> Agent:
     card = policy.card
     if card.residual is None:
         return policy
-    base = BaseTargets(card.residual.maneuver, card.residual.scale, card.environment.control_hz)
+    base = BaseTargets(card.residual.maneuver, card.residual.scale, decision_hz(card.environment.kwargs()))
     return ResidualPolicy(policy, base, folder, card.observation_size - N_FEATURES)
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy, check_control
+from agents.following import decision_hz
+from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
 from jawenv.errors import InputError
 from jawenv.files import read_mapping, validate
 from jawenv.protocol import Action, Mask, Observation, State
@@ -112,8 +113,7 @@ def _base_targets(checkpoint: Path) -> BaseTargets | None:
     residual = validate(Residual, config["residual"], source)
     env = config.get("env")
     kwargs = env.get("kwargs", {}) if isinstance(env, dict) else {}
-    check_control(kwargs.get("control"))
-    return BaseTargets(residual.load_maneuver(folders[0]), residual.scale, kwargs.get("control_hz"))
+    return BaseTargets(residual.load_maneuver(folders[0]), residual.scale, decision_hz(kwargs))
 
 
 def _checkpoint(path: Path) -> Path:

@@ -5,11 +5,12 @@ from pathlib import Path
 from agents.card import exported_place, policy_names
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
+from agents.following import Following, TargetsLaw
 from agents.own import load_own, names_own
 from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
-from agents.residual import ResidualPolicy, check_control
+from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
@@ -54,9 +55,7 @@ def load_agent(
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
     if (place := exported_place(spec)) is not None:
         exported = load_exported(place, env_id=model.env_id)
-        if isinstance(exported, ResidualPolicy):
-            _check_settings(exported, control, control_hz)
-        return exported
+        return _in_control(exported, control, control_hz)
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.suffix == ".npz":
@@ -67,9 +66,7 @@ def load_agent(
         from jawenv.envs.observation import observation_size
 
         policy = load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
-        if isinstance(policy, ResidualPolicy):
-            _check_settings(policy, control, control_hz)
-        return policy
+        return _in_control(policy, control, control_hz)
     if names_own(str(spec)):
         return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
     known = ", ".join((*names(), *policy_names(), *EXCITATIONS, *PLANNERS))
@@ -84,13 +81,17 @@ def _steps_per_s(control: Control, control_hz: float | None) -> float:
     return CONTROL_HZ[control] if control_hz is None else control_hz
 
 
-def _check_settings(policy: ResidualPolicy, control: Control, control_hz: float | None) -> None:
-    """Make sure that the environment's steps are those that the maneuver under the policy is read at.
+def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
+    """A policy as an agent of the control mode; one that corrects targets has them followed.
 
     Raises:
-        InputError: another control mode, or another rate than the policy was trained at.
+        InputError: control steps that do not fit the decisions that the policy was trained to make.
     """
-    check_control(control)
-    hz = _steps_per_s(control, control_hz)
-    if hz != policy.base.control_hz:
-        raise InputError(f"control_hz {hz:g}: {policy.path} was trained at {policy.base.control_hz:g}")
+    if not isinstance(policy, ResidualPolicy):
+        return policy
+    decisions, hz = policy.base.decision_hz, _steps_per_s(control, control_hz)
+    if control != "targets":
+        return Following(policy, TargetsLaw(control, hz, decisions))
+    if hz != decisions:
+        raise InputError(f"control_hz {hz:g}: {policy.path} was trained at {decisions:g}")
+    return policy

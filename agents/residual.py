@@ -1,4 +1,6 @@
-"""A policy that corrects a maneuver: its actions are added to the maneuver's targets, in targets control.
+"""A policy that corrects a maneuver: its actions are added to the maneuver's targets, as actions of targets control.
+
+In the other control modes `agents.following.Following` plays it.
 
 `BaseTargets` holds all that training and agent have in common: what the policy sees beside the environment's
 observation, and what becomes of its action.
@@ -13,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from agents.following import DECISION_HZ
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.envs.configuration import CONTROL_HZ
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError
 from jawenv.files import InputModel, Number
 from jawenv.maneuvers import Maneuver
 from jawenv.maneuvers.maneuver import SUFFIXES
@@ -58,22 +60,22 @@ class BaseTargets:
     Args:
         maneuver: what is corrected.
         scale: what an action of 1 adds, fraction of the patient's comfort.
-        control_hz: control steps per second; None for the default of targets control.
+        decision_hz: actions of the policy per second.
     """
 
-    def __init__(self, maneuver: Maneuver, scale: float, control_hz: float | None = None) -> None:
+    def __init__(self, maneuver: Maneuver, scale: float, decision_hz: float = DECISION_HZ) -> None:
         self.maneuver = maneuver
         self.scale = scale
-        self.control_hz = CONTROL_HZ["targets"] if control_hz is None else control_hz
+        self.decision_hz = decision_hz
 
     def features(self, step: NDArray[np.int64]) -> Observation:
         """What the policy sees of the maneuver.
 
         Args:
-            step: (N,) control steps since the episode began.
+            step: (N,) decisions since the episode began.
 
         Returns:
-            (N, 12) targets at the end of this step and of the next two.
+            (N, 12) targets at the end of this decision and of the next two.
         """
         ahead = [self._at_end(step + k) for k in range(STEPS_SEEN)]
         return np.concatenate(ahead, axis=1).astype(np.float32)
@@ -82,7 +84,7 @@ class BaseTargets:
         """The environment's actions.
 
         Args:
-            step: (N,) control steps since the episode began.
+            step: (N,) decisions since the episode began.
             residual: (N, 4) the policy's actions, in [-1, 1].
 
         Returns:
@@ -98,14 +100,14 @@ class BaseTargets:
     def _at_end(self, step: NDArray[np.int64]) -> Array:
         """Targets (N, 4) at the end of steps (N,); worlds in the same step are computed once."""
         steps, which = np.unique(step, return_inverse=True)
-        return self.maneuver.targets((steps + 1) / self.control_hz).value[which]
+        return self.maneuver.targets((steps + 1) / self.decision_hz).value[which]
 
 
 class Memory(NamedTuple):
     """What the agent remembers.
 
     Attributes:
-        step: (N,) control steps since the episode began.
+        step: (N,) decisions since the episode began.
         inner: arrays of the policy's own memory, stacked along a new first axis; empty if it has none.
     """
 
@@ -114,7 +116,7 @@ class Memory(NamedTuple):
 
 
 class ResidualPolicy:
-    """A policy and the maneuver that it corrects, as one agent for targets control.
+    """A policy and the maneuver that it corrects, as one agent of targets control.
 
     Args:
         policy: the trained policy, which sees the environment's observation and `BaseTargets.features`.
@@ -186,13 +188,3 @@ class ResidualPolicy:
             return memory
         starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
         return memory._replace(step=np.where(starts, 0, memory.step))
-
-
-def check_control(control: object) -> None:
-    """Make sure that the control mode has targets.
-
-    Raises:
-        InputError: it has not.
-    """
-    if control != "targets":
-        raise InputError(f"control {shown(control)}: a residual on a maneuver needs control 'targets'")

@@ -19,6 +19,7 @@ from training.options import (
     Cohort,
     Config,
     Continue,
+    Control,
     Device,
     Environment,
     Figure,
@@ -60,6 +61,7 @@ def train(
     config: Config = None,
     env: Environment = None,
     residual_on: ResidualOn = None,
+    control: Control = None,
     cohort: Cohort = None,
     reward: Reward = None,
     output: Output = None,
@@ -83,8 +85,8 @@ def train(
     from training.run import RunFolder
 
     console = Console(highlight=False, markup=False)
-    changes: dict[str, object] = {"env": env, "residual-on": residual_on, "cohort": cohort, "reward": reward}
-    changes |= {"seed": seed, "n-envs": n_envs, "device": device}
+    changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}
+    changes |= {"reward": reward, "seed": seed, "n-envs": n_envs, "device": device}
     flags = {"continue": continue_, "overwrite": overwrite}
     if resume is not None:
         others = {"seeds": seeds, "output": output, **changes, **flags}
@@ -97,7 +99,7 @@ def train(
         raise InputError("--overwrite cannot be combined with --continue")
     wanted, stem = configured(config, env, residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    wanted = wanted.with_env_kwargs(cohort=cohort, reward=reward)
+    wanted = wanted.with_env_kwargs(control=control, cohort=cohort, reward=reward)
     if seeds is not None:
         for name, value in {"seed": seed, **flags}.items():
             if value not in (None, False):

@@ -146,14 +146,6 @@ class TrainingConfig(InputModel):
         return self
 
     @model_validator(mode="after")
-    def _residual_has_targets(self) -> Self:
-        if self.residual is not None:
-            control = self.env.kwargs.get("control", "force")
-            if control != "targets":
-                raise ValueError(f"residual needs env.kwargs.control 'targets', not {control!r}")
-        return self
-
-    @model_validator(mode="after")
     def _one_price(self) -> Self:
         if self.comfort is not None and self.env.kwargs.get("comfort_weight", 0.0) != 0.0:
             raise ValueError("comfort learns the price of discomfort: env.kwargs.comfort_weight must be 0 or left out")
@@ -182,7 +174,7 @@ class TrainingConfig(InputModel):
         """The same run as a residual on a maneuver.
 
         Raises:
-            InputError: no such maneuver, or the environment's control is not targets.
+            InputError: no such maneuver.
         """
         scale = {} if self.residual is None else {"scale": self.residual.scale}
         return self.changed(residual={"maneuver": maneuver, **scale})

@@ -150,7 +150,7 @@ def gather(
             seen = np.asarray(after)
             running &= ~ended
             step += 1
-            tell(step * patients / base.control_hz)
+            tell(step * patients / base.decision_hz)
     finally:
         worlds.close()
     return Labels(*(np.concatenate(parts) for parts in (observations, residuals)))

@@ -22,8 +22,9 @@ Environment = Annotated[
 ]
 ResidualOn = Annotated[
     str | None,
-    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file), in targets control."),
+    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file)."),
 ]
+Control = Annotated[str | None, typer.Option(metavar="NAME", help="Control mode: targets, force or trajectory.")]
 Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of the patients: trismus, one_sided, ...")]
 Reward = Annotated[
     str | None,

@@ -14,7 +14,7 @@ class ResidualVecEnv(VecEnvWrapper):
     """Adds the maneuver's targets to observations and actions, as `agents.residual.ResidualPolicy` does.
 
     Args:
-        worlds: N worlds in targets control.
+        worlds: N worlds whose actions are targets.
         base: the maneuver.
 
     Raises:

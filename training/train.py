@@ -22,6 +22,7 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
 from jawenv.errors import InputError
 from jawenv.progress import Progress
@@ -32,6 +33,7 @@ from training.callbacks import Checkpoints, EpisodeLog, FallingNoise, Interrupt,
 from training.comfort import Multiplier, MultiplierUpdates, PricedVecEnv
 from training.config import EnvConfig, TrainingConfig
 from training.evaluations import Evaluations
+from training.following_env import FollowingVecEnv
 from training.residual_env import ResidualVecEnv
 from training.run import RunFolder
 from training.vec_env import NativeVecEnv
@@ -116,8 +118,7 @@ def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTarg
     """
     if config.residual is None:
         return None
-    control_hz: Any = config.env.kwargs.get("control_hz")
-    return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, control_hz)
+    return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, decision_hz(config.env.kwargs))
 
 
 class Session:
@@ -141,8 +142,9 @@ class Session:
         env = make_worlds(config.env, config.n_envs)
         self.env_spec = _spec_json(env, config.env)
         self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
-        self._worlds = wrapped(env, base, self._multiplier)
-        self._validation = wrapped(make_worlds(config.env, config.evaluation.patients), base)
+        law = None if base is None else _law(config.env, base)
+        self._worlds = wrapped(env, base, law, self._multiplier)
+        self._validation = wrapped(make_worlds(config.env, config.evaluation.patients), base, law)
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
 
@@ -256,12 +258,31 @@ def _whole_updates(model: Any, from_step: int, steps: int) -> int:
     return from_step + -(-(steps - from_step) // update) * update
 
 
-def wrapped(env: VectorEnv, base: BaseTargets | None, multiplier: Multiplier | None = None) -> VecEnv:
-    """Worlds for stable-baselines3: with the maneuver that is corrected, and with the price of discomfort."""
+def _law(config: EnvConfig, base: BaseTargets) -> TargetsLaw | None:
+    """What follows a policy's targets; None where the device does.
+
+    Raises:
+        InputError: the environment's control steps do not fit the policy's decisions.
+    """
+    kwargs: dict[str, Any] = config.kwargs
+    if kwargs.get("control") == "targets":
+        return None
+    return TargetsLaw(kwargs.get("control", "force"), kwargs.get("control_hz"), base.decision_hz)
+
+
+def wrapped(
+    env: VectorEnv,
+    base: BaseTargets | None = None,
+    law: TargetsLaw | None = None,
+    multiplier: Multiplier | None = None,
+) -> VecEnv:
+    """Worlds for stable-baselines3: with the price of discomfort, and with the maneuver that is corrected."""
     native = NativeVecEnv(env)
     worlds: VecEnv = native
     if multiplier is not None:
         worlds = PricedVecEnv(worlds, native, multiplier)
+    if law is not None:
+        worlds = FollowingVecEnv(worlds, law)
     return worlds if base is None else ResidualVecEnv(worlds, base)
 
 

@@ -9,6 +9,7 @@ from gymnasium import spaces
 from stable_baselines3 import PPO
 
 import agents
+from agents.following import Following
 from agents.policies import load_policy
 from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, Residual, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
@@ -144,9 +145,14 @@ def test_the_copy_in_the_run_wins_over_the_name(run: Path) -> None:
     assert isinstance(loaded, ResidualPolicy) and loaded.base.maneuver == Maneuver.named("slow_opening")
 
 
-def test_another_control_or_rate_is_refused(run: Path) -> None:
-    with pytest.raises(InputError, match="control 'force': a residual on a maneuver needs control 'targets'"):
-        agents.load_agent(run)
+def test_in_another_control_its_targets_are_followed(run: Path) -> None:
+    loaded = agents.load_agent(run, control="force")
+    assert isinstance(loaded, Following) and isinstance(loaded.agent, ResidualPolicy)
+    with pytest.raises(InputError, match="control_hz 12: must be a multiple of the 5 decisions per second"):
+        agents.load_agent(run, control="force", control_hz=12.0)
+
+
+def test_another_rate_is_refused(run: Path) -> None:
     with pytest.raises(InputError, match="control_hz 10: .* was trained at 5"):
         agents.load_agent(run, control="targets", control_hz=10.0)
 
@@ -157,7 +163,7 @@ def test_another_control_or_rate_is_refused(run: Path) -> None:
         ("scale: 0.25", "scale: 3", "residual: scale = 3 must be less than or equal to 2"),
         ("scale", "size", "unknown key 'size'; allowed: maneuver, scale"),
         (NAME, "wiggle", "maneuver 'wiggle': unknown"),
-        ("control: targets", "control: force", "needs control 'targets'"),
+        ("control: targets", "control: targets, control_hz: -1", "control_hz -1: must be a positive number"),
     ],
 )
 def test_a_damaged_configuration_is_named(run: Path, old: str, new: str, message: str) -> None:

@@ -81,7 +81,6 @@ def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
         ("algorithm: sac\nppo: {}", r"section 'ppo' does not belong to algorithm 'sac'"),
         ("algorithm: sac\nsac: {gamma: 2}", r"sac.gamma = 2 must be less than or equal to 1"),
         ("algorithm: tqc\ntqc: {units: 2}", r"unknown key 'tqc.units'; allowed: learning_rate"),
-        ("residual: {maneuver: chirp}", r"residual needs env.kwargs.control 'targets', not 'force'"),
         ("residual: {scale: 1}", r"residual.maneuver is missing"),
         (
             "comfort: {}\nenv: {kwargs: {comfort_weight: 3}}",

@@ -1,0 +1,178 @@
+"""Agents of targets control in force and trajectory control: the device's law follows their targets.
+
+In targets control the device itself does that. Here an agent decides as often as there, and between two decisions the
+law (`jawenv.envs.tracking`) turns the targets into the action of each control step, as it does for maneuvers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.checks import real_number
+from jawenv.device.channels import FASTEST_TARGET, TRACKER
+from jawenv.device.device import N_MOTORS, Device
+from jawenv.envs.configuration import CONTROL_HZ, Control
+from jawenv.envs.observation import OBSERVATION_REST
+from jawenv.envs.tracking import follow_all
+from jawenv.errors import InputError, shown
+from jawenv.maneuvers.player import checked_rows, goals_of
+from jawenv.protocol import Action, Agent, Mask, Observation, State
+
+DECISION_HZ = CONTROL_HZ["targets"]
+Trackers = NDArray[np.void]
+
+
+def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
+    """Decisions per second of a policy of targets that was trained with such arguments of the environment.
+
+    Raises:
+        InputError: control steps per second that are not a positive number.
+    """
+    asked = env_kwargs.get("control_hz") if env_kwargs.get("control") == "targets" else None
+    hz = real_number(DECISION_HZ if asked is None else asked)
+    if hz is None or not (np.isfinite(hz) and hz > 0):
+        raise InputError(f"control_hz {shown(asked)}: must be a positive number")
+    return hz
+
+
+class TargetsLaw:
+    """Targets become actions of force or trajectory control.
+
+    A world that begins an episode between two decisions keeps still until the next one.
+
+    Args:
+        control: "force" or "trajectory".
+        control_hz: control steps per second of the environment; None for the mode's default.
+        decision_hz: decisions per second.
+
+    Attributes:
+        steps_per_decision: control steps from one decision to the next.
+
+    Raises:
+        InputError: control steps are not a multiple of decisions.
+    """
+
+    def __init__(self, control: Control, control_hz: float | None = None, decision_hz: float = DECISION_HZ) -> None:
+        hz = CONTROL_HZ[control] if control_hz is None else control_hz
+        self.steps_per_decision = round(hz / decision_hz)
+        if abs(self.steps_per_decision * decision_hz - hz) > 1e-9 * hz:
+            raise InputError(f"control_hz {hz:g}: must be a multiple of the {decision_hz:g} decisions per second")
+        self._servo = control == "trajectory"
+        self._device = Device().records()
+        self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
+
+    def begin(self, worlds: int) -> Trackers:
+        """What the law remembers at the beginning of an episode, dtype ``TRACKER``."""
+        return np.zeros(worlds, dtype=TRACKER)
+
+    def seen(self, rows: Observation, trackers: Trackers) -> Observation:
+        """Observations (N, size) in which ``motor_target`` is what it is in targets control."""
+        rows, rest = rows.copy(), _rest_of(rows)
+        target = trackers["target"] * np.where(trackers["begun"][:, None], trackers["size"], 1.0)
+        rows[:, rest + _TARGET.start : rest + _TARGET.stop] = target
+        return rows
+
+    def aim(self, trackers: Trackers, action: Action) -> None:
+        """Set out for the targets that actions (N, 4) of targets control ask for, to be there at the next decision."""
+        rate = (goals_of(action) - trackers["target"]) / self._decision_s
+        trackers["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
+
+    def actions(self, rows: Observation, trackers: Trackers) -> Action:
+        """Actions (N, 4) of this control step; the targets move on."""
+        action = np.zeros((len(rows), N_MOTORS))
+        follow_all(self._device, rows, _rest_of(rows) // 2, trackers, self._servo, True, self._dt, action)
+        trackers["target"] += self._dt * trackers["rate"]
+        return action.astype(np.float32)
+
+
+_TARGET = OBSERVATION_REST["motor_target"]
+_REST_SIZE: int = max(part.stop for part in OBSERVATION_REST.values())
+_FASTEST = np.array(FASTEST_TARGET)
+
+
+def _rest_of(rows: Observation) -> int:
+    """Where the observation's part after the belief begins."""
+    size: int = rows.shape[1]
+    return size - _REST_SIZE
+
+
+class Memory(NamedTuple):
+    """What the agent remembers.
+
+    Attributes:
+        step: () control steps since the last decision.
+        trackers: (N,) records of the law.
+        started: (N,) whether an episode began since the last decision.
+        inner: the followed agent's own memory.
+    """
+
+    step: NDArray[np.int64]
+    trackers: Trackers
+    started: Mask
+    inner: Any
+
+
+class Following:
+    """An agent of targets control in another control mode.
+
+    Args:
+        agent: answers with actions of targets control.
+        law: follows its targets.
+
+    Attributes:
+        name: the agent's.
+        agent: as given.
+    """
+
+    def __init__(self, agent: Agent, law: TargetsLaw) -> None:
+        self.name = agent.name
+        self.agent = agent
+        self._law = law
+        self._memory: Memory | None = None
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Forget all worlds; seed the draws of a stochastic agent."""
+        self._memory = None
+        self.agent.reset(num_envs, seed)
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.protocol.Agent.predict``; asks the followed agent only when a decision is due.
+
+        Raises:
+            InputError: an observation of the wrong size or not finite, or of another number of worlds than before.
+        """
+        rows, single, _ = checked_rows(observation)
+        step, trackers, started, inner = self._recall(state, len(rows), episode_start)
+        if step == 0:
+            goals, inner = self.agent.predict(self._law.seen(rows, trackers), inner, started, deterministic)
+            self._law.aim(trackers, goals)
+            started = np.zeros(len(rows), dtype=bool)
+        action = self._law.actions(rows, trackers)
+        after = np.array((step + 1) % self._law.steps_per_decision)
+        self._memory = Memory(after, trackers, started, inner)
+        return (action[0] if single else action), self._memory
+
+    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
+        """A copy of the memory to go on from, blank for worlds that begin an episode."""
+        memory = self._memory if state is None else Memory(*state)
+        if memory is None or (episode_start is not None and np.all(episode_start)):
+            return Memory(np.array(0), self._law.begin(worlds), np.ones(worlds, dtype=bool), None)
+        if len(memory.trackers) != worlds:
+            raise InputError(
+                f"observation of {worlds} worlds after {len(memory.trackers)} worlds: call reset({worlds}) first"
+            )
+        trackers, started = memory.trackers.copy(), memory.started.copy()
+        if episode_start is not None:
+            starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
+            trackers[starts], started[starts] = self._law.begin(int(starts.sum())), True
+        return memory._replace(trackers=trackers, started=started)
