@@ -206,6 +206,27 @@ def report_command(
     _present(results.load(folder), folder, reference, admission, _console())
 
 
+@app.command("card")
+def card_command(
+    folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
+    entry: Annotated[str, typer.Argument(help="Whose figures: an entry of the comparison.", metavar="ENTRY")],
+    output: Annotated[Path, typer.Option(help="The file to write, a .json.", metavar="FILE")] = Path(
+        "runs/results.json"
+    ),
+) -> None:
+    """Write what an entry reached in a comparison, for the model card that `training export --results` makes."""
+    from eval.comparison import results
+    from eval.comparison.card_results import card_results
+    from jawenv.files import write_json
+
+    reached = card_results(results.load(folder), entry)
+    write_json(output, reached)
+    for result in reached.results:
+        kind, value = ("mean", result.mean) if result.median is None else ("median", result.median)
+        print(f"{result.metric}: {kind} {value:g} ({result.low:g} … {result.high:g})")
+    print(f"written: {output}")
+
+
 @app.command("calibrate")
 def calibrate_command(
     entries: Annotated[

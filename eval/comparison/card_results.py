@@ -1,0 +1,68 @@
+"""What a comparison says of one entry, for the model card of a policy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from agents.card import Result, ResultsFile
+from eval import statistics
+from eval.comparison.results import EARLY_S, Results
+from eval.statistics import Interval
+from jawenv.errors import InputError
+
+DECIMALS = 3
+
+
+def card_results(results: Results, entry: str) -> ResultsFile:
+    """Worst sd after 10 s and at the end (medians), true information, discomfort and NEES (means), with intervals.
+
+    Args:
+        results: of a comparison.
+        entry: its label there.
+
+    Raises:
+        InputError: no such entry, or one that was played on a single patient.
+    """
+    if entry not in results.entries:
+        raise InputError(f"entry {entry!r}: not in this comparison; allowed: {', '.join(results.entries)}")
+    patients = results.of(entry)
+    if len(patients) < 2:
+        raise InputError(f"entry {entry!r}: an interval takes 2 patients or more, it was played on {len(patients)}")
+    common = {
+        "cohort": str(results.about["settings"]["cohort"]),
+        "patients": len(patients),
+        "seeds": (int(patients["seed"].min()), int(patients["seed"].max())),
+        "level": statistics.CONFIDENCE,
+    }
+    return ResultsFile(
+        results=tuple(
+            Result(
+                metric=metric,
+                low=round(found.low, DECIMALS),
+                high=round(found.high, DECIMALS),
+                **{kind: round(found.value, DECIMALS)},
+                **common,
+            )
+            for metric, kind, found in _figures(results, entry)
+        )
+    )
+
+
+def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]]:
+    """Metric, mean or median, and the interval."""
+    patients, parameters = results.of(entry), len(results.parameters)
+    end = f"{results.about['settings']['episode_s']:g} s"
+    sds = {f"{EARLY_S:g} s": "early_worst_sd", end: "worst_sd"}
+    for time, column in sds.items():
+        values = 100.0 * patients[column].to_numpy()
+        if np.isfinite(values).all():
+            yield f"largest of {parameters} sds after {time}, %", "median", statistics.quantile(values, 0.5)
+    means = {
+        f"true information after {end}, nats": "information_true",
+        f"discomfort in {end}, s": "discomfort_s",
+        f"NEES after {end}, {parameters} if honest": "nees",
+    }
+    for metric, column in means.items():
+        yield metric, "mean", statistics.mean(patients[column].to_numpy())
