@@ -50,6 +50,7 @@ class TargetsLaw:
         decision_hz: decisions per second.
 
     Attributes:
+        decision_hz: as given.
         steps_per_decision: control steps from one decision to the next.
 
     Raises:
@@ -58,6 +59,7 @@ class TargetsLaw:
 
     def __init__(self, control: Control, control_hz: float | None = None, decision_hz: float = DECISION_HZ) -> None:
         hz = CONTROL_HZ[control] if control_hz is None else control_hz
+        self.decision_hz = decision_hz
         self.steps_per_decision = round(hz / decision_hz)
         if abs(self.steps_per_decision * decision_hz - hz) > 1e-9 * hz:
             raise InputError(f"control_hz {hz:g}: must be a multiple of the {decision_hz:g} decisions per second")
@@ -126,12 +128,13 @@ class Following:
     Attributes:
         name: the agent's.
         agent: as given.
+        law: as given.
     """
 
     def __init__(self, agent: Agent, law: TargetsLaw) -> None:
         self.name = agent.name
         self.agent = agent
-        self._law = law
+        self.law = law
         self._memory: Memory | None = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
@@ -154,11 +157,11 @@ class Following:
         rows, single, _ = checked_rows(observation)
         step, trackers, started, inner = self._recall(state, len(rows), episode_start)
         if step == 0:
-            goals, inner = self.agent.predict(self._law.seen(rows, trackers), inner, started, deterministic)
-            self._law.aim(trackers, goals)
+            goals, inner = self.agent.predict(self.law.seen(rows, trackers), inner, started, deterministic)
+            self.law.aim(trackers, goals)
             started = np.zeros(len(rows), dtype=bool)
-        action = self._law.actions(rows, trackers)
-        after = np.array((step + 1) % self._law.steps_per_decision)
+        action = self.law.actions(rows, trackers)
+        after = np.array((step + 1) % self.law.steps_per_decision)
         self._memory = Memory(after, trackers, started, inner)
         return (action[0] if single else action), self._memory
 
@@ -166,7 +169,7 @@ class Following:
         """A copy of the memory to go on from, blank for worlds that begin an episode."""
         memory = self._memory if state is None else Memory(*state)
         if memory is None or (episode_start is not None and np.all(episode_start)):
-            return Memory(np.array(0), self._law.begin(worlds), np.ones(worlds, dtype=bool), None)
+            return Memory(np.array(0), self.law.begin(worlds), np.ones(worlds, dtype=bool), None)
         if len(memory.trackers) != worlds:
             raise InputError(
                 f"observation of {worlds} worlds after {len(memory.trackers)} worlds: call reset({worlds}) first"
@@ -174,5 +177,5 @@ class Following:
         trackers, started = memory.trackers.copy(), memory.started.copy()
         if episode_start is not None:
             starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
-            trackers[starts], started[starts] = self._law.begin(int(starts.sum())), True
+            trackers[starts], started[starts] = self.law.begin(int(starts.sum())), True
         return memory._replace(trackers=trackers, started=started)

@@ -59,9 +59,7 @@ def load_agent(
     if path.suffix in SUFFIXES:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.suffix == ".npz":
-        if control != "targets":
-            raise InputError(f"agent '{spec}': control is {control!r}; allowed for recorded actions: targets")
-        return Replay.load(path)
+        return _in_control(Replay.load(path), control, control_hz)
     if path.exists() or path.suffix == ".zip":
         from jawenv.envs.observation import observation_size
 
@@ -82,16 +80,16 @@ def _steps_per_s(control: Control, control_hz: float | None) -> float:
 
 
 def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
-    """A policy as an agent of the control mode; one that corrects targets has them followed.
+    """A policy as an agent of the control mode; where it says targets, they are followed.
 
     Raises:
         InputError: control steps that do not fit the decisions that the policy was trained to make.
     """
-    if not isinstance(policy, ResidualPolicy):
+    if not isinstance(policy, ResidualPolicy | Replay):
         return policy
-    decisions, hz = policy.base.decision_hz, _steps_per_s(control, control_hz)
+    hz = _steps_per_s(control, control_hz)
     if control != "targets":
-        return Following(policy, TargetsLaw(control, hz, decisions))
-    if hz != decisions:
-        raise InputError(f"control_hz {hz:g}: {policy.path} was trained at {decisions:g}")
+        return Following(policy, TargetsLaw(control, hz, policy.decision_hz))
+    if abs(hz - policy.decision_hz) > 1e-6 * hz:
+        raise InputError(f"control_hz {hz:g}: {policy.name} decides {policy.decision_hz:g} times a second")
     return policy

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
+from agents.following import Following
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
@@ -71,12 +72,18 @@ class Replay:
 
     Args:
         name: what tables call it.
-        actions: (N, T, 4) in [-1, 1]; more worlds begin again at the first patient, and after T steps the last action
+        actions: (N, T, 4) in [-1, 1]; more worlds begin again at the first patient, and after T actions the last one
             holds.
+        decision_hz: actions per second.
+
+    Attributes:
+        name: as given.
+        decision_hz: as given.
     """
 
-    def __init__(self, name: str, actions: Array) -> None:
-        self.name, self._actions, self._step = name, actions, 0
+    def __init__(self, name: str, actions: Array, decision_hz: float) -> None:
+        self.name, self.decision_hz = name, decision_hz
+        self._actions, self._step = actions, 0
 
     @classmethod
     def load(cls, path: Path) -> Replay:
@@ -85,14 +92,16 @@ class Replay:
         Raises:
             InputError: no such file, or one that holds no actions.
         """
-        name, actions = load_arrays(path, ("name", "actions"), "recorded actions")
+        name, actions, hz = load_arrays(path, ("name", "actions", "decision_hz"), "recorded actions")
         if actions.ndim != 3 or actions.shape[2] != len(CHANNELS) or not (np.abs(actions) <= 1.0).all():
             raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
-        return cls(str(name), actions.astype(np.float64))
+        if hz.shape != () or not 0.0 < hz < np.inf:
+            raise InputError(f"{path}: decision_hz is {shown(hz.tolist())}; allowed: a positive number")
+        return cls(str(name), actions.astype(np.float64), float(hz))
 
     def save(self, path: Path) -> None:
-        """Write name and actions (.npz), wholly or not at all."""
-        save_arrays(path, name=self.name, actions=self._actions)
+        """Write all (.npz), wholly or not at all."""
+        save_arrays(path, name=self.name, actions=self._actions, decision_hz=self.decision_hz)
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Begin again."""
@@ -120,32 +129,49 @@ def replay_of(
     """The maneuver of an agent's targets, averaged over patients.
 
     Args:
-        agent: plays targets control.
+        agent: plays targets control, or has its targets followed (`agents.following.Following`).
         patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
         seed: of the first patient.
         env_kwargs: arguments of the environment.
         env_id: its id.
 
     Raises:
-        InputError: another control mode than targets, or what ``jawenv.play`` refuses.
+        InputError: an agent without targets, or what ``jawenv.play`` refuses.
     """
     return replays_of(agent, patients=patients, seed=seed, env_kwargs=env_kwargs, env_id=env_id)[0]
+
+
+def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
+    """Make sure that an agent says where the jaw shall be, so that this can be replayed.
+
+    Raises:
+        InputError: it does not.
+    """
+    control = env_kwargs.get("control", "force")
+    if control != "targets" and not isinstance(agent, Following):
+        raise InputError(
+            f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy that corrects targets"
+        )
 
 
 def replays_of(
     agent: Agent, *, patients: int, seed: int, env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV
 ) -> tuple[Maneuver, Replay]:
     """The averaged maneuver of ``replay_of``, and what the agent did with each patient."""
-    control = env_kwargs.get("control", "force")
-    if control != "targets":
-        raise InputError(f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets")
-    recorder = Recorder(agent)
+    check_targets(agent, env_kwargs)
+    playing: Agent
+    if isinstance(agent, Following):
+        recorder, every = Recorder(agent.agent), agent.law.steps_per_decision
+        playing = Following(recorder, agent.law)
+    else:
+        playing = recorder = Recorder(agent)
+        every = 1
     kwargs = {"track_bound": False, **env_kwargs}
-    recording = play(recorder, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id)
-    period = float(recording.time[1])
+    recording = play(playing, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id)
+    period = every * float(recording.time[1])
     actions = np.stack(recorder.actions, axis=1).astype(np.float64)
     targets = targets_of(actions, period)
-    running = recording.valid[:, :-1, None]  # at the beginning of the step
+    running = recording.valid[:, :-1:every, None]  # at the beginning of the step
     mean = np.sum(targets * running, axis=0) / np.maximum(running.sum(axis=0), 1)
     name = re.sub(r"[^a-z0-9]+", "_", agent.name.lower()).strip("_")
     about = {
@@ -155,7 +181,7 @@ def replays_of(
         "source": f"python -m eval replay, seeds {seed} to {seed + patients - 1} of cohort "
         f"{env_kwargs.get('cohort', 'trismus')}",
     }
-    return maneuver_of_targets(mean, period, about), Replay(f"yoked_replay_of_{name}", actions)
+    return maneuver_of_targets(mean, period, about), Replay(f"yoked_replay_of_{name}", actions, 1.0 / period)
 
 
 def targets_of(actions: Array, period: float) -> Array:

@@ -128,6 +128,7 @@ class ResidualPolicy:
         name: the policy's.
         policy: as given.
         base: as given.
+        decision_hz: its actions per second.
         path: as given.
         observation_size: as given.
     """
@@ -135,6 +136,7 @@ class ResidualPolicy:
     def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
         self.name = policy.name
         self.base = base
+        self.decision_hz = base.decision_hz
         self.path = path
         self.observation_size = observation_size
         self.policy = policy

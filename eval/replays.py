@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from agents.replay import replays_of, save_maneuver
+from agents.replay import check_targets, replays_of, save_maneuver
 from eval.entries import Entry, fingerprint, load_entries
 from eval.report import words
 from eval.settings import Settings
@@ -20,12 +20,12 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path) -> Path:
     """Play an entry and write its averaged targets as a maneuver file, and beside it all its actions as .npz.
 
     Args:
-        entry: plays targets control.
+        entry: says where the jaw shall be.
         settings: how many patients, and from which seed on.
         path: of the file, which ends in .yaml.
 
     Raises:
-        InputError: an entry of another control mode, or a file that cannot be written.
+        InputError: an entry that does not, or a file that cannot be written.
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
@@ -56,8 +56,8 @@ def add_replays(
         console: where progress is shown; nowhere by default.
 
     Raises:
-        InputError: no entry is trained or planned, one plays another control mode than targets, or the comparison is
-            on the patients of the replays.
+        InputError: no entry is trained or planned, one does not say where the jaw shall be, or the comparison is on
+            the patients of the replays.
     """
     averaged = replace(settings, seed=REPLAYS.start)
     if settings.seed + settings.patients > REPLAYS.start and settings.seed < REPLAYS.start + settings.patients:
@@ -69,9 +69,7 @@ def add_replays(
     if not adapting:
         raise InputError("with-replay: no entry is trained or planned; allowed: at least one")
     for entry in adapting:
-        control = entry.env_kwargs.get("control", "force")
-        if control != "targets":
-            raise InputError(f"with-replay: {entry.label} plays control {shown(control)}; allowed: targets")
+        check_targets(entry.agent, entry.env_kwargs)
     replays: dict[str, tuple[Entry, ...]] = {}
     for entry in adapting:
         key = fingerprint(entry, asdict(averaged))

@@ -55,11 +55,27 @@ def test_a_yoked_replay_gives_each_world_what_another_patient_got(tmp_path):
     once, expected = played(again, patients=3)[0], played(agent)[0]
     np.testing.assert_array_equal(once, expected[[0, 1, 0]])
     np.testing.assert_array_equal(played(again, patients=3)[0], once)
-    with pytest.raises(InputError, match="control is 'force'; allowed for recorded actions: targets$"):
-        agents.load_agent(tmp_path / "yoked.npz")
-    np.savez(tmp_path / "wrong.npz", name="wrong", actions=np.full((2, 3, 4), 2.0))
+    with pytest.raises(InputError, match="^control_hz 10: yoked_replay_of_random decides 5 times a second$"):
+        agents.load_agent(tmp_path / "yoked.npz", control="targets", control_hz=10)
+    np.savez(tmp_path / "wrong.npz", name="wrong", actions=np.full((2, 3, 4), 2.0), decision_hz=5.0)
     with pytest.raises(InputError, match=r"wrong.npz: actions have shape \(2, 3, 4\); allowed: \(N, T, 4\), each in"):
         agents.load_agent(tmp_path / "wrong.npz", control="targets")
+    np.savez(tmp_path / "wrong.npz", name="wrong", actions=np.zeros((2, 3, 4)), decision_hz=-5.0)
+    with pytest.raises(InputError, match="wrong.npz: decision_hz is -5.0; allowed: a positive number"):
+        agents.load_agent(tmp_path / "wrong.npz", control="targets")
+
+
+def test_a_policy_in_force_control_is_replayed_by_its_targets(tmp_path):
+    """A replay of recorded actions, itself recorded in force control, is these actions."""
+    drawn = agents.load_agent("random", control="targets")
+    replays_of(drawn, patients=2, seed=5000, env_kwargs=KWARGS)[1].save(tmp_path / "first.npz")
+    followed, kwargs = agents.load_agent(tmp_path / "first.npz", control="force"), {**KWARGS, "control": "force"}
+    maneuver, yoked = replays_of(followed, patients=2, seed=5000, env_kwargs=kwargs)
+    yoked.save(tmp_path / "second.npz")
+    with np.load(tmp_path / "first.npz") as first, np.load(tmp_path / "second.npz") as second:
+        np.testing.assert_allclose(second["actions"], first["actions"], atol=1e-6)
+        ends = targets_of(first["actions"], 0.2).mean(axis=0)
+    np.testing.assert_allclose(maneuver.targets(np.arange(1, 11) * 0.2).value, ends, atol=1e-4)
 
 
 def test_targets_are_no_faster_than_the_device():
@@ -70,7 +86,9 @@ def test_targets_are_no_faster_than_the_device():
 
 def test_another_control_mode_and_another_ending_are_refused(tmp_path):
     agent = agents.load_agent("hold_still")
-    with pytest.raises(InputError, match="^replay of 'hold_still': control is 'force'; allowed: targets$"):
+    with pytest.raises(
+        InputError, match="^replay of 'hold_still': control is 'force'; allowed: targets, or a policy that"
+    ):
         replay_of(agent, patients=1, seed=5000, env_kwargs={"control": "force"})
     maneuver = Maneuver.named("hold_still")
     with pytest.raises(InputError, match="^output is .*; allowed: a file that ends in .yaml$"):
