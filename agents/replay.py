@@ -150,7 +150,7 @@ def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
     control = env_kwargs.get("control", "force")
     if control != "targets" and not isinstance(agent, Following):
         raise InputError(
-            f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy that corrects targets"
+            f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy of targets"
         )
 
 
