@@ -58,11 +58,13 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "inside_1_sigma": Metric("inside 1 sd, %", _column("inside_1_sigma"), None, scale=100.0),
         "inside_2_sigma": Metric("inside 2 sd, %", _column("inside_2_sigma"), None, scale=100.0),
         "inside_3_sigma": Metric("inside 3 sd, %", _column("inside_3_sigma"), None, scale=100.0),
-        "worst_sd": Metric("worst sd, %", _column("worst_sd"), "lower", "median", 100.0),
-        "early_worst_sd": Metric("worst sd after 10 s, %", _column("early_worst_sd"), "lower", "median", 100.0),
-        "worst_sd_p90": Metric("worst sd, p90, %", _column("worst_sd"), "lower", "p90", 100.0),
-        "early_worst_sd_p90": Metric("worst sd after 10 s, p90, %", _column("early_worst_sd"), "lower", "p90", 100.0),
-        "worst_bound_sd": Metric("worst sd of the bound, %", _column("worst_bound_sd"), "lower", "median", 100.0),
+        "worst_sd": Metric("worst sd, %", _column("worst_sd"), "lower", "median", 100.0, 2),
+        "early_worst_sd": Metric("worst sd after 10 s, %", _column("early_worst_sd"), "lower", "median", 100.0, 2),
+        "worst_sd_p90": Metric("worst sd, p90, %", _column("worst_sd"), "lower", "p90", 100.0, 2),
+        "early_worst_sd_p90": Metric(
+            "worst sd after 10 s, p90, %", _column("early_worst_sd"), "lower", "p90", 100.0, 2
+        ),
+        "worst_bound_sd": Metric("worst sd of the bound, %", _column("worst_bound_sd"), "lower", "median", 100.0, 2),
         "rmse": Metric("RMSE, %", _column("rmse"), "lower", scale=100.0),
         "identified": Metric("parameters known", _column("identified"), "higher"),
         "time_to_10": Metric("time to 10 %, s", _column("time_to_0.1_s"), "lower", "median"),
@@ -70,7 +72,7 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "time_to_2": Metric("time to 2 %, s", _column("time_to_0.02_s"), "lower", "median"),
         "time_to_5_p90": Metric("time to 5 %, p90, s", _column("time_to_0.05_s"), "lower", "p90"),
         "reaches_5": Metric("reach 5 %, % of patients", _reached("time_to_0.05_s"), "higher", scale=100.0),
-        "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=2),
+        "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=3),
         "violated": Metric("violating episodes, %", _column("violated"), "lower", scale=100.0),
         "governor": Metric("governor, % of the time", _column("governor"), "lower", scale=100.0),
     }
