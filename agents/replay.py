@@ -8,6 +8,7 @@ another patient (yoked replay).
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -155,9 +156,15 @@ def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
 
 
 def replays_of(
-    agent: Agent, *, patients: int, seed: int, env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV
+    agent: Agent,
+    *,
+    patients: int,
+    seed: int,
+    env_kwargs: dict[str, Any],
+    env_id: str = DEFAULT_ENV,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Maneuver, Replay]:
-    """The averaged maneuver of ``replay_of``, and what the agent did with each patient."""
+    """The averaged maneuver of ``replay_of``, and what the agent did with each patient; progress as ``jawenv.play``."""
     check_targets(agent, env_kwargs)
     playing: Agent
     if isinstance(agent, Following):
@@ -167,7 +174,7 @@ def replays_of(
         playing = recorder = Recorder(agent)
         every = 1
     kwargs = {"track_bound": False, **env_kwargs}
-    recording = play(playing, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id)
+    recording = play(playing, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id, progress=progress)
     period = every * float(recording.time[1])
     actions = np.stack(recorder.actions, axis=1).astype(np.float64)
     targets = targets_of(actions, period)

@@ -187,7 +187,7 @@ def replay_command(
 
     settings = Settings(patients, cohort, seed, "targets", sensors, episode_s, env)
     entry = load_entries([agent], settings.env_kwargs, settings.env)[0]
-    replay_of_entry(entry, settings, output)
+    replay_of_entry(entry, settings, output, _console())
     print(f"maneuver: {output}")
 
 

@@ -13,29 +13,34 @@ from eval.entries import Entry, fingerprint, load_entries
 from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError, shown
+from jawenv.progress import Progress
 from jawenv.seeds import REPLAYS
 
 
-def replay_of_entry(entry: Entry, settings: Settings, path: Path) -> Path:
+def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Console | None = None) -> Path:
     """Play an entry and write its averaged targets as a maneuver file, and beside it all its actions as .npz.
 
     Args:
         entry: says where the jaw shall be.
         settings: how many patients, and from which seed on.
         path: of the file, which ends in .yaml.
+        console: where progress is shown; nowhere by default.
 
     Raises:
         InputError: an entry that does not, or a file that cannot be written.
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
-    maneuver, yoked = replays_of(
-        entry.agent,
-        patients=settings.patients,
-        seed=settings.seed,
-        env_kwargs=entry.env_kwargs,
-        env_id=entry.env_id,
-    )
+    with Progress(settings.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
+        progress.say(f"averaging the targets of {words.label(entry.label)}")
+        maneuver, yoked = replays_of(
+            entry.agent,
+            patients=settings.patients,
+            seed=settings.seed,
+            env_kwargs=entry.env_kwargs,
+            env_id=entry.env_id,
+            progress=lambda step, steps: progress.advance_to(settings.episode_s * step / steps),
+        )
     path.parent.mkdir(parents=True, exist_ok=True)
     yoked.save(path.with_suffix(".npz"))
     return save_maneuver(maneuver, path)
@@ -75,9 +80,7 @@ def add_replays(
         key = fingerprint(entry, asdict(averaged))
         path = folder / f"{key}.yaml"
         if fresh or not path.exists():
-            if console is not None:
-                console.print(f"averaging the targets of {words.label(entry.label)}")
-            replay_of_entry(entry, averaged, path)
+            replay_of_entry(entry, averaged, path, console)
         replays[entry.label] = (
             _entry_of(path, entry, "replay"),
             _entry_of(path.with_suffix(".npz"), entry, "yoked replay"),
