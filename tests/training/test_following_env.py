@@ -1,16 +1,13 @@
 """Worlds in which an action is a target that the law follows for several control steps."""
 
-from typing import Any
-
 import gymnasium as gym
 import numpy as np
-from gymnasium import spaces
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from agents.following import Following, TargetsLaw
 from agents.residual import BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.maneuvers import Maneuver
+from tests.training.counting_worlds import Counting
 from training.config import EnvConfig
 from training.following_env import FollowingVecEnv
 from training.residual_env import ResidualVecEnv
@@ -18,53 +15,16 @@ from training.train import make_worlds, wrapped
 
 BASE = BaseTargets(Maneuver.named("opening_with_swings"), scale=0.5)
 TARGET = OBSERVATION_LAYOUT["motor_target"]
-LENGTHS = np.array([6, 8])
 
 
-class Counting(VecEnv):
-    """Two worlds whose episodes take 6 and 8 steps; every step is rewarded by 1; keeps the actions."""
-
-    def __init__(self) -> None:
-        box = spaces.Box(-2.0, 9.0, (OBSERVATION_SIZE,), np.float32)
-        super().__init__(2, box, spaces.Box(-1.0, 1.0, (4,), np.float32))
-        self.actions: list[np.ndarray] = []
-
-    def reset(self) -> np.ndarray:
-        self.t = np.zeros(2, int)
-        return self._seen()
-
-    def _seen(self) -> np.ndarray:
-        rows = np.zeros((2, OBSERVATION_SIZE), np.float32)
-        rows[:, OBSERVATION_LAYOUT["comfort_margin"]] = 1.0
-        return rows
-
-    def step_async(self, actions: np.ndarray) -> None:
-        self.actions.append(actions)
-
-    def step_wait(self) -> Any:
-        self.t += 1
-        done, infos = self.t >= LENGTHS, [{}, {}]
-        for i in np.flatnonzero(done):
-            infos[i] = {"terminal_observation": self._seen()[i], "episode": {"l": int(self.t[i])}}
-        self.t[done] = 0
-        return self._seen(), np.ones(2, np.float32), done, infos
-
-    def close(self) -> None: ...
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        return [None] * 2
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None: ...
-
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        return []
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        return [False] * 2
+def at_rest(t: np.ndarray) -> np.ndarray:
+    rows = np.zeros((2, OBSERVATION_SIZE), np.float32)
+    rows[:, OBSERVATION_LAYOUT["comfort_margin"]] = 1.0
+    return rows
 
 
 def test_an_episode_that_ends_between_two_decisions() -> None:
-    inner = Counting()
+    inner = Counting((6, 8), at_rest, (OBSERVATION_SIZE,))
     worlds = FollowingVecEnv(inner, TargetsLaw("force"))
     worlds.reset()
     goals = np.tile(np.array([-0.5, 0.5, 0.0, 0.0], np.float32), (2, 1))
