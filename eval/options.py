@@ -9,6 +9,8 @@ import typer
 
 from jawenv.errors import InputError
 
+ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
+
 Patients = Annotated[int, typer.Option(help="How many; the same for all that is compared.", metavar="N")]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 Cohort = Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")]

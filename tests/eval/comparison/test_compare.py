@@ -179,6 +179,12 @@ def test_a_reader_that_leaves_early_loses_nothing(tmp_path):
     assert (tmp_path / "report.html").read_text().rstrip().endswith("</html>")
 
 
+def test_without_a_command_all_are_listed(capsys):
+    assert main([]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == "" and {"compare", "card", "calibrate", "study"} <= set(printed.out.split())
+
+
 @pytest.mark.parametrize("command", ["compare", "report", "play"])
 def test_help_shows_flags_without_a_value(command, capsys):
     main([command, "--help"])

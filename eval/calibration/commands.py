@@ -1,0 +1,99 @@
+"""The command ``python -m eval calibrate``."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eval.options import (
+    ENTRIES,
+    Believed,
+    Changes,
+    Cohort,
+    Control,
+    Effects,
+    Fresh,
+    Output,
+    Patients,
+    Seed,
+    Sensors,
+    fields_of,
+)
+from eval.terminal import terminal
+from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.seeds import REPORTS
+
+
+def calibrate_command(
+    entries: Annotated[
+        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=ENTRIES)
+    ] = None,
+    filters: Annotated[
+        str,
+        typer.Option(
+            help="tension (the environment's own), ekf-decaying, ekf-constant, ekf-none, ekf-linear, ekf-filterpy, "
+            "mode-search, smoother, ukf (slow); separated by commas.",
+            metavar="NAME,...",
+        ),
+    ] = "tension",
+    patients: Patients = 200,
+    seed: Seed = REPORTS[0].start,
+    cohort: Cohort = "trismus",
+    control: Control = "force",
+    sensors: Sensors = "pose",
+    env: Annotated[
+        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+    ] = "Jaw",
+    times: Annotated[
+        str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
+    ] = "10,30,60",
+    reality: Effects = None,
+    device: Changes = None,
+    estimator: Believed = None,
+    output: Output = Path("runs/calibrate"),
+    fresh: Fresh = False,
+) -> None:
+    """Say whether filters are honest: whether the truth lies where they claim, on all cores.
+
+    Writes beliefs.parquet (one row per patient, filter and time), calibration.parquet and calibration.md. Ctrl-C keeps
+    the chunks of patients that are finished: the same command goes on from there.
+    """
+    from eval.calibration import summary
+    from eval.calibration.calibrate import Calibration, calibrate
+    from eval.entries import warn_of_pickles
+    from eval.settings import Settings
+    from eval.tables import made_with, write_table
+
+    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+    moments = tuple(_seconds(text) for text in times.split(","))
+    effects = fields_of("reality", reality, "creep_share=0.3")
+    changed = fields_of("device", device, "cell_force_N=0.2")
+    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
+    wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
+    specs, console = list(dict.fromkeys(entries or [])), terminal()
+    warn_of_pickles(specs)
+    rows = calibrate(specs, wanted, output, fresh=fresh, console=console)
+    table, about = summary.summarise(rows), made_with(command, calibration=asdict(wanted))
+    write_table(rows, output / "beliefs.parquet", about)
+    write_table(table, output / "calibration.parquet", about)
+    with atomic_write(output / "calibration.md") as unfinished:
+        unfinished.write_text(summary.markdown(table, f"`{command}`"), encoding="utf-8")
+    summary.show(table, console)
+    console.print(
+        f"table:   {output / 'calibration.md'}\n"
+        f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",
+        soft_wrap=True,
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"times: {text.strip()!r} given, allowed are seconds separated by commas, as 10,30") from None

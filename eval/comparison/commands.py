@@ -1,0 +1,185 @@
+"""The commands ``python -m eval compare``, ``report``, ``card`` and ``replay``."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from eval.options import (
+    ENTRIES,
+    Believed,
+    Changes,
+    Cohort,
+    Control,
+    Effects,
+    Fresh,
+    LargestDiscomfort,
+    LargestViolation,
+    Output,
+    Patients,
+    Reference,
+    Seed,
+    Sensors,
+    fields_of,
+)
+from eval.terminal import terminal
+from jawenv.errors import InputError
+from jawenv.seeds import REPLAYS, REPORTS
+
+if TYPE_CHECKING:
+    from eval.comparison.admission import Admission
+    from eval.comparison.results import Results
+
+
+def compare_command(
+    entries: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=ENTRIES),
+    ] = None,
+    all_maneuvers: Annotated[
+        bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
+    ] = False,
+    env: Annotated[
+        str | None,
+        typer.Option(
+            help="Environment: jawenv/JawSides-v1, or JawSides, or sides; that of the trained runs by default.",
+            metavar="NAME",
+        ),
+    ] = None,
+    patients: Patients = 64,
+    cohort: Cohort = "trismus",
+    seed: Seed = REPORTS[0].start,
+    control: Control = "force",
+    sensors: Sensors = "pose",
+    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    reality: Effects = None,
+    device: Changes = None,
+    estimator: Believed = None,
+    reference: Reference = None,
+    largest_discomfort_s: LargestDiscomfort = 0.1,
+    largest_violation: LargestViolation = 0.01,
+    with_replay: Annotated[
+        bool,
+        typer.Option(
+            "--with-replay",
+            help="Add what each trained or planned entry does on average over other patients, replayed without "
+            "looking: an entry that adapts to its patient does better.",
+        ),
+    ] = False,
+    output: Output = Path("runs/compare"),
+    fresh: Fresh = False,
+) -> None:
+    """Play every entry on the same patients with the same noise, rank them and write a report.
+
+    Ranked is what is within comfort, by the time until all parameters are known to 5 %. Writes report.html,
+    patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the same command goes on from
+    there.
+    """
+    from eval.comparison.admission import Admission
+    from eval.comparison.compare import compare
+    from eval.entries import env_of_runs, load_entries, maneuver_names, warn_of_pickles
+    from eval.settings import Settings
+
+    admission = Admission(largest_discomfort_s, largest_violation)
+    wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
+    effects = fields_of("reality", reality, "creep_share=0.3")
+    changed = fields_of("device", device, "cell_force_N=0.2")
+    settings = Settings(
+        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
+    )
+    warn_of_pickles(wanted)
+    loaded = load_entries(wanted, settings.env_kwargs, settings.env)
+    if reference is not None and reference not in [entry.label for entry in loaded]:
+        allowed = ", ".join(entry.label for entry in loaded)
+        raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
+    console = terminal()
+    if with_replay:
+        from eval.replays import add_replays
+
+        loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
+    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+    study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
+    _present(study, output, reference, admission, console)
+
+
+def report_command(
+    folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
+    reference: Reference = None,
+    largest_discomfort_s: LargestDiscomfort = 0.1,
+    largest_violation: LargestViolation = 0.01,
+) -> None:
+    """Print the tables of a finished comparison and write its report again."""
+    from eval.comparison import results
+    from eval.comparison.admission import Admission
+
+    admission = Admission(largest_discomfort_s, largest_violation)
+    _present(results.load(folder), folder, reference, admission, terminal())
+
+
+def card_command(
+    folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
+    entry: Annotated[str, typer.Argument(help="Whose figures: an entry of the comparison.", metavar="ENTRY")],
+    output: Annotated[Path, typer.Option(help="The file to write, a .json.", metavar="FILE")] = Path(
+        "runs/results.json"
+    ),
+) -> None:
+    """Write what an entry reached in a comparison, for the model card that `training export --results` makes."""
+    from eval.comparison import results
+    from eval.comparison.card_results import card_results
+    from jawenv.files import write_json
+
+    reached = card_results(results.load(folder), entry)
+    write_json(output, reached)
+    for result in reached.results:
+        kind, value = ("mean", result.mean) if result.median is None else ("median", result.median)
+        print(f"{result.metric}: {kind} {value:g} ({result.low:g} … {result.high:g})")
+    print(f"written: {output}")
+
+
+def replay_command(
+    agent: Annotated[str, typer.Argument(metavar="AGENT", help="A planner, a training run or any other entry.")],
+    output: Annotated[Path, typer.Option(help="Maneuver file to write.", metavar="FILE.yaml")],
+    patients: Patients = 64,
+    cohort: Cohort = "trismus",
+    seed: Seed = REPLAYS.start,
+    sensors: Sensors = "pose",
+    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    env: Annotated[
+        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+    ] = "Jaw",
+) -> None:
+    """Write what an agent does in targets control, averaged over patients, as a maneuver file.
+
+    The maneuver is the agent without its eyes: what the agent does better on other patients, it owes to adapting.
+    """
+    from eval.entries import load_entries
+    from eval.replays import replay_of_entry
+    from eval.settings import Settings
+
+    settings = Settings(patients, cohort, seed, "targets", sensors, episode_s, env)
+    entry = load_entries([agent], settings.env_kwargs, settings.env)[0]
+    replay_of_entry(entry, settings, output, terminal())
+    print(f"maneuver: {output}")
+
+
+def _present(study: Results, output: Path, reference: str | None, admission: Admission, console: Console) -> None:
+    from eval.comparison.adaptation import adaptations
+    from eval.comparison.ranking import rank
+    from eval.report import page, table
+
+    ranking = rank(study, reference, admission)
+    table.show(ranking, console)
+    table.show_adaptations(adaptations(study), console)
+    if not console.is_terminal:
+        console.print("drawing the report")
+    with console.status("drawing the report"):
+        written = page.write(study, ranking, output / "report.html")
+    console.print(
+        f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",
+        soft_wrap=True,
+    )

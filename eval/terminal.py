@@ -1,0 +1,22 @@
+"""Where commands write."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from rich.console import Console
+
+
+class _Terminal(Console):
+    """A console that goes on in silence when its reader has left, as ``head`` does: the results are still written."""
+
+    def on_broken_pipe(self) -> None:
+        """See rich."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def terminal() -> Console:
+    """A terminal of its own width, or a log wide enough for the tables."""
+    return _Terminal(highlight=False, width=None if sys.stdout.isatty() else 120)
