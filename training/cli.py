@@ -34,6 +34,7 @@ from training.options import (
     Steps,
     Storage,
     Study,
+    TargetDiscomfort,
     Trials,
     Worlds,
     configured,
@@ -64,6 +65,7 @@ def train(
     control: Control = None,
     cohort: Cohort = None,
     reward: Reward = None,
+    target_discomfort: TargetDiscomfort = None,
     output: Output = None,
     steps: Steps = None,
     seed: Seed = None,
@@ -86,7 +88,13 @@ def train(
 
     console = Console(highlight=False, markup=False)
     changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}
-    changes |= {"reward": reward, "seed": seed, "n-envs": n_envs, "device": device}
+    changes |= {
+        "reward": reward,
+        "target-discomfort": target_discomfort,
+        "seed": seed,
+        "n-envs": n_envs,
+        "device": device,
+    }
     flags = {"continue": continue_, "overwrite": overwrite}
     if resume is not None:
         others = {"seeds": seeds, "output": output, **changes, **flags}
@@ -100,6 +108,8 @@ def train(
     wanted, stem = configured(config, env, residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
     wanted = wanted.with_env_kwargs(control=control, cohort=cohort, reward=reward)
+    if target_discomfort is not None:
+        wanted = wanted.within_discomfort(target_discomfort)
     if seeds is not None:
         for name, value in {"seed": seed, **flags}.items():
             if value not in (None, False):

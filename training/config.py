@@ -179,6 +179,17 @@ class TrainingConfig(InputModel):
         scale = {} if self.residual is None else {"scale": self.residual.scale}
         return self.changed(residual={"maneuver": maneuver, **scale})
 
+    def within_discomfort(self, target_discomfort_s: float) -> TrainingConfig:
+        """The same run with a limit on discomfort, s per 30 s, in place of a price.
+
+        Raises:
+            InputError: a limit that is not a positive number.
+        """
+        comfort = {} if self.comfort is None else self.comfort.model_dump()
+        kwargs = {name: value for name, value in self.env.kwargs.items() if name != "comfort_weight"}
+        changed = {"comfort": {**comfort, "target_discomfort_s": target_discomfort_s}}
+        return self.changed(**changed, env={"id": self.env.id, "kwargs": {**kwargs, "comfort_weight": 0.0}})
+
     def in_env(self, env_id: str) -> TrainingConfig:
         """The same run in another environment, with the same arguments."""
         return self.changed(env={"id": env_id, "kwargs": self.env.kwargs})

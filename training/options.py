@@ -30,6 +30,10 @@ Reward = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
 ]
+TargetDiscomfort = Annotated[
+    float | None,
+    typer.Option(metavar="S", help="Discomfort allowed on average, s in 30 s; its price is then learned."),
+]
 Output = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),

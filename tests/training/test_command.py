@@ -185,6 +185,7 @@ def test_checkpoint_of_another_network_is_refused(
         (["--seeds", "0-2", "--seed", "1"], "--seed cannot be combined with --seeds"),
         (["--seeds", "3-1"], "seeds '3-1': 3-1 must be a range upwards"),
         (["--seeds", "a"], "seeds 'a': allowed are numbers and ranges such as 0-4 or 0,1,2"),
+        (["--target-discomfort", "-1"], "comfort.target_discomfort_s = -1.0 must be greater than 0"),
         (["--control", "thought", "--residual-on", "chirp"], "{'control': 'thought'}"),
         (["sac", "--residual-on", "wiggle"], "maneuver 'wiggle': unknown; allowed: chirp"),
         (["--device", "abacus"], "device 'abacus' cannot be used"),

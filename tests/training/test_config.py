@@ -108,3 +108,17 @@ def test_arguments_of_the_environment_that_are_none_stay() -> None:
     changed = config.with_env_kwargs(cohort="one_sided", reward=None)
     assert changed.env.kwargs == {**config.env.kwargs, "cohort": "one_sided"}
     assert config.with_env_kwargs(cohort=None) == config
+
+
+def test_a_limit_on_discomfort_takes_the_place_of_its_price() -> None:
+    plain = TrainingConfig(env={"kwargs": {"comfort_weight": 60.0, "control": "targets"}})
+    limited = plain.within_discomfort(0.07)
+    assert limited.comfort is not None and limited.comfort.target_discomfort_s == 0.07
+    assert limited.env.kwargs == {"comfort_weight": 0.0, "control": "targets"}
+    again = limited.changed(comfort={"target_discomfort_s": 0.1, "initial_multiplier": 3.0}).within_discomfort(0.05)
+    assert again.comfort is not None and (again.comfort.target_discomfort_s, again.comfort.initial_multiplier) == (
+        0.05,
+        3.0,
+    )
+    with pytest.raises(InputError, match="comfort.target_discomfort_s = 0.0 must be greater than 0"):
+        plain.within_discomfort(0.0)
