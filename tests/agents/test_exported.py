@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exported_folder import LAYERS, random_weights, write_exported
+from exported_folder import LAYERS, fields, random_weights, write_exported
 from safetensors.numpy import save
 
 import agents
@@ -117,6 +117,7 @@ def test_a_policy_on_a_maneuver_corrects_it(tmp_path: Path) -> None:
         observation_size=layers[0],
         architecture={"layers": layers, "activation": "relu", "squash": "tanh"},
         residual={"maneuver": Maneuver.named("chirp"), "scale": 0.2},
+        environment=fields()["environment"] | {"control": "targets"},
     )
     agent, player = load_exported(folder), Player("chirp", control="targets", control_hz=10.0)
     observation = np.zeros((2, OBSERVATION_SIZE), dtype=np.float32)
