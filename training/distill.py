@@ -1,4 +1,4 @@
-"""A planner's decisions as a policy that decides in microseconds: ``python -m training distill``.
+"""A planner's decisions as a policy that decides at once: ``python -m training distill``.
 
 Dataset aggregation (Ross, Gordon & Bagnell 2011, AISTATS 15:627): in the first round the planner plays, afterwards the
 policy learnt so far does, and the planner says in each state what it would do there. After each round the policy is
@@ -25,7 +25,7 @@ from agents.planners import PLANNERS
 from agents.residual import BaseTargets
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import InputModel
 from jawenv.progress import Progress
 from training.algorithm_configs import PositiveInt, PositiveNumber
@@ -67,8 +67,11 @@ def check_distillable(config: TrainingConfig) -> None:
     """Make sure that a planner can be distilled so.
 
     Raises:
-        InputError: the policy corrects no maneuver, or is no perceptron of PPO.
+        InputError: another control mode than targets, the policy corrects no maneuver, or is no perceptron of PPO.
     """
+    control = config.env.kwargs.get("control", "force")
+    if control != "targets":
+        raise InputError(f"control is {shown(control)}; allowed for a planner: targets")
     if config.residual is None:
         raise InputError("residual is missing: allowed is a maneuver that is corrected (--residual-on MANEUVER)")
     if config.algorithm != "ppo":

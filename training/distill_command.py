@@ -32,13 +32,13 @@ def distill(
     seed: Seed = None,
     overwrite: Overwrite = False,
 ) -> int:
-    """Learn a planner's decisions: a policy that decides in microseconds what the planner needs a second for.
+    """Learn a planner's decisions: a policy that decides at once what the planner needs up to a second for.
 
-    In the first round the planner plays; then the policy learnt so far does, and the planner labels its steps. About
+    In the first round the planner plays; then the policy learnt so far does, and the planner labels its steps. Up to
     a second of computing for each second of a patient. One that was stopped goes on after its last finished round when
     the same command is given again. The run's folder is like any other: compare, export, or `train --resume` it.
     """
-    from training.distill import Distillation, check_distillable, distill, seconds_of
+    from training.distill import Distillation, check_distillable, distill, finished_rounds, seconds_of
     from training.run import RunFolder
     from training.train import Session, base_targets
 
@@ -50,7 +50,7 @@ def distill(
     run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
     console = Console(highlight=False, markup=False, stderr=True)
     begun = not overwrite and _is_begun(run, wanted, settings)
-    if begun and run.final_model.exists():
+    if begun and run.final_model.exists() and len(finished_rounds(run, rounds)) == rounds:
         console.print(f"{run.path} has all of its {rounds} rounds; nothing to do (--overwrite begins anew)")
         return 0
     if not begun:
@@ -60,7 +60,7 @@ def distill(
         if not begun and base is not None:
             run.create(wanted, session.env_spec, session.world_seed)
             run.save_base(base.maneuver)
-            _save(settings, run.distillation_file)
+        _save(settings, run.distillation_file)
         try:
             total = rounds * patients * seconds_of(wanted)
             with Progress(total, "seconds of patients", console) as progress:
