@@ -80,7 +80,7 @@ class TargetsLaw:
 
     def aim(self, trackers: Trackers, action: Action) -> None:
         """Set out for the targets that actions (N, 4) of targets control ask for, to be there at the next decision."""
-        rate = (goals_of(action) - trackers["target"]) / self._decision_s
+        rate = (goals_of(np.clip(action, -1.0, 1.0)) - trackers["target"]) / self._decision_s
         trackers["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
 
     def actions(self, rows: Observation, trackers: Trackers) -> Action:

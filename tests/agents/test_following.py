@@ -90,6 +90,18 @@ def test_a_world_that_begins_between_two_decisions_keeps_still() -> None:
     )
 
 
+def test_targets_stay_within_comfort_whatever_is_asked_for() -> None:
+    law = TargetsLaw("force")
+    trackers = law.begin(2)
+    for extreme in (9.0, -9.0):
+        for _ in range(20):
+            law.aim(trackers, np.full((2, 4), extreme))
+            for _ in range(law.steps_per_decision):
+                assert (abs(law.actions(observations(2), trackers)) <= 1.0).all()
+        ends = [1.0] * 4 if extreme > 0 else [0.0, -1.0, -1.0, -1.0]
+        np.testing.assert_allclose(trackers["target"], [ends, ends], atol=1e-6)
+
+
 def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
     goals = np.random.default_rng(2).uniform(-1, 1, (5, 4))
     kept, handed = (Following(Script(goals), TargetsLaw("force")) for _ in range(2))
