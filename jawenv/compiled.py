@@ -1,35 +1,22 @@
-"""How jawenv compiles its kernels: Numba, cached on disk under a key made of the kernels' own source.
-
-Numba renews a cached kernel when the file of that kernel changes, but not when a function that it calls changes in
-another file. The cache folder is therefore named after a digest of all kernel sources: an edited or upgraded
-jawenv compiles afresh, an unchanged one starts from the cache.
-"""
+"""How jawenv compiles its kernels: Numba, kept on disk (``kernel_cache``), and shared out to threads by worlds."""
 
 from __future__ import annotations
 
 import hashlib
 import os
-import re
-import shutil
-import sys
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
-from pathlib import Path
+from types import FunctionType
 from typing import Any, Literal, TypeVar, cast
 
 import numba
 import numpy as np
 from filelock import FileLock
-from numba.core.caching import IndexDataCacheFile
-from platformdirs import user_cache_dir
+
+from jawenv.kernel_cache import KernelCache, kernel_folder, prune_cache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-_PACKAGE = Path(__file__).parent
-_KERNEL_MARK = b"from jawenv.compiled import"
-UNUSED_DAYS = 30  # after which the kernels of another version are deleted
 
 
 def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
@@ -47,58 +34,6 @@ def _content_number(text: str) -> int:
 
 
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
-
-
-class _SharedCacheFile(IndexDataCacheFile):
-    """One kernel's entries in the cache, which several processes may add to at once.
-
-    Numba reads the index, adds an entry and writes the index back. Two processes that save the kernel for two models at
-    once would give both the same file, and a third process would be told that the kernel does not take its model.
-    """
-
-    def save(self, key: Any, data: Any) -> None:
-        with FileLock(f"{self._index_path}.lock"):
-            super().save(key, data)
-
-
-@cache
-def kernel_digest() -> str:
-    """Sixteen hexadecimal digits that change with any kernel source or with Numba's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source, content in sorted(_kernel_sources().items()):
-        digest.update(source.relative_to(_PACKAGE).as_posix().encode() + content)
-    return digest.hexdigest()[:16]
-
-
-def _kernel_sources() -> dict[Path, bytes]:
-    """The files that hold kernels and, as kernels take over constants, all files of the package that these import."""
-    contents = {source: source.read_bytes() for source in _PACKAGE.rglob("*.py")}
-    sources: dict[Path, bytes] = {}
-    pending = [source for source, content in contents.items() if _KERNEL_MARK in content]
-    while pending:
-        source = pending.pop()
-        if source in sources or source not in contents:
-            continue
-        sources[source] = contents[source]
-        for name in re.findall(rb"^from jawenv\.?([\w.]*) import", contents[source], re.MULTILINE):
-            path = _PACKAGE.joinpath(*name.decode().split("."))
-            pending += [path.with_suffix(".py"), path / "__init__.py"]
-    return sources
-
-
-@cache
-def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``JAWENV_CACHE_DIR``, or jawenv's folder in the user's cache."""
-    root = os.environ.get("JAWENV_CACHE_DIR") or user_cache_dir("jawenv")
-    return Path(root) / "kernels" / kernel_digest()
-
-
-def prune_caches() -> None:
-    """Delete the kernels of other versions that nothing has used for ``UNUSED_DAYS``."""
-    oldest = time.time() - UNUSED_DAYS * 86400
-    for folder in cache_folder().parent.iterdir():
-        if folder != cache_folder() and folder.is_dir() and folder.stat().st_mtime < oldest:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def njit(function: Function) -> Function:
@@ -129,7 +64,7 @@ class WorldKernel:
 
     def __init__(self, function: Callable[..., None], place: int) -> None:
         """Declare the kernel; it is compiled at its first call, or read from the cache."""
-        self.name = function.__name__
+        self._function: Any = function
         self._place = place
         self._begun: set[np.dtype[Any]] = set()
         self._kernel = _compile(function, nogil=True)
@@ -160,19 +95,18 @@ class WorldKernel:
 
     def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
         """Compile or read the kernel for this model, by a call that takes no worlds."""
-        folder = cache_folder()
+        folder = kernel_folder(self._function)
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
-        mark = folder / f"{self.name}-{hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]}"
+        mark = folder / hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]
         if mark.exists():
             self._kernel(*arguments, (0, 0, 0))
         else:
-            say_compiling(str(dtype))
             # Of several processes one compiles, and the others read what it has saved.
             with FileLock(f"{mark}.lock"):
                 self._kernel(*arguments, (0, 0, 0))
                 mark.touch()
-            prune_caches()
+            prune_cache()
         self._begun.add(dtype)
 
 
@@ -188,23 +122,12 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_threads.cache_clear)
 
 
-@cache
-def say_compiling(dtype: str) -> None:
-    """Say on stderr, once for each model in a process, that kernels are being compiled."""
-    print("jawenv: compiling this model for this machine, once (about a minute) ...", file=sys.stderr, flush=True)
-
-
 def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
     """Decorator that makes a ``WorldKernel``; ``place`` is the position of an argument with one entry per world."""
     return lambda function: WorldKernel(function, place)
 
 
 def _compile(function: Function, inline: Literal["never", "always"] = "never", nogil: bool = False) -> Function:
-    config: Any = numba.config
-    previous, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
-    try:
-        compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=nogil, inline=inline)(function)
-        compiled._cache._cache_file.__class__ = _SharedCacheFile
-    finally:
-        config.CACHE_DIR = previous
+    compiled: Any = numba.njit(error_model="numpy", nogil=nogil, inline=inline)(function)
+    compiled._cache = KernelCache(cast(FunctionType, function))
     return cast(Function, compiled)

@@ -85,3 +85,52 @@ def test_processes_that_save_at_once_keep_all_that_they_saved(tmp_path: Path, mo
 
     assert kept(shared, tmp_path / "shared") == [0, 1, 2, 3]
     assert kept(IndexDataCacheFile, tmp_path / "alone") != [0, 1, 2, 3]
+
+
+CONSTANT = """
+from jawenv.compiled import njit
+
+FACTOR = 2.0
+
+
+@njit
+def inner(x):
+    return FACTOR * x
+
+
+@njit
+def outer(x):
+    return inner(x) + 1.0
+
+
+print(outer(1.0))
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "compiles"),
+    [
+        ("@njit", "# a remark\n@njit", False),
+        ("def outer(x):", 'def outer(x):\n    """Says what it is."""', False),
+        ("FACTOR = 2.0", "FACTOR = 3.0", True),
+        ("FACTOR * x", "FACTOR + x", True),
+    ],
+)
+def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
+    tmp_path: Path, old: str, new: str, compiles: bool
+) -> None:
+    """In another folder, as in another clone: what says that it compiles is stderr."""
+    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
+
+    def run(folder: str, text: str) -> tuple[float, bool]:
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "kernels.py").write_text(text)
+        command = [sys.executable, str(tmp_path / folder / "kernels.py")]
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        return float(ran.stdout), "compiling" in ran.stderr
+
+    assert run("first", CONSTANT) == (3.0, True)
+    assert run("second", CONSTANT) == (3.0, False)
+    value, compiled = run("third", CONSTANT.replace(old, new))
+    assert compiled == compiles
+    assert value == {"FACTOR = 3.0": 4.0, "FACTOR + x": 4.0}.get(new, 3.0)
