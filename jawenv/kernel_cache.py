@@ -78,7 +78,7 @@ def _pieces_of(code: CodeType, doc: str | None) -> Iterator[bytes]:
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
             yield from _pieces_of(constant, None)
-        elif constant != doc or doc is None:
+        elif constant is not None and constant != doc:
             yield repr(constant).encode()
 
 
