@@ -15,14 +15,14 @@ readings.
 
 from __future__ import annotations
 
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 from typing import Any
 
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
 from jawenv.estimation.online.basis import set_derivatives
 from jawenv.estimation.online.state import lose_motion, tension_columns
-from jawenv.estimation.online.step import multiply, padded
+from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
@@ -31,23 +31,17 @@ EXPECTED, SURPRISING, REFUSED = 0, 1, 2
 
 def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
     """Fields of the working memory of the measurement update."""
-    columns, wide, parameters = tension_columns(n_muscles), padded(n_states), 2 * n_muscles
+    columns, parameters = tension_columns(n_muscles), 2 * n_muscles
     return [
-        ("motion_cov", "f8", (n_states, wide)),
-        ("by_tension", "f8", (n_states, columns)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("innovation", "f8", (N_MEASUREMENTS,)),
         ("variance", "f8", (N_MEASUREMENTS,)),  # R
         ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
         ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
-        ("whitened_motion", "f8", (N_MEASUREMENTS, wide)),  # L^-1 H P
+        ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
         ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
         ("gain", "f8", (n_states, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
-        ("motion_cov_change", "f8", (n_states, wide)),
-        ("by_tension_change", "f8", (n_states, columns)),
-        ("turned_rows", "f8", (columns, N_MEASUREMENTS)),
-        ("information", "f8", (columns, columns)),
         ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
         ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
         ("spread", "f8", (N_MEASUREMENTS, parameters)),
@@ -71,45 +65,13 @@ def set_innovation(jaw, motion, measured, variances, used, scratch):
 def set_factor(covariance, scratch):
     """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
     rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
-    for i in range(covariance.shape[0]):
-        for j in range(covariance.shape[0]):
-            scratch.motion_cov[i, j] = covariance[i, j]
-    multiply(rows, scratch.motion_cov, moved)
+    multiply(rows, covariance, moved)
     for i in range(N_MEASUREMENTS):
         for j in range(i + 1):
             value = scratch.variance[i] if i == j else 0.0
             for k in range(rows.shape[1]):
                 value += moved[i, k] * rows[j, k]
             factor[i, j] = value
-
-
-@njit
-def decompose(factor):
-    """Cholesky factor of the lower half in place; False if the matrix is not positive definite."""
-    for j in range(N_MEASUREMENTS):
-        for i in range(j, N_MEASUREMENTS):
-            value = factor[i, j]
-            for k in range(j):
-                value -= factor[i, k] * factor[j, k]
-            if i > j:
-                factor[i, j] = value * factor[j, j]
-            elif value > 0.0:
-                factor[j, j] = 1.0 / sqrt(value)  # the diagonal holds its inverse
-            else:
-                return False
-    return True
-
-
-@njit
-def whiten(factor, rows):
-    """``rows`` (12, m) <- L^-1 ``rows``."""
-    for i in range(N_MEASUREMENTS):
-        for k in range(i):
-            share = factor[i, k]
-            for j in range(rows.shape[1]):
-                rows[i, j] -= share * rows[k, j]
-        for j in range(rows.shape[1]):
-            rows[i, j] *= factor[i, i]
 
 
 @njit
@@ -183,8 +145,7 @@ def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, variances, used, scratch)
-    scratch.by_tension[:, :] = belief.by_tension
-    multiply(scratch.rows, scratch.by_tension, scratch.by_tension_rows)
+    multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     verdict = judge_innovation(belief, start_sd, scratch)
     correct_motion(belief, scratch)
     if verdict != REFUSED:
@@ -202,26 +163,16 @@ def correct_motion(belief, scratch):
         for k in range(N_MEASUREMENTS):
             gain[i, k] = whitened[k, i]
             belief.motion[i] += whitened[k, i] * innovation[k]
-    multiply(gain, whitened, scratch.motion_cov_change)
-    multiply(gain, scratch.by_tension_rows, scratch.by_tension_change)
-    for i in range(gain.shape[0]):
-        for j in range(gain.shape[0]):
-            belief.motion_cov[i, j] -= scratch.motion_cov_change[i, j]
-        for j in range(belief.by_tension.shape[1]):
-            belief.by_tension[i, j] -= scratch.by_tension_change[i, j]
+    subtract_product(gain, whitened, belief.motion_cov)
+    subtract_product(gain, scratch.by_tension_rows, belief.by_tension)
 
 
 @njit
 def add_information(belief, scratch):
     """Add the innovations' information and score about the tensions."""
-    rows, turned = scratch.by_tension_rows, scratch.turned_rows
+    rows = scratch.by_tension_rows
     for i in range(N_MEASUREMENTS):
         innovation = scratch.whitened_innovation[i]
         for j in range(rows.shape[1]):
             belief.score[j] += rows[i, j] * innovation
-        for j in range(rows.shape[1]):
-            turned[j, i] = rows[i, j]
-    multiply(turned, rows, scratch.information)
-    for k in range(turned.shape[0]):
-        for j in range(turned.shape[0]):
-            belief.information[k, j] += scratch.information[k, j]
+    add_squares(rows, belief.information)

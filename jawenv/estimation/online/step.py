@@ -21,6 +21,7 @@ from numba.extending import overload
 from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.body_step import body_step_parts
 from jawenv.estimation.model.step import between_samples, fill_angle_rate_derivatives, stage_share, step_parts
+from jawenv.kernels.linalg import multiply
 from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, plus_six, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, plus, state_rate
@@ -52,21 +53,6 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
         ("total", "f8", wide),  # the same of the whole step
     ]
     return np.dtype(fields, align=True)
-
-
-@njit
-def multiply(a, b, product):
-    """``product`` (n, m) = the first k columns of ``a`` times ``b`` (k, m).
-
-    Where all three are fields of one record, the compiler knows that they do not overlap, and is several times faster.
-    """
-    for i in range(product.shape[0]):
-        for j in range(product.shape[1]):
-            product[i, j] = 0.0
-        for k in range(b.shape[0]):
-            factor = a[i, k]
-            for j in range(product.shape[1]):
-                product[i, j] += factor * b[k, j]
 
 
 @njit

@@ -14,25 +14,25 @@ from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.step import set_muscles
 from jawenv.estimation.online.regressors import middle_of, set_line_wrenches
 from jawenv.estimation.online.state import lose_motion, tension_columns
-from jawenv.estimation.online.step import move, multiply, padded, step_dtype
+from jawenv.estimation.online.step import move, step_dtype
+from jawenv.kernels.linalg import multiply
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
 def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]:
     """Fields of the working memory of the time update."""
-    columns, inputs, wide = tension_columns(n_muscles), n_states + N_WRENCH, padded(n_states)
+    columns, inputs = tension_columns(n_muscles), n_states + N_WRENCH
     return [
         ("step", step_dtype(n_lines, n_states)),
         ("start_motion", "f8", (n_states,)),
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
         ("total", "f8", (n_states, inputs)),  # [A, G]
-        ("turned", "f8", (inputs, wide)),  # its transpose
+        ("turned", "f8", (inputs, n_states)),  # its transpose
         ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
         ("after", "f8", (n_states, columns)),
-        ("cov", "f8", (n_states, wide)),
-        ("moved_cov", "f8", (n_states, wide)),  # A P
+        ("moved_cov", "f8", (n_states, n_states)),  # A P
         ("weighted", "f8", (n_states, inputs)),  # [A P, G W]
-        ("next_cov", "f8", (n_states, wide)),
+        ("next_cov", "f8", (n_states, n_states)),
     ]
 
 
@@ -72,10 +72,7 @@ def predict_cov(covariance, noise_variance, scratch):
     """P <- A P A^T + G W G^T."""
     total, weighted = scratch.total, scratch.weighted
     size, columns = total.shape
-    for i in range(size):
-        for j in range(size):
-            scratch.cov[i, j] = covariance[i, j]
-    multiply(total, scratch.cov, scratch.moved_cov)
+    multiply(total, covariance, scratch.moved_cov)
     for i in range(size):
         for k in range(size):
             weighted[i, k] = scratch.moved_cov[i, k]
