@@ -8,13 +8,13 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from types import FunctionType
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from filelock import FileLock
 
-from jawenv.kernel_cache import KernelCache, kernel_folder, prune_cache
+from jawenv.kernel_cache import OPTIONS, KernelCache, kernel_folder, prune_cache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -48,6 +48,11 @@ def njit_within(function: Function) -> Function:
     next takes as many times as long to compile as it is long.
     """
     return _compile(function, inline="always")
+
+
+def njit_inlined(function: Function) -> Function:
+    """The same for a small kernel that is optimised with each of its callers: what they share is computed once."""
+    return _compile(function, forceinline=True)
 
 
 WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up
@@ -127,7 +132,9 @@ def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
     return lambda function: WorldKernel(function, place)
 
 
-def _compile(function: Function, inline: Literal["never", "always"] = "never", nogil: bool = False) -> Function:
-    compiled: Any = numba.njit(error_model="numpy", nogil=nogil, inline=inline)(function)
-    compiled._cache = KernelCache(cast(FunctionType, function))
+def _compile(function: Function, **options: Any) -> Function:
+    kernel = cast(FunctionType, function)
+    kernel.__dict__[OPTIONS] = repr(sorted(options.items()))
+    compiled: Any = numba.njit(error_model="numpy", **options)(kernel)
+    compiled._cache = KernelCache(kernel)
     return cast(Function, compiled)

@@ -26,6 +26,7 @@ from filelock import FileLock
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from platformdirs import user_cache_dir
 
+OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 
@@ -60,14 +61,17 @@ def kernel_digest(function: FunctionType) -> str:
         if id(part) in seen:
             continue
         seen.add(id(part))
-        code = part.__code__
-        digest.update(f"{part.__module__}.{part.__qualname__}".encode())
-        for piece in _pieces_of(code, part.__doc__):
+        digest.update(f"{part.__module__}.{part.__qualname__}{part.__dict__.get(OPTIONS)}".encode())
+        for piece in _pieces_of(part.__code__, part.__doc__):
             digest.update(piece)
         for name, value in _references(part):
             called = _function_of(value)
             if called is not None:
                 pending.append(called)
+                if not hasattr(value, "py_func") and called.__module__.startswith("jawenv."):
+                    text, others = _module_of(called)
+                    digest.update(text)
+                    pending += others
             digest.update(f"{name}={_text_of(value)}".encode())
     return digest.hexdigest()[:16]
 
@@ -103,6 +107,15 @@ def _function_of(value: Any) -> FunctionType | None:
         if isinstance(holder, FunctionType):
             return holder
     return None
+
+
+@cache
+def _module_of(function: FunctionType) -> tuple[bytes, list[FunctionType]]:
+    """The module of what is no kernel: its text and functions. What generates code may stand anywhere in it."""
+    module = sys.modules[function.__module__]
+    members = [_function_of(member) for _, member in sorted(vars(module).items())]
+    functions = [member for member in members if member is not None and member.__module__ == module.__name__]
+    return inspect.getsource(module).encode(), functions
 
 
 def _text_of(value: Any) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+from jawenv.kernels.records import record_dtype
 
 CHANNELS = ("opening", "side", "fore_aft", "roll")
 N_CHANNELS = len(CHANNELS)
@@ -13,7 +13,7 @@ ROLL_FULL_SCALE_RAD = 0.07
 # 1/s: rate at which the device moves a target, at most. On a typical patient 23 mm/s of opening and 18 mm/s of side.
 FASTEST_TARGET = (0.9, 3.0, 1.5, 3.0)
 
-TRACKER = np.dtype(
+TRACKER = record_dtype(
     [
         ("target", "f8", N_CHANNELS),  # fractions, before the guard
         ("rate", "f8", N_CHANNELS),  # 1/s, at which they move
@@ -22,6 +22,5 @@ TRACKER = np.dtype(
         ("rest_roll", "f8"),  # rad, as first seen
         ("begun", "u1"),
     ],
-    align=True,
 )
 """What the device remembers while it follows targets."""

@@ -6,10 +6,13 @@ the cost is 1 and the episode ends. The numbers are proposals (grade G): no stud
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from jawenv.compiled import njit
 from jawenv.device.linkage import excursions
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 from jawenv.mechanics.vec3 import add, apply, cross, norm, vector3
@@ -37,6 +40,7 @@ HEALTHY_SIDE = 0.010  # m, about the mean lateral excursion of 500 patients (9.4
 HEALTHY_FORE_AFT = 0.0088  # m, their mean protrusion
 
 
+@cache
 def limits_dtype(n_lines: int) -> np.dtype[np.void]:
     """Dtype of one patient's soft limits, SI units.
 
@@ -54,7 +58,7 @@ def limits_dtype(n_lines: int) -> np.dtype[np.void]:
         ("rest_condyle_side", "f8"),
         ("tension", "f8", (n_lines,)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from jawenv.checks import real_number
 from jawenv.errors import InputError, shown
 from jawenv.files import instance_of, read_into
+from jawenv.kernels.records import record_dtype, record_zeros
 
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
 
-DEVICE = np.dtype(
+DEVICE = record_dtype(
     [
         ("point", "f8", (N_MOTORS, 3)),  # from the mouthpiece's point, body axes
         ("direction", "f8", (N_MOTORS, 3)),  # of positive thrust, head axes
@@ -50,7 +51,6 @@ DEVICE = np.dtype(
         ("encoder_velocity", "f8"),
         ("encoder_rate", "f8"),
     ],
-    align=True,
 )
 
 
@@ -160,7 +160,7 @@ class Device:
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""
-        records = np.zeros(1, dtype=DEVICE)
+        records = record_zeros(1, DEVICE)
         device = records[0]
         vertical, horizontal = self.vertical_arm_mm / 1e3, self.horizontal_arm_mm / 1e3
         device["point"] = [(0, vertical, 0), (0, -vertical, 0), (0, horizontal, 0), (0, -horizontal, 0)]

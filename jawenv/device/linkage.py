@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit_inlined
 
 
-@njit
+@njit_inlined
 def path_at(limits, opening):
     """Forward place of the mouthpiece (m) on the natural path, ``opening`` (m) above the rest opening."""
     s = opening / limits.opening
     return limits.path[0] + limits.path[1] * s + limits.path[2] * s * s
 
 
-@njit
+@njit_inlined
 def excursions(limits, jaw, place):
     """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
     opening = jaw.mouthpiece[2] - place[2] - limits.rest_opening

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_inlined
 from jawenv.device.comfort import (
     CONDYLE_FORE_AFT,
     CONDYLE_SIDE,
@@ -29,7 +29,8 @@ from jawenv.device.comfort import (
 )
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
-from jawenv.mechanics.forces import smooth_ramp
+from jawenv.kernels.lanes import all_lines
+from jawenv.mechanics.forces import smooth_ramp, totals
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 
@@ -43,15 +44,15 @@ IDLE, CAPPED, BRAKED, STOPPED, STOPPED_AND_BRAKED = 0.0, 1.0, 2.0, 3.0, 4.0
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
-@njit
+@njit_inlined
 def onset(limit):
     """Used fraction at which the governor begins for the limit with this index."""
     return 1.0 + GOVERNOR_ONSET * (HARD[limit] - 1.0)
 
 
-@njit
+@njit_inlined
 def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
-    """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i."""
+    """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i, or all."""
     point = row3(device.point, i)
     arm = apply(body_to_head, point)
     axis = row3(device.direction, i)
@@ -60,7 +61,7 @@ def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
     return arm, axis, position, rate
 
 
-@njit
+@njit_inlined
 def mouthpiece_motion(jaw, q, u, lift, body_to_head):
     """Place and velocity of the mouthpiece in head axes.
 
@@ -100,7 +101,7 @@ def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
         motors.heat[i] += (load * load - motors.heat[i]) * dt / device.thermal_time
 
 
-@njit
+@njit_inlined
 def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
@@ -109,18 +110,16 @@ def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     omega = (u[2], u[3], u[4])
-    force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for i in range(N_MOTORS):
-        arm, axis, position, rate = motor_point(device, jaw, i, body_to_head, place, velocity, omega)
-        thrust = motors.thrust[i]
-        if trajectory:
-            lead = motors.target[i] + motors.rate[i] * since - position
-            thrust = device.servo_stiffness * lead + device.servo_damping * (motors.rate[i] - rate)
-            thrust = min(max(thrust, -motors.cap[i]), motors.cap[i])
-            motors.thrust[i] = thrust
-        push = scale(thrust, axis)
-        force = add(force, push)
-        moment = add(moment, cross(arm, push))
+    each = all_lines(motors.thrust)
+    arm, axis, position, rate = motor_point(device, jaw, each, body_to_head, place, velocity, omega)
+    thrust = motors.thrust[each]
+    if trajectory:
+        lead = motors.target[each] + motors.rate[each] * since - position
+        thrust = device.servo_stiffness * lead + device.servo_damping * (motors.rate[each] - rate)
+        thrust = min(max(thrust, -motors.cap[each]), motors.cap[each])
+        motors.thrust[each] = thrust
+    pushes = scale(thrust, axis)
+    force, moment = totals(pushes), totals(cross(arm, pushes))
     stops = end_stops(device, jaw, limits, place, velocity)
     slide = condyle_stop(device, limits, q, u)
     pressed = norm(stops) + norm(slide)
@@ -144,14 +143,14 @@ def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
     return (force[0], force[1], force[2], moment[0], moment[1], moment[2]), acted
 
 
-@njit
+@njit_inlined
 def end_stop(device, travel, limit, rate):
     """Push back of a one-sided stop at ``limit`` (0 or less inside)."""
     ramp, steepness = smooth_ramp(travel - limit, STOP_ONSET_WIDTH)
     return max(0.0, device.stop_stiffness * ramp + device.stop_damping * steepness * rate)
 
 
-@njit
+@njit_inlined
 def end_stops(device, jaw, limits, place, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, place)
@@ -164,7 +163,7 @@ def end_stops(device, jaw, limits, place, velocity):
     return (forward, left, up)
 
 
-@njit
+@njit_inlined
 def condyle_stop(device, limits, q, u):
     """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
     x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side

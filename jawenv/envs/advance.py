@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from jawenv.compiled import njit, njit_within, world_kernel
@@ -24,6 +26,7 @@ from jawenv.estimation.references.joint_recursion import (
     predict_covariance,
     update_covariance,
 )
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.vec3 import norm
 from jawenv.noise import fill_normals
@@ -36,6 +39,7 @@ N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 
 
+@cache
 def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
@@ -50,9 +54,10 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("steps", "i8"),
         ("ticks_per_step", "i8"),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
+@cache
 def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
@@ -72,7 +77,7 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
         ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
         ("right", "f8", (2 * n_muscles,)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

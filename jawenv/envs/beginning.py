@@ -16,6 +16,7 @@ from jawenv.estimation.model.encoders import measure
 from jawenv.estimation.model.step import set_muscles
 from jawenv.estimation.online.tick import begin_filter, filter_tick
 from jawenv.estimation.references.joint_recursion import update_covariance
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
@@ -40,7 +41,7 @@ CONDYLE_BACK = -0.5e-3
 CONDYLE_FREE = 2.0e-3
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
-BEGINNING_SCRATCH = np.dtype(
+BEGINNING_SCRATCH = record_dtype(
     [
         ("matrix", "f8", (5, 5)),
         ("right", "f8", 5),
@@ -49,7 +50,6 @@ BEGINNING_SCRATCH = np.dtype(
         ("body_matrix", "f8", (6, 6)),
         ("body_right", "f8", 6),
     ],
-    align=True,
 )
 
 

@@ -16,6 +16,7 @@ from jawenv.device.motors import device_wrench
 from jawenv.envs.advance import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
 from jawenv.envs.load_cell import add_moments, clear_moments
 from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
+from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
 from jawenv.mechanics.vec3 import apply
@@ -112,7 +113,7 @@ class ContactPlants:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
         self._ticks = ticks
-        self._scratches = np.zeros(len(worlds), dtype=scratch_dtype(*sizes))
+        self._scratches = record_zeros(len(worlds), scratch_dtype(*sizes))
         self._jaws: list[Any] = [None] * len(worlds)
 
     def reset(self, chosen: NDArray[np.bool_]) -> None:

@@ -7,7 +7,7 @@ zero. The plant of pymunk is moved from Python (``contact``).
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_inlined
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import held_rate
@@ -23,19 +23,19 @@ SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the 
 BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 
 
-@njit
+@njit_inlined
 def lift_of(world):
     """The lift as a tuple."""
     return world.lift[0], world.lift[1]
 
 
-@njit
+@njit_inlined
 def true_state(model, world, i):
     """Number i of the true motion, in the coordinates of the filter's model."""
     return world.body[i] if model.condyles == 2 else world.state[i]
 
 
-@njit
+@njit_inlined
 def plus_wrench(wrench, extra, push):
     """The device's wrench, the unmodelled one and the joint's push on the mouthpiece together."""
     return (
@@ -48,7 +48,7 @@ def plus_wrench(wrench, extra, push):
     )
 
 
-@njit
+@njit_inlined
 def stage_time(step, stage, h):
     """Seconds since the tick's start at a stage of a Runge-Kutta step of length ``h``."""
     if stage == 0:

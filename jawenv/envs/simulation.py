@@ -20,6 +20,7 @@ from jawenv.envs.start import start_sd
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.estimation.online.tick import LAST_WINDOW, set_prior, tick_dtype
+from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -55,14 +56,14 @@ class Simulation:
         self._known_condyles = 2 if known else 1
         sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
         self.settings = self._build_settings(sizes[2])
-        self.worlds = np.zeros(num_worlds, dtype=world_dtype(*sizes))
-        self.models = np.zeros(num_worlds, dtype=self._jaw.dtype)
+        self.worlds = record_zeros(num_worlds, world_dtype(*sizes))
+        self.models = record_zeros(num_worlds, self._jaw.dtype)
         self._gravity = default_mandible().gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
-        self._scratches = np.zeros(threads, dtype=scratch_dtype(*sizes))
-        self._beginnings = np.zeros(threads, dtype=BEGINNING_SCRATCH)
-        self.ticks = np.zeros((num_worlds, self._kept_ticks() + 1), dtype=tick_dtype(sizes[2]))
+        self._scratches = record_zeros(threads, scratch_dtype(*sizes))
+        self._beginnings = record_zeros(threads, BEGINNING_SCRATCH)
+        self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         self._episodes = np.zeros(num_worlds, dtype=np.int64)
@@ -81,7 +82,7 @@ class Simulation:
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration = self.configuration
-        records = np.zeros(1, dtype=settings_dtype(len(self.model.muscles), n_states))
+        records = record_zeros(1, settings_dtype(len(self.model.muscles), n_states))
         settings = records[0]
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()

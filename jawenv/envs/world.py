@@ -11,12 +11,13 @@ from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.estimation.online.state import belief_dtype
 from jawenv.estimation.references.joint_recursion import filter_size
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
 from jawenv.reality import reality_state_dtype
 
-MOTORS = np.dtype(
+MOTORS = record_dtype(
     [
         ("thrust", "f8", N_MOTORS),
         ("command", "f8", N_MOTORS),
@@ -25,7 +26,6 @@ MOTORS = np.dtype(
         ("cap", "f8", N_MOTORS),
         ("heat", "f8", N_MOTORS),
     ],
-    align=True,
 )
 
 
@@ -67,4 +67,4 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("log_score", "f8"),
         ("nees", "f8"),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)

@@ -1,7 +1,7 @@
 """Small matrices in records: products and triangular solves with all sums in vector registers.
 
-Numba compiles a kernel that takes fields of records for arrays of any size: sizes and overlaps are tested at run time and
-sums go through memory. Here the sizes are read from the types, and each row is written as vectors of up to ``WIDE``
+Numba compiles a kernel that takes fields of records for arrays of any size: sizes and overlaps are tested at run time
+and sums go through memory. Here the sizes are read from the types, and each row is written as vectors of up to ``WIDE``
 numbers. Sums run in the order of the plain loops. A product and its sum are rounded once (a fused multiply-add).
 
 Arguments are fields of records (their types hold the sizes) of doubles, and do not overlap unless a docstring says so.
@@ -145,8 +145,7 @@ add_product = _product("add_product", "+")  # target += a b
 subtract_product = _product("subtract_product", "-")  # target -= a b
 
 
-@intrinsic
-def add_squares(typing: Any, rows: Any, target: Any) -> Any:
+def _add_squares(typing: Any, rows: Any, target: Any) -> Any:
     """``target`` (m, m) += rows^T rows, of ``rows`` (n, m)."""
     _checked("add_squares", (rows, target), lambda s, t: t == (s[1], s[1]))
 
@@ -171,8 +170,10 @@ def add_squares(typing: Any, rows: Any, target: Any) -> Any:
     return types.void(rows, target), generate
 
 
-@intrinsic
-def whiten(typing: Any, factor: Any, rows: Any) -> Any:
+add_squares: Any = intrinsic(_add_squares)
+
+
+def _whiten(typing: Any, factor: Any, rows: Any) -> Any:
     """``rows`` (n, m) <- L^-1 ``rows``, with L the lower half of ``factor``, as ``decompose`` leaves it."""
     _checked("whiten", (factor, rows), lambda s, t: s == (t[0], t[0]))
 
@@ -196,6 +197,9 @@ def whiten(typing: Any, factor: Any, rows: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(factor, rows), generate
+
+
+whiten: Any = intrinsic(_whiten)
 
 
 @njit

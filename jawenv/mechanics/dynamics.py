@@ -13,7 +13,7 @@ given in body axes, as the load cell in the mouthpiece feels it.
 
 from __future__ import annotations
 
-from jawenv.compiled import njit, njit_within
+from jawenv.compiled import njit, njit_inlined, njit_within
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
@@ -22,7 +22,7 @@ N_STATES = 10
 N_WRENCH = 6
 
 
-@njit
+@njit_inlined
 def inertial_coupling(jaw, slope, body_to_head):
     """Schur form of the 5 x 5 mass matrix: W = M_tr M_rr^-1 (two rows) and the inverse of M_tt - W M_rt (2 x 2)."""
     m = jaw.mass
@@ -47,7 +47,7 @@ def inertial_coupling(jaw, slope, body_to_head):
     return inverse, w_first, w_second, free_inverse(jaw, a, b, d)
 
 
-@njit
+@njit_inlined
 def free_inverse(jaw, a, b, d):
     """Inverse (xx, xy, yy) of the 2 x 2 block of sliding, of its free coordinates only."""
     if jaw.free_x and jaw.free_y:
@@ -60,7 +60,7 @@ def free_inverse(jaw, a, b, d):
     return 0.0, 0.0, 0.0
 
 
-@njit
+@njit_inlined
 def solve_mass(coupling, right_x, right_y, right_turn):
     """U' from M u' = (right_x, right_y, right_turn)."""
     inverse, w_first, w_second, schur = coupling
@@ -78,13 +78,13 @@ def solve_mass(coupling, right_x, right_y, right_turn):
     )
 
 
-@njit
+@njit_inlined
 def inertia_times(jaw, a):
     """Inertia about the centre of mass times a body vector."""
     return apply((row3(jaw.inertia, 0), row3(jaw.inertia, 1), row3(jaw.inertia, 2)), a)
 
 
-@njit
+@njit_inlined
 def body_moment(jaw, body_to_head, moment, omega, wrench):
     """Moment about the contact point in body axes: forces, device wrench, damping of rotation."""
     pull = (wrench[0], wrench[1], wrench[2])
@@ -92,7 +92,7 @@ def body_moment(jaw, body_to_head, moment, omega, wrench):
     return subtract(add(apply_transposed(body_to_head, moment), turn), scale(jaw.damping_rotation, omega))
 
 
-@njit
+@njit_inlined
 def acceleration_kernel(jaw, muscles, q, u, wrench):
     """U' (five numbers) for coordinates q, speeds u and the device's wrench (six numbers, body axes)."""
     body_to_head = rotation(q)
@@ -110,13 +110,13 @@ def acceleration_kernel(jaw, muscles, q, u, wrench):
     return solve_mass(coupling, effective_force[0] + slope * effective_force[2], effective_force[1], turn)
 
 
-@njit
+@njit_inlined
 def plus(a, s, b):
     """A + s b for tuples of five."""
     return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2], a[3] + s * b[3], a[4] + s * b[4])
 
 
-@njit
+@njit_inlined
 def state_rate(jaw, muscles, q, u, wrench):
     """(q', u') as two tuples of five."""
     rates = angle_rates(q, (u[2], u[3], u[4]))

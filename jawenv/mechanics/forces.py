@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit, njit_inlined
+from jawenv.kernels.lanes import all_lines, total
 from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, fossa
 from jawenv.mechanics.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
 
 
-@njit
+@njit_inlined
 def smooth_ramp(depth, width):
     """Depth of a one-sided stop with a quadratic onset over ``width``, and its slope: continuous to the slope."""
     if depth <= 0.0:
@@ -30,10 +31,11 @@ def smooth_ramp(depth, width):
     return depth - 0.5 * width, 1.0
 
 
-@njit
+@njit_inlined
 def muscle_pull(jaw, muscles, i, contact, body_to_head):
     """Line i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
 
+    Of all lines at once where ``i`` is ``all_lines`` of the jaw's (``kernels.lanes``).
     ``muscles`` is (lines, 2): F_o in N and b of each line. The law is van Ruijven & Weijs (1990) as used by Young
     (2016), eq. 2.2.
     """
@@ -44,7 +46,13 @@ def muscle_pull(jaw, muscles, i, contact, body_to_head):
     return arm, scale(1.0 / length, line), length, tension
 
 
-@njit
+@njit_inlined
+def totals(vectors):
+    """Sum over all lines of a vector for each."""
+    return (total(vectors[0]), total(vectors[1]), total(vectors[2]))
+
+
+@njit_inlined
 def carried_forces(jaw, muscles, contact, body_to_head):
     """Resultant force and moment about ``contact``, head axes, of muscles, gravity and teeth.
 
@@ -53,11 +61,10 @@ def carried_forces(jaw, muscles, contact, body_to_head):
     weight = scale(jaw.mass, vector3(jaw.gravity))
     force = weight
     moment = cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
-    for i in range(muscles.shape[0]):
-        arm, direction, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
-        pull = scale(tension, direction)
-        force = add(force, pull)
-        moment = add(moment, cross(arm, pull))
+    arm, direction, _, tension = muscle_pull(jaw, muscles, all_lines(jaw.l_o), contact, body_to_head)
+    pull = scale(tension, direction)
+    force = add(force, totals(pull))
+    moment = add(moment, totals(cross(arm, pull)))
     for i in range(N_TEETH):
         arm = apply(body_to_head, row3(jaw.teeth, i))
         ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
@@ -68,7 +75,7 @@ def carried_forces(jaw, muscles, contact, body_to_head):
     return force, moment
 
 
-@njit
+@njit_inlined
 def resultant(jaw, muscles, q, u, body_to_head):
     """Resultant force and moment about the contact point, head axes, of everything but the device."""
     force, moment = carried_forces(jaw, muscles, contact_point(jaw, q), body_to_head)
@@ -79,7 +86,7 @@ def resultant(jaw, muscles, q, u, body_to_head):
     return force, moment
 
 
-@njit
+@njit_inlined
 def capsule_force(jaw, x):
     """Forward force of the stops behind the fossa's roof (x < 0) and past the crest, and its derivative by x."""
     back, back_slope = smooth_ramp(-x, jaw.stop_width)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, default_fossa, default_mandible, muscle_set
 from jawenv.errors import InputError
+from jawenv.kernels.records import record_dtype, record_zeros
 
 N_TEETH = 3
 ALL_FREE = (True, True, True, True, True)
@@ -58,7 +59,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("mouthpiece_mobility", "f8"),  # 1/kg, of the same, at the mouthpiece in the direction that gives way most
         ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 # Grade G: the capsule that keeps the condyle on its path, soft enough for the integration step.
@@ -98,7 +99,7 @@ def build_jaw(
     fossa = fossa or default_fossa()
     if free[3] != free[4]:
         raise InputError(f"free is {tuple(free)}; allowed: psi and alpha free both or none")
-    jaw = np.zeros(1, dtype=jaw_dtype(len(muscles.muscle)))[0]
+    jaw = record_zeros(1, jaw_dtype(len(muscles.muscle)))[0]
     rho = np.asarray(mandible.centre_of_mass_m, dtype=float)
     inertia = np.asarray(mandible.inertia_kg_m2, dtype=float)
     about_contact = inertia + mandible.mass_kg * (rho @ rho * np.eye(3) - np.outer(rho, rho))

@@ -8,21 +8,21 @@ takes head axes to body axes, and its transpose is what the kernels carry.
 
 from __future__ import annotations
 
-from math import cos, sin
 from typing import TypeAlias
 
-from jawenv.compiled import njit
+from jawenv.compiled import njit_inlined
+from jawenv.kernels.functions import sin_cos
 from jawenv.mechanics.vec3 import Matrix, Vector
 
 Five: TypeAlias = tuple[float, float, float, float, float]
 
 
-@njit
+@njit_inlined
 def rotation(q: Five) -> Matrix:
     """Body to head axes, C^T = R_y(theta) R_z(psi) R_x(alpha)."""
-    ct, st = cos(q[2]), sin(q[2])
-    cp, sp = cos(q[3]), sin(q[3])
-    ca, sa = cos(q[4]), sin(q[4])
+    st, ct = sin_cos(q[2])
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
     return (
         (ct * cp, -ct * sp * ca + st * sa, ct * sp * sa + st * ca),
         (sp, cp * ca, -cp * sa),
@@ -30,38 +30,39 @@ def rotation(q: Five) -> Matrix:
     )
 
 
-@njit
+@njit_inlined
 def turning_axes(q: Five) -> Matrix:
     """The three body-frame axes about which theta, psi and alpha turn: omega = sum of rate times axis."""
-    cp, sp = cos(q[3]), sin(q[3])
-    ca, sa = cos(q[4]), sin(q[4])
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
     return ((sp, cp * ca, -cp * sa), (0.0, sa, ca), (1.0, 0.0, 0.0))
 
 
-@njit
+@njit_inlined
 def angle_rates(q: Five, omega: Vector) -> Vector:
     """Rates of (theta, psi, alpha) from the body angular velocity; singular at psi = 90 degrees only."""
-    cp, sp = cos(q[3]), sin(q[3])
-    ca, sa = cos(q[4]), sin(q[4])
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
     theta_rate = (omega[1] * ca - omega[2] * sa) / cp
     return (theta_rate, omega[1] * sa + omega[2] * ca, omega[0] - theta_rate * sp)
 
 
-@njit
+@njit_inlined
 def fossa(jaw, x):
     """Height z of the condyle's path at x and its first three derivatives."""
     d, f = jaw.fossa_drop, jaw.fossa_frequency
-    c, s = cos(f * x), sin(f * x)
+    s, c = sin_cos(f * x)
     return d * (c - 1.0), -d * f * s, -d * f * f * c, d * f * f * f * s
 
 
-@njit
+@njit_inlined
 def contact_point(jaw, q):
     """Contact point r_* in head axes."""
-    return (q[0], q[1], jaw.fossa_drop * (cos(jaw.fossa_frequency * q[0]) - 1.0))
+    _, c = sin_cos(jaw.fossa_frequency * q[0])
+    return (q[0], q[1], jaw.fossa_drop * (c - 1.0))
 
 
-@njit
+@njit_inlined
 def split(state):
     """State array (10 or more) as the tuples q and u."""
     return (

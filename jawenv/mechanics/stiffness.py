@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import ceil, sqrt
 
 from jawenv.compiled import njit
+from jawenv.kernels.lanes import all_lines, total
 from jawenv.mechanics.forces import muscle_pull, smooth_ramp
 from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, rotation
@@ -39,11 +40,10 @@ def touched_stiffness(jaw, contact, body_to_head):
 def fastest_rate(jaw, muscles, q):
     """Bound on the angular frequency (rad/s) of the jaw's free motion at the pose q (five coordinates)."""
     contact, body_to_head = contact_point(jaw, q), rotation(q)
-    total = touched_stiffness(jaw, contact, body_to_head)
-    for i in range(muscles.shape[0]):
-        _, _, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
-        total += tension * muscles[i, 1] / jaw.l_o[i] * jaw.mobility[i]
-    return sqrt(total)
+    lines = all_lines(jaw.l_o)
+    _, _, _, tension = muscle_pull(jaw, muscles, lines, contact, body_to_head)
+    stretched = total(tension * muscles[lines, 1] / jaw.l_o[lines] * jaw.mobility[lines])
+    return sqrt(touched_stiffness(jaw, contact, body_to_head) + stretched)
 
 
 @njit

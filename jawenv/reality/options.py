@@ -15,8 +15,9 @@ from scipy.special import ndtri
 from jawenv.checks import real_number
 from jawenv.errors import InputError, shown
 from jawenv.files import instance_of, read_into
+from jawenv.kernels.records import record_dtype, record_zeros
 
-REALITY = np.dtype(
+REALITY = record_dtype(
     [
         ("reflex_gain", "f8"),
         ("reflex_latency", "f8"),
@@ -32,7 +33,6 @@ REALITY = np.dtype(
         ("lost_below", "f8"),  # standard normals below it lose a reading
         ("frozen_above", "f8"),  # above it repeat the last one
     ],
-    align=True,
 )
 
 # Lowest and highest value of each field, and whether the lowest is itself allowed.
@@ -147,7 +147,7 @@ class Reality:
 
     def records(self) -> NDArray[np.void]:
         """The options as an array of one record of dtype ``REALITY``, as the kernels read it, in SI units."""
-        records = np.zeros(1, dtype=REALITY)
+        records = record_zeros(1, REALITY)
         reality = records[0]
         reality["reflex_gain"] = self.reflex_gain
         reality["reflex_latency"] = self.reflex_latency_ms / 1e3

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.vec3 import add
@@ -27,7 +28,7 @@ def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
         ("play", "f8", 6),  # what the encoders show of the mouthpiece's place and angles
         ("shown", "f8", 18),  # the last reading of each encoder and each component of the load cell
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

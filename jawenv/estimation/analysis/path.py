@@ -11,6 +11,7 @@ from jawenv.errors import InputError
 from jawenv.estimation.model.step import set_muscles
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.kernels.records import record_zeros
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ def path_of(record: Record, parameters: Array | None = None) -> Path:
     if np.shape(values) != (size,) or not np.isfinite(values).all():
         raise InputError(f"parameters: {values} given, allowed are {size} finite natural-log parameters")
     jaw, motion = record.jaw, record.states.shape[1]
-    scratch = np.zeros(1, dtype=joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
+    scratch = record_zeros(1, joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
     muscles = np.zeros((len(jaw["muscle"]), 2))
     set_muscles(jaw, values, 0, muscles)
     return Path(

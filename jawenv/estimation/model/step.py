@@ -13,10 +13,11 @@ leave a tenth of that variance, and the constant one alone leaves up to four fif
 
 from __future__ import annotations
 
-from math import cos, exp, sin
+from math import exp
 from typing import Any
 
-from jawenv.compiled import njit, njit_within
+from jawenv.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.functions import sin_cos
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration, plus
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -57,8 +58,8 @@ def set_muscles(jaw, log_parameters, offset, muscles):
 @njit
 def fill_angle_rate_derivatives(q, omega, by_angle):
     """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
-    cp, sp = cos(q[3]), sin(q[3])
-    ca, sa = cos(q[4]), sin(q[4])
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
     tangent = sp / cp
     across = omega[1] * ca - omega[2] * sa
     along = omega[1] * sa + omega[2] * ca
@@ -154,7 +155,7 @@ def copy_matrix(target, source):
             target[i, j] = source[i, j]
 
 
-@njit
+@njit_inlined
 def between_samples(samples, share):
     """The load cell's wrench at a share of the step, by the parabola through its three samples."""
     first, middle, last = (1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)
@@ -168,7 +169,7 @@ def between_samples(samples, share):
     )
 
 
-@njit
+@njit_inlined
 def stage_share(part, stage, parts):
     """Share of the whole step at which a stage of a part is evaluated."""
     return (part + (0.0 if stage == 0 else (1.0 if stage == 3 else 0.5))) / parts

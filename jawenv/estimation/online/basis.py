@@ -23,6 +23,7 @@ from scipy.special import roots_hermitenorm
 
 from jawenv.anatomy import Prior
 from jawenv.compiled import njit
+from jawenv.kernels.records import record_dtype, record_zeros
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Reference pose of the strains, mid-range: 4 mm of sliding, 8 degrees of opening.
@@ -41,7 +42,7 @@ def basis_dtype(n_muscles: int) -> np.dtype[np.void]:
         ("centre", "f8", (n_muscles,)),
         ("polynomials", "f8", (n_muscles, N_NODES, N_NODES)),  # L_k's coefficients, lowest power of b first
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 def build_basis(jaw: Any, prior: Prior) -> NDArray[np.void]:
@@ -50,7 +51,7 @@ def build_basis(jaw: Any, prior: Prior) -> NDArray[np.void]:
     The nodes are those of Gauss and Hermite's quadrature for log b: they interpolate best where the prior's weight is.
     """
     mean, sd = prior.mean.reshape(-1, 2)[:, 1], prior.sd.reshape(-1, 2)[:, 1]
-    basis = np.zeros(1, dtype=basis_dtype(len(mean)))
+    basis = record_zeros(1, basis_dtype(len(mean)))
     abscissae = roots_hermitenorm(N_NODES)[0]
     basis["middle"][0], basis["width"][0], basis["abscissae"][0] = np.exp(mean), sd, abscissae
     basis["nodes"][0] = np.exp(mean[:, None] + sd[:, None] * abscissae)

@@ -15,6 +15,7 @@ vanishes and the iteration is Newton's method for the mode.
 
 from __future__ import annotations
 
+from functools import cache
 from math import isfinite, sqrt
 from typing import Any
 
@@ -22,12 +23,14 @@ import numpy as np
 
 from jawenv.compiled import njit
 from jawenv.estimation.online.basis import N_NODES, expand_coefficients
+from jawenv.kernels.records import record_dtype
 
 LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
 NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
 ROUNDING = 1e-13  # of a diagonal entry, below which a pivot counts as zero
 
 
+@cache
 def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
     """Working memory of ``update_belief``."""
     size, parameters, bends = n_muscles * N_NODES, 2 * n_muscles, 3 * n_muscles
@@ -49,7 +52,7 @@ def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
         ("last_mean", "f8", (parameters,)),
         ("last_cov", "f8", (parameters, parameters)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

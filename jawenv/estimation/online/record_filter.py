@@ -21,6 +21,7 @@ from jawenv.estimation.online.tick import (
 )
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
+from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -86,18 +87,18 @@ class FilterRun:
     def __init__(self, record: Record) -> None:
         """Make the arrays; the belief is the prior."""
         states, muscles = len(record.start_mean), len(record.parameter_names) // 2
-        settings = np.zeros(1, dtype=filter_settings_dtype(muscles, states))[0]
+        settings = record_zeros(1, filter_settings_dtype(muscles, states))[0]
         settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
         settings["measurement_variance"] = record.measurement_sd**2
         settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
         settings["used"], settings["start_sd"] = True, record.start_sd
         set_prior(settings, record.jaw, record.prior)
-        rows: Any = np.zeros(len(record.time), dtype=tick_dtype(states))
+        rows: Any = record_zeros(len(record.time), tick_dtype(states))
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
         rows["believed"][0] = record.start_mean
         self.settings, self.last = settings, len(rows) - 1
-        self.belief = np.zeros(1, dtype=belief_dtype(muscles, states))[0]
-        scratch = np.zeros(1, dtype=filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
+        self.belief = record_zeros(1, belief_dtype(muscles, states))[0]
+        scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
         begin_filter(self.belief, record.start_mean, settings)
         self.arguments = Arguments(record.jaw, self.belief, rows, settings, scratch)
 

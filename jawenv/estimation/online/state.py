@@ -22,6 +22,7 @@ from jawenv.compiled import njit
 from jawenv.estimation.model.encoders import N_MEASUREMENTS
 from jawenv.estimation.online.basis import N_NODES, basis_dtype, set_coefficients
 from jawenv.estimation.online.step import padded
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
@@ -53,7 +54,7 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("held_sample", "f8", (N_WRENCH,)),
         ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was used
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

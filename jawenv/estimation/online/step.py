@@ -13,6 +13,7 @@ the step, and composed to the whole. It needs one Jacobian where the derivative 
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from jawenv.compiled import njit, njit_within
 from jawenv.estimation.model.body_step import body_step_parts
 from jawenv.estimation.model.step import between_samples, fill_angle_rate_derivatives, stage_share, step_parts
 from jawenv.kernels.linalg import multiply
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, plus_six, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, plus, state_rate
@@ -36,6 +38,7 @@ def padded(size: int) -> int:
     return -(-size // VECTOR) * VECTOR
 
 
+@cache
 def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Working memory of ``move``."""
     wide = (n_states, n_states + N_WRENCH)
@@ -52,7 +55,7 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
         ("part", "f8", wide),  # derivative of the motion after a part by state and wrench at its start
         ("total", "f8", wide),  # the same of the whole step
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

@@ -23,6 +23,7 @@ from jawenv.estimation.online.measurement_update import (
 from jawenv.estimation.online.screening import mark_usable, repair_samples
 from jawenv.estimation.online.state import begin_belief, begin_motion, forget_readings
 from jawenv.estimation.online.time_update import predict_motion, time_update_fields
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
@@ -48,7 +49,7 @@ def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @cache
@@ -64,7 +65,7 @@ def tick_dtype(n_states: int) -> np.dtype[np.void]:
         ("state", "f8", (n_states,)),
         ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @cache
@@ -75,14 +76,14 @@ def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtyp
         "update": measurement_update_fields(n_muscles, n_states),
         "belief": belief_fields(n_muscles),
     }
-    fields: list[Any] = [(name, np.dtype(stage, align=True)) for name, stage in stages.items()]
+    fields: list[Any] = [(name, record_dtype(stage)) for name, stage in stages.items()]
     fields += [
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
         ("wrench_variance", "f8", N_WRENCH),
         ("used", "u1", N_MEASUREMENTS),  # readings, screened
         ("verdict", "i8"),  # what explains them, see ``measurement_update``
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 def set_prior(settings: Any, jaw: Any, prior: Any) -> None:

@@ -11,6 +11,7 @@ from jawenv.errors import InputError
 from jawenv.estimation.model.load_cell import TREND_TIME
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.kernels.records import record_zeros
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ def initial_belief(record: Record) -> tuple[Array, Array]:
 def working_memory(record: Record) -> Any:
     """Scratch of the filter's kernels for the sizes of this record."""
     muscles, lines = len(record.parameter_names) // 2, len(record.jaw["l_o"])
-    return np.zeros(1, dtype=joint_scratch_dtype(muscles, lines, len(record.start_mean)))[0]
+    return record_zeros(1, joint_scratch_dtype(muscles, lines, len(record.start_mean)))[0]
 
 
 def mean_readings(record: Record) -> Array:

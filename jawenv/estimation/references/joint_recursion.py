@@ -18,6 +18,8 @@ carry the parameters in its state (``online.state``).
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numba.extending import overload
 
@@ -26,6 +28,7 @@ from jawenv.estimation.model.body_step import propagate_body
 from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
 from jawenv.estimation.model.load_cell import mean_reading
 from jawenv.estimation.model.step import N_NOISE, propagate, sensitivity_fields
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
@@ -35,6 +38,7 @@ def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
     return n_states + 2 * n_muscles + 1
 
 
+@cache
 def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
     """Dtype of the filter's working memory."""
     n_filter = filter_size(n_muscles, n_states)
@@ -52,7 +56,7 @@ def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_
         ("shift", "f8", (n_filter,)),
         ("gain", "f8", (n_filter,)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

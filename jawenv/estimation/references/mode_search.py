@@ -24,6 +24,7 @@ from jawenv.estimation.online.tick import take_readings
 from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.recordings.record import Record
 from jawenv.estimation.references.modes import SAME, distance, keep_mode, mixture_moments, modes_dtype, nearest_mode
+from jawenv.kernels.records import record_zeros
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ class ModeSearch:
         ends = np.array([run.last] if self.times is None else np.round(np.array(self.times) / record.dt), dtype=int)
         if ends[-1] > run.last:
             raise InputError(f"ModeSearch: times end at {self.times}, the record at {record.time[-1]:g} s")
-        modes = np.zeros(1, dtype=modes_dtype(size))[0]
+        modes = record_zeros(1, modes_dtype(size))[0]
         mean, cov = np.empty((len(ends), size)), np.empty((len(ends), size, size))
         row = 0
         for end in _windows(record, ends):
@@ -118,7 +119,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
         small_step: sds, of a pass that ends the search.
     """
     run = FilterRun(record)
-    modes = np.zeros(1, dtype=modes_dtype(len(start)))[0]
+    modes = record_zeros(1, modes_dtype(len(start)))[0]
     starts = np.array(start)[None]
     if leaves_pose_open(record):
         starts = np.vstack([starts, ModeSearch().estimate(record).mean])

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jawenv.compiled import njit
+from jawenv.kernels.records import record_dtype
 
 MAX_MODES = 9  # from as many starts
 SAME = 0.5  # sds, in every parameter, within which two modes are one
@@ -29,7 +30,7 @@ def modes_dtype(parameters: int) -> np.dtype[np.void]:
         ("mean", "f8", (MAX_MODES, parameters)),
         ("cov", "f8", (MAX_MODES, parameters, parameters)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 @njit

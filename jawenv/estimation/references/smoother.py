@@ -37,6 +37,7 @@ from jawenv.estimation.references.whole_path import (
     sweep_dtype,
     sweep_forward,
 )
+from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -188,8 +189,8 @@ class _Problem:
         fast = np.einsum("i,tik->tk", SIMPSON, record.samples) - trend
         wrench_variances = np.tile(record.noise_variance, (len(record.samples), 1))
         wrench_variances[:, :N_WRENCH] += record.gain_sd**2 * fast**2
-        self.sweeps = np.zeros(len(record.time), dtype=sweep_dtype(self.n, self.p))
-        self.scratch: Any = np.zeros(1, dtype=path_scratch_dtype(self.p // 2, len(record.jaw["l_o"]), self.n))[0]
+        self.sweeps = record_zeros(len(record.time), sweep_dtype(self.n, self.p))
+        self.scratch: Any = record_zeros(1, path_scratch_dtype(self.p // 2, len(record.jaw["l_o"]), self.n))[0]
         position_sd = CLOSE * record.start_sd[: self.n // 2]
         tolerance = np.concatenate([position_sd, position_sd / (TICKS_BACK * record.dt)]) ** 2
         # A coordinate that is held misses nothing; any positive number keeps the steering's matrix regular.

@@ -28,6 +28,7 @@ from jawenv.estimation.references.joint_recursion import (
     predict_covariance,
     reduce_covariance,
 )
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.equilibrium import solve_in_place
 
@@ -46,7 +47,7 @@ def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
         ("mean", "f8", (size,)),  # of the deviation, after the readings
         ("covariance", "f8", (n_states, size)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
@@ -60,7 +61,7 @@ def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[
         ("matrix", "f8", (n_states, n_states)),
         ("right", "f8", (n_states,)),
     ]
-    return np.dtype(fields, align=True)
+    return record_dtype(fields)
 
 
 class Problem(NamedTuple):
