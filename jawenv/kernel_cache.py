@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import os
+import pickle
 import shutil
 import sys
 import time
@@ -27,6 +28,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from platformdirs import user_cache_dir
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
+# What reading a damaged entry raises, or one for types that this version of jawenv does not have: it is made anew.
+UNREADABLE = (pickle.UnpicklingError, ImportError, AttributeError, EOFError, IndexError, KeyError, ValueError, TypeError)
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 
@@ -163,6 +166,18 @@ class _SharedCacheFile(IndexDataCacheFile):
     def save(self, key: Any, data: Any) -> None:
         with FileLock(f"{self._index_path}.lock"):
             super().save(key, data)
+
+    def load(self, key: Any) -> Any:
+        try:
+            return super().load(key)
+        except UNREADABLE:
+            return None
+
+    def _load_index(self) -> Any:
+        try:
+            return super()._load_index()
+        except UNREADABLE:
+            return {}
 
 
 class _Implementation(CompileResultCacheImpl):
