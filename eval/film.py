@@ -100,7 +100,7 @@ class Episode:
                     progress.advance_to(step)
             if drawn:
                 yield env.render()
-            self.outcome = _sentence(film.entry.label, info)
+            self.outcome = _sentence(film.entry.label, info, env.unwrapped.parameter_names)
         finally:
             env.close()
 
@@ -181,9 +181,9 @@ def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
     return np.asarray(Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS))
 
 
-def _sentence(label: str, info: dict[str, Any]) -> str:
+def _sentence(label: str, info: dict[str, Any], parameter_names: tuple[str, ...]) -> str:
     worst = int(np.argmax(info["belief_sd"]))
-    name = info["parameter_names"][worst].replace("_", " ").replace("log ", "").replace("/", " of the ")
+    name = parameter_names[worst].replace("_", " ").replace("log ", "").replace("/", " of the ")
     end = ", a hard limit was crossed" if info["violation"] else ""
     return (
         f"{label}: after {info['time']:g} s {np.sum(info['belief_sd'] <= 0.05)} of {len(info['belief_sd'])} parameters "

@@ -36,9 +36,9 @@ def one_episode(patient: jawenv.Patient, episode_s: float) -> None:
         total += float(reward)
         done = terminated or truncated
     print(f"{info['time']:g} s, {total:.1f} nats; the left masseter's F_o and b:")
-    for i in range(2):
+    for i, name in enumerate(env.unwrapped.parameter_names[:2]):
         estimate, sd, truth = np.exp(info["belief_mean"][i]), info["belief_sd"][i], np.exp(info["truth"][i])
-        print(f"  {info['parameter_names'][i].removeprefix('log_'):20s} {estimate:.2f} +- {sd:.0%}, truth {truth:.2f}")
+        print(f"  {name.removeprefix('log_'):20s} {estimate:.2f} +- {sd:.0%}, truth {truth:.2f}")
     env.close()
 
 

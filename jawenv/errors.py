@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import reprlib
 
-__all__ = ["InputError", "MissingPackageError", "out_of_memory", "shown"]
+__all__ = ["InputError", "MissingPackageError", "UnknownArgumentError", "out_of_memory", "shown"]
 
 LONGEST_SHOWN_VALUE = 60
 
@@ -24,6 +24,10 @@ class InputError(ValueError):
 
 class MissingPackageError(InputError, ImportError):
     """A package that only a part of jawenv needs is not installed; the message says how to install it."""
+
+
+class UnknownArgumentError(InputError, TypeError):
+    """A keyword argument that is not known; a ``TypeError`` as well, which is what callers of a signature expect."""
 
 
 def out_of_memory(error: MemoryError) -> str:

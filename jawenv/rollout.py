@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy.typing as npt
 
 from jawenv.checks import whole_number
 from jawenv.errors import InputError, shown
+from jawenv.singles import SingleWorlds
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
@@ -186,7 +188,7 @@ def play(
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise, 0 to 2**32 - 1.
         env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise.
-        env_id: a registered environment of jawenv with a native vector form.
+        env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
         progress: called with (steps done, steps of the longest episode) after every control step.
 
     Returns:
@@ -195,8 +197,6 @@ def play(
     Raises:
         InputError: an agent without `predict`, no patient, a seed out of range, or what the environment refuses.
     """
-    import gymnasium as gym
-
     if not callable(getattr(agent, "predict", None)):
         raise InputError(
             f"agent: {shown(agent)} given, allowed is an object with "
@@ -209,7 +209,7 @@ def play(
     if not isinstance(env_kwargs, Mapping | None):
         raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
-    env = gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
+    env = _worlds(env_id, number, kwargs)
     try:
         options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
         observation, info = env.reset(seed=first, options=options)
@@ -218,14 +218,32 @@ def play(
         if hasattr(agent, "attach"):
             agent.attach(env)
         recording = _watch(agent, env, observation, info, progress)
-        world: Any = env.unwrapped
-        if not world.configuration.record:
+        if not env.unwrapped.configuration.record:
             return recording
-        from jawenv.envs.records import record_of
-
-        return replace(recording, records=tuple(record_of(world.simulation, i) for i in range(number)))
+        return replace(recording, records=tuple(_record(env, i) for i in range(number)))
     finally:
         env.close()
+
+
+def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
+    """The native vector form of an environment, or single ones side by side where it has none."""
+    import gymnasium as gym
+
+    module, _, name = env_id.rpartition(":")
+    if module:
+        import_module(module)
+    if gym.spec(name).vector_entry_point is None:
+        return SingleWorlds(env_id, number, kwargs)
+    return gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
+
+
+def _record(env: Any, index: int) -> Record:
+    """What the device of one world has measured."""
+    from jawenv.envs.records import record_of
+
+    if isinstance(env, SingleWorlds):
+        return env.record(index)
+    return record_of(env.unwrapped.simulation, index)
 
 
 def _number_of(patients: object) -> int:
@@ -282,15 +300,16 @@ def _watch(
         violation=arrays.pop("violation").astype(bool),
         valid=valid[:, : step + 1],
         terminated=terminated,
-        parameter_names=_names(info["parameter_names"]),
-        comfort_names=tuple(info["comfort"]),
+        parameter_names=env.unwrapped.parameter_names,
+        comfort_names=_comfort_names(),
         **arrays,
     )
 
 
-def _names(names: Any) -> tuple[str, ...]:
-    """The parameter names of one world (a vector environment may repeat them for every world)."""
-    return tuple(str(name) for name in (names if isinstance(names[0], str) else names[0]))
+def _comfort_names() -> tuple[str, ...]:
+    from jawenv.device.comfort import COMFORT_LIMITS
+
+    return COMFORT_LIMITS
 
 
 def _tracked_values(info: dict[str, Any]) -> dict[str, Any]:
@@ -299,7 +318,7 @@ def _tracked_values(info: dict[str, Any]) -> dict[str, Any]:
         "bound_sd": np.full_like(info["belief_sd"], np.nan),
         "information_bound": np.full_like(info["nees"], np.nan),
     }
-    comfort = np.stack(list(info["comfort"].values()), axis=-1)
+    comfort = np.stack([info[f"comfort_{name}"] for name in _comfort_names()], axis=-1)
     return {key: info[key] if key in info else untracked[key] for key in _TRACKED} | {"comfort": comfort}
 
 

@@ -58,11 +58,13 @@ env = gym.make("jawenv/Jaw-v1", episode_s=EPISODE_S)
 observation, info = env.reset(seed=0)
 pd.DataFrame(
     {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},
-    index=info["parameter_names"],
+    index=env.unwrapped.parameter_names,
 ).round(2)
 
 # %%
-F_o, b = (np.array([name.startswith(kind) for name in info["parameter_names"]]) for kind in ("log_F_o/", "log_b/"))
+F_o, b = (
+    np.array([name.startswith(kind) for name in env.unwrapped.parameter_names]) for kind in ("log_F_o/", "log_b/")
+)
 prior_sd = 100 * info["belief_sd"]
 Markdown(
     f"Before anything is measured every muscle is believed to be like the average patient's, give or take "
@@ -83,7 +85,7 @@ while not done:
 env.close()
 pd.DataFrame(
     {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},
-    index=info["parameter_names"],
+    index=env.unwrapped.parameter_names,
 ).round(2)
 
 # %% [markdown]

@@ -7,9 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.device.device import N_MOTORS
 from jawenv.errors import InputError, shown
 
 SLACK = 1e-6  # single-precision policies overshoot their bounds by rounding
+
+
+def checked_action(action: Any) -> NDArray[np.float64]:
+    """``checked_actions`` of one world: (1, 4)."""
+    if type(action) is np.ndarray and action.shape == (N_MOTORS,) and action.dtype.kind == "f":
+        a, b, c, d = action.tolist()
+        if -1.0 <= a <= 1.0 and -1.0 <= b <= 1.0 and -1.0 <= c <= 1.0 and -1.0 <= d <= 1.0:
+            return action.astype(np.float64).reshape(1, N_MOTORS)
+    return checked_actions(action, (N_MOTORS,)).reshape(1, N_MOTORS)
 
 
 def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:

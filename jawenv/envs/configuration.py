@@ -14,7 +14,7 @@ from jawenv.checks import real_number
 from jawenv.device.device import Device, device_of
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, UnknownArgumentError, shown
 from jawenv.files import Source
 from jawenv.ladder import Estimator, model_named
 from jawenv.reality import Reality, check_reality
@@ -133,14 +133,22 @@ def _checked_number(name: str, value: object, or_zero: bool = False) -> float:
     return number
 
 
-def configure(arguments: Mapping[str, Any]) -> Configuration:
+def configure(arguments: Mapping[str, Any], owner: type = Configuration) -> Configuration:
     """Configuration from keyword arguments.
 
+    Args:
+        arguments: By name.
+        owner: The class that got them, for the message.
+
     Raises:
-        InputError: an argument is unknown or has a value that is not allowed.
+        UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``, in Python's words.
+        InputError: an argument has a value that is not allowed.
     """
     names = [field.name for field in fields(Configuration)]
     for name in arguments:
         if name not in names:
-            raise InputError(f"argument {shown(name)} is unknown; allowed: {', '.join(names)}")
+            raise UnknownArgumentError(
+                f"{owner.__name__}.__init__() got an unexpected keyword argument {shown(name)}; "
+                f"allowed: {', '.join(names)}"
+            )
     return Configuration(**arguments)

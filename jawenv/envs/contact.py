@@ -141,6 +141,7 @@ class ContactPlants:
             wrench = contact_wrench(device, worlds, i, settings, scratches, jaw.step, motion)
             return wrench
 
+        jaw.forget_contacts()  # so that a copy of the environment, made between two steps, goes on alike
         contact_clear(worlds, i)
         for _ in range(int(settings["ticks_per_step"][0])):
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)

@@ -11,48 +11,102 @@ from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.plants import TICK
 
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
+_COMFORT_KEYS = tuple(f"comfort_{name}" for name in COMFORT_LIMITS)
 
 
-def describe(worlds: Any, parameter_names: tuple[str, ...], with_bound: bool) -> dict[str, Any]:
-    """Fresh info of one record of dtype ``world_dtype``, or of an array of N of them with N leading in every array.
+class WorldReader:
+    """Reads infos out of worlds, through views of their fields that are made once.
 
-    Keys: ``parameter_names``; ``belief_mean`` (12), ``belief_cov`` (12, 12), ``belief_sd`` (12) and ``truth`` (12),
-    natural logs; ``information_claimed`` and ``information_true`` (log score, of which the mean over patients counts),
-    nats since the prior; ``information_bound`` and ``bound_sd`` (12) only ``with_bound``; ``nees``;
-    ``cost`` and ``cost_<limit>`` (mean over the step); ``comfort`` {limit: largest used fraction of the soft limit
-    during the step}; ``violation``; ``governor`` (share of the step in which it acted);
-    ``left_out`` (share of the step's readings that were missing or frozen, and not used); ``gated`` (share of the
-    step's ticks whose readings the filter's gate has refused to learn from);
-    ``jaw_state`` (10: true q, u); ``time`` (s).
+    Keys: ``belief_mean`` (12), ``belief_cov`` (12, 12), ``belief_sd`` (12) and ``truth`` (12), natural logs;
+    ``information_claimed`` and ``information_true`` (log score, of which the mean over patients counts), nats since the
+    prior; ``information_bound`` and ``bound_sd`` (12) only with the bound; ``nees``; ``cost`` and ``cost_<limit>``
+    (mean over the step); ``comfort_<limit>`` (largest used fraction of the soft limit during the step); ``violation``;
+    ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
+    frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
+    from); ``jaw_state`` (10: true q, u); ``time`` (s).
+
+    Args:
+        worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
+        with_bound: whether the bound is computed.
     """
-    covariance = worlds["belief"]["cov"].copy()
-    fractions, costs = worlds["fractions"].copy(), worlds["costs"].copy()
-    prior, score = worlds["log_det_prior"], worlds["log_score"]
-    info = {
-        "parameter_names": parameter_names,
-        "belief_mean": worlds["belief"]["mean"].copy(),
-        "belief_cov": covariance,
-        "belief_sd": np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)),
-        "truth": worlds["log_parameters"].copy(),
-        "information_claimed": 0.5 * (prior - worlds["log_det"]),
-        "information_true": score - worlds["log_score_prior"],
-        "nees": worlds["nees"] + 0.0,
-        "cost": costs.sum(axis=-1),
-        "comfort": {name: fractions[..., i] for i, name in enumerate(COMFORT_LIMITS)},
-        "violation": worlds["violated"] != 0,
-        "governor": worlds["governor"] + 0.0,
-        "left_out": worlds["left_out"] + 0.0,
-        "gated": worlds["gated"] + 0.0,
-        "jaw_state": worlds["state"].copy(),
-        "time": worlds["tick"] * TICK,
-    }
-    for i, key in enumerate(_COST_KEYS):
-        info[key] = costs[..., i]
-    if with_bound:
-        parameters = slice(-1 - len(parameter_names), -1)
-        info["bound_sd"] = np.sqrt(np.diagonal(worlds["bound"], axis1=-2, axis2=-1)[..., parameters])
-        info["information_bound"] = 0.5 * (prior - worlds["log_det_bound"])
-    return info
+
+    def __init__(self, worlds: NDArray[np.void], with_bound: bool) -> None:
+        """Make the views."""
+        self._arguments = worlds, with_bound
+        self._bounded = with_bound
+        self._mean, self._covariance = worlds["belief"]["mean"], worlds["belief"]["cov"]
+        self._truth, self._state = worlds["log_parameters"], worlds["state"]
+        self._fractions, self._costs = worlds["fractions"], worlds["costs"]
+        self._prior, self._log_det, self._log_det_bound = (
+            worlds["log_det_prior"],
+            worlds["log_det"],
+            worlds["log_det_bound"],
+        )
+        self._score_prior, self._score, self._nees = worlds["log_score_prior"], worlds["log_score"], worlds["nees"]
+        self._violated, self._tick = worlds["violated"], worlds["tick"]
+        self._governor, self._left_out, self._gated = worlds["governor"], worlds["left_out"], worlds["gated"]
+        first_parameter = -1 - self._mean.shape[1]
+        self._bound_variance = np.diagonal(worlds["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
+        self._variance = np.diagonal(self._covariance, axis1=1, axis2=2)
+        self._first = tuple(
+            field[0] for field in (self._mean, self._covariance, self._variance, self._truth, self._state, self._costs)
+        )
+
+    def __reduce__(self) -> Any:
+        """A copy reads the copied worlds: copies of views would be arrays of their own."""
+        return WorldReader, self._arguments
+
+    def first(self) -> dict[str, Any]:
+        """Fresh info of the first world; its scalars are Python's."""
+        mean, covariance, variance, truth, state, costs = self._first
+        prior = self._prior.item(0)
+        info = {
+            "belief_mean": mean.copy(),
+            "belief_cov": covariance.copy(),
+            "belief_sd": np.sqrt(variance),
+            "truth": truth.copy(),
+            "information_claimed": 0.5 * (prior - self._log_det.item(0)),
+            "information_true": self._score.item(0) - self._score_prior.item(0),
+            "nees": self._nees.item(0),
+            "cost": float(np.add.reduce(costs)),
+            "violation": self._violated.item(0) != 0,
+            "governor": self._governor.item(0),
+            "left_out": self._left_out.item(0),
+            "gated": self._gated.item(0),
+            "jaw_state": state.copy(),
+            "time": self._tick.item(0) * TICK,
+        }
+        info.update(zip(_COST_KEYS, costs.tolist(), strict=True))
+        info.update(zip(_COMFORT_KEYS, self._fractions[0].tolist(), strict=True))
+        if self._bounded:
+            info["bound_sd"] = np.sqrt(self._bound_variance[0])
+            info["information_bound"] = 0.5 * (prior - self._log_det_bound.item(0))
+        return info
+
+    def all(self) -> dict[str, Any]:
+        """Fresh info of all worlds: the keys of ``first``, with N leading in every array."""
+        info = {
+            "belief_mean": self._mean.copy(),
+            "belief_cov": self._covariance.copy(),
+            "belief_sd": np.sqrt(self._variance),
+            "truth": self._truth.copy(),
+            "information_claimed": 0.5 * (self._prior - self._log_det),
+            "information_true": self._score - self._score_prior,
+            "nees": self._nees.copy(),
+            "cost": self._costs.sum(axis=1),
+            "violation": self._violated != 0,
+            "governor": self._governor.copy(),
+            "left_out": self._left_out.copy(),
+            "gated": self._gated.copy(),
+            "jaw_state": self._state.copy(),
+            "time": self._tick * TICK,
+        }
+        info.update(zip(_COST_KEYS, self._costs.T.copy(), strict=True))
+        info.update(zip(_COMFORT_KEYS, self._fractions.T.copy(), strict=True))
+        if self._bounded:
+            info["bound_sd"] = np.sqrt(self._bound_variance)
+            info["information_bound"] = 0.5 * (self._prior - self._log_det_bound)
+        return info
 
 
 def with_masks(info: dict[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:

@@ -7,14 +7,15 @@ from typing import Any, Literal, cast
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
+from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Prior
 from jawenv.device.device import N_MOTORS, Device
-from jawenv.envs.actions import checked_actions
+from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import Control, Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
-from jawenv.envs.reset import checked_patient, checked_seed
+from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.scene import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
@@ -121,7 +122,8 @@ class JawEnv(gym.Env[Observation, Action]):
         """Check the arguments and allocate one world.
 
         Raises:
-            InputError: an argument is unknown or has a value that is not allowed.
+            UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``.
+            InputError: an argument has a value that is not allowed.
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             modes = ", ".join(self.metadata["render_modes"])
@@ -141,13 +143,13 @@ class JawEnv(gym.Env[Observation, Action]):
             "model": model,
             "estimator": estimator,
         }
-        self.configuration = configure(arguments | unknown)
+        self.configuration = configure(arguments | unknown, type(self))
         self.render_mode = render_mode
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
         self.action_space: spaces.Space[Action] = action_space()
         self.metadata = {**self.metadata, "render_fps": self.configuration.steps_per_s}
-        self._seeded = False
+        self._begun = False
         self._potential = 0.0
         self._end: tuple[bool, bool] | None = None
         self._renderer: Any = None
@@ -157,13 +159,20 @@ class JawEnv(gym.Env[Observation, Action]):
         """The filter's prior over the log-parameters."""
         return self.simulation.cohort.prior
 
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, as ``log_F_o/masseter_left``, in the order of the belief."""
+        return self.simulation.parameter_names
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Start an episode.
+        """Start an episode, all of whose random numbers follow from one draw of ``np_random``.
+
+        A reset that raises leaves the environment as it was.
 
         Args:
-            seed: whole number, 0 or more, of patients and noise; the first reset without one draws it.
+            seed: whole number, 0 or more, of a new ``np_random``; without one, the present ``np_random`` goes on.
             options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file.
 
         Raises:
@@ -174,19 +183,18 @@ class JawEnv(gym.Env[Observation, Action]):
                 raise InputError(f"option {shown(name)} is unknown; allowed: patient")
         patient = checked_patient((options or {}).get("patient"), "option patient")
         seed = checked_seed(seed)
-        super().reset(seed=seed)
-        if seed is not None or not self._seeded:
-            self.simulation.seed_world(0, self.np_random)
-            self._seeded = True
-        self.simulation.reset(_ON, [patient])
-        self._end = None
+        generator, number = (self.np_random, self.np_random_seed) if seed is None else np_random(seed)
+        with episode_keys([generator], _ON) as keys:
+            self.simulation.reset(_ON, [patient], keys)
+        self._np_random, self._np_random_seed = generator, number
+        self._begun, self._end = True, None
         self._potential = float(potential(self.configuration.reward, self.simulation.worlds)[0])
         if self.render_mode is not None:
             self._renderer_made().reset()
             self._renderer.note(moment_of(self.simulation))
         if self.render_mode == "human":
             self.render()
-        return self.simulation.observation[0].copy(), self.simulation.info(self.simulation.worlds[0])
+        return self.simulation.observation[0].copy(), self.simulation.reader.first()
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control period. After the end of the episode it warns, and nothing moves any more.
@@ -194,18 +202,18 @@ class JawEnv(gym.Env[Observation, Action]):
         Raises:
             InputError: the action has another shape than (4,), or a component that is no number in [-1, 1].
         """
-        if not self._seeded:
+        if not self._begun:
             raise gym.error.ResetNeeded("call reset() before step()")
-        checked = checked_actions(action, (N_MOTORS,))
+        checked = checked_action(action)
         simulation, configuration = self.simulation, self.configuration
         if self._end is not None:
             gym.logger.warn("step() after the end of the episode does nothing; call reset()")
-            return simulation.observation[0].copy(), 0.0, *self._end, simulation.info(simulation.worlds[0])
-        simulation.advance(checked[None], _ON)
+            return simulation.observation[0].copy(), 0.0, *self._end, simulation.reader.first()
+        simulation.advance(checked, _ON)
         world = simulation.worlds[0]
         now = float(potential(configuration.reward, simulation.worlds)[0])
-        info = simulation.info(world)
-        discomfort = configuration.comfort_weight * float(info["cost"]) / configuration.steps_per_s
+        info = simulation.reader.first()
+        discomfort = configuration.comfort_weight * info["cost"] / configuration.steps_per_s
         reward = now - self._potential - discomfort
         self._potential = now
         terminated = bool(info["violation"] or not np.isfinite(world["log_det"]))
@@ -223,7 +231,7 @@ class JawEnv(gym.Env[Observation, Action]):
         if self.render_mode is None:
             gym.logger.warn("render() without render_mode; make the environment with render_mode='rgb_array'")
             return None
-        if not self._seeded:
+        if not self._begun:
             raise gym.error.ResetNeeded("call reset() before render()")
         renderer, scene = self._renderer_made(), build_scene(self.simulation)
         return renderer.draw(scene) if self.render_mode == "rgb_array" else renderer.show(scene)

@@ -1,13 +1,19 @@
-"""What ``reset`` is given, checked: patients and seeds."""
+"""What ``reset`` is given, checked: patients and seeds; and the random numbers that an episode begins with."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
 from jawenv.checks import whole_number
 from jawenv.errors import InputError, shown
 from jawenv.files import instance_of
 
-__all__ = ["checked_patient", "checked_seed"]
+__all__ = ["checked_patient", "checked_seed", "episode_keys"]
 
 
 def checked_patient(patient: object, name: str) -> Patient | None:
@@ -35,3 +41,24 @@ def checked_seed(value: object) -> int | None:
     if seed is None or seed < 0:
         raise InputError(f"seed is {shown(value)}; allowed: a whole number, 0 or more")
     return seed
+
+
+@contextmanager
+def episode_keys(generators: Sequence[np.random.Generator], chosen: NDArray[np.bool_]) -> Iterator[NDArray[np.uint64]]:
+    """Keys (N, 2) of the chosen worlds' next episodes; what raises inside draws nothing from the generators.
+
+    Args:
+        generators: of each world; several worlds may share one.
+        chosen: (N,) which worlds.
+    """
+    numbers = np.flatnonzero(chosen).tolist()
+    states = [generators[i].bit_generator.state for i in numbers]
+    keys = np.zeros((len(generators), 2), dtype=np.uint64)
+    try:
+        for i in numbers:
+            keys[i] = generators[i].integers(0, 2**63, size=2, dtype=np.uint64)
+        yield keys
+    except BaseException:
+        for i, state in zip(numbers, states, strict=True):
+            generators[i].bit_generator.state = state
+        raise

@@ -19,7 +19,7 @@ def build_scene(simulation: Simulation) -> Any:
     from jawenv.envs.rendering.scene import Scene
 
     world, configuration = simulation.worlds[0], simulation.configuration
-    jaw, info = world["jaw"], simulation.info(world)
+    jaw, info = world["jaw"], simulation.reader.first()
     q, _ = split(world["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
     contact[2] += world["lift"][0]
@@ -43,22 +43,22 @@ def build_scene(simulation: Simulation) -> Any:
         fossa_frequency=float(jaw["fossa_frequency"]),
         mouthpiece_m=mouthpiece,
         mouthpiece_force_N=body_to_head @ world["reading"][:3],
-        parameter_names=info["parameter_names"],
+        parameter_names=simulation.parameter_names,
         belief_mean=info["belief_mean"],
         belief_cov=info["belief_cov"],
         prior_mean=np.asarray(simulation.cohort.prior.mean),
         prior_sd=np.asarray(simulation.cohort.prior.sd),
         truth=info["truth"],
-        comfort={name: float(info["comfort"][name]) for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
+        comfort={name: info[f"comfort_{name}"] for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
         comfort_hard=dict(zip(COMFORT_LIMITS, HARD, strict=True)),
-        governor=float(info["governor"]),
+        governor=info["governor"],
         time_s=float(world["tick"]) * TICK,
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
         opening_limits_mm=1e3 * (rest_opening + painless * np.array([1.0, HARD[OPENING]])),
         excursion_mm=1e3 * np.array([side, fore_aft]),
         excursion_soft_mm=1e3 * np.array([limits["side"], limits["fore_aft"]]),
-        information_nats=float(info["information_claimed"]),
+        information_nats=info["information_claimed"],
         title=f"{simulation.model.title}, {simulation.cohort.name} patient, {configuration.control} control",
     )
 

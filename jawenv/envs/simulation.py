@@ -13,7 +13,7 @@ from jawenv.anatomy import Patient, default_mandible
 from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
 from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.info import describe
+from jawenv.envs.info import WorldReader
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
 from jawenv.envs.start import start_sd
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
 
 REDRAWS = 200
+_FIRST_COUNTER: tuple[Any, Any, Any, Any] = (np.uint64(0), np.uint64(0), np.uint64(0), np.uint64(0))
 
 
 class Simulation:
@@ -48,7 +49,6 @@ class Simulation:
         self.model = model_named(configuration.model)
         muscles = self.model.muscles
         self.cohort = configuration.build_cohort()
-        self._parameter_names = self.cohort.muscles.parameter_names
         self.device = configuration.build_device().records()
         self.reality = configuration.build_reality()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
@@ -65,8 +65,7 @@ class Simulation:
         self._beginnings = record_zeros(threads, BEGINNING_SCRATCH)
         self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
-        self._keys = np.zeros((num_worlds, 2), dtype=np.uint64)
-        self._episodes = np.zeros(num_worlds, dtype=np.int64)
+        self.reader = WorldReader(self.worlds, configuration.needs_bound)
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
 
     def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
@@ -121,25 +120,33 @@ class Simulation:
         variance: NDArray[np.float64] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
         return variance
 
-    def seed_world(self, index: int, generator: np.random.Generator) -> None:
-        """Give a world the key that all its coming episodes draw from."""
-        self._keys[index] = generator.integers(0, 2**63, size=2, dtype=np.uint64)
-        self._episodes[index] = 0
-
-    def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None]) -> None:
-        """Begin a new episode in every chosen world.
+    def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
+        """Begin a new episode in every chosen world; where one cannot begin, all worlds stay as they were.
 
         Args:
             chosen: (N,) which worlds.
             patients: A patient per world, or None where one is to be drawn from the cohort.
+            keys: (N, 2) of all random numbers of the episodes; only those of chosen worlds are read.
 
         Raises:
             InputError: a given patient has no rest pose that the device can treat.
         """
+        numbers = np.flatnonzero(chosen)
+        before = self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0]
+        try:
+            self._begin(chosen, patients, keys)
+        except BaseException:
+            self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0] = before
+            raise
+        if self._contact is not None:
+            self._contact.reset(chosen)
+        self.look()
+
+    def _begin(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
+        """Place and put at rest every chosen world, with another patient where a drawn one cannot be treated."""
         drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
         for i in np.flatnonzero(chosen):
-            random_words = philox(tuple(self._keys[i]), _counter(int(self._episodes[i])))
-            self._episodes[i] += 1
+            random_words = philox(tuple(keys[i]), _FIRST_COUNTER)
             self.worlds["key"][i] = random_words[:2]
             # Patient and geometry errors come from two streams, so that the patients are the same with and without.
             key = np.array(random_words[2:], dtype=np.uint64)
@@ -172,9 +179,6 @@ class Simulation:
                 self._place(int(i), None, drawn[int(i)])
         else:
             raise InputError(f"cohort {self.cohort.name!r}: {REDRAWS} patients in a row cannot be treated")
-        if self._contact is not None:
-            self._contact.reset(chosen)
-        self.look()
 
     def _place(
         self, index: int, patient: Patient | None, streams: tuple[np.random.Generator, np.random.Generator]
@@ -215,16 +219,13 @@ class Simulation:
         """Length of a tick, s."""
         return TICK
 
-    def info(self, worlds: Any) -> dict[str, Any]:
-        """Fresh info of one of this simulation's worlds, or of an array of them."""
-        return describe(worlds, self._parameter_names, self.configuration.needs_bound)
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, as ``log_F_o/masseter_left``, in the order of the belief."""
+        return self.cohort.muscles.parameter_names
 
 
 def _stream(key: NDArray[np.uint64], number: int) -> np.random.Generator:
     """Random numbers of an episode; streams of different numbers share none."""
     counter = np.array([0, 0, 0, number], dtype=np.uint64)
     return np.random.Generator(np.random.Philox(key=key, counter=counter))
-
-
-def _counter(episode: int) -> tuple[Any, Any, Any, Any]:
-    return np.uint64(episode), np.uint64(0), np.uint64(0), np.uint64(0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,7 +20,7 @@ from jawenv.envs.actions import checked_actions
 from jawenv.envs.configuration import Control, Reward, Sensors, configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
-from jawenv.envs.reset import checked_patient, checked_seed
+from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
@@ -42,6 +43,9 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             "same_step" (the ending step resets; the last observation and info are in ``info["final_obs"]`` and
             ``info["final_info"]``), or "disabled" (a finished world stands still, with reward 0, until
             ``reset(options={"reset_mask": ...})``).
+
+        max_episode_steps: steps after which episodes are truncated, where that is sooner than ``episode_s``; what
+            Gymnasium's ``TimeLimit`` does for the single form.
 
     ``reset(seed=s)`` seeds world i with s + i. ``options`` may hold ``patients``, one ``Patient``, mapping, path of a
     file or None per world, and ``reset_mask`` (N,) bool.
@@ -67,13 +71,15 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         model: str = "jaw",
         estimator: Estimator | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
         render_mode: str | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and allocate N worlds.
 
         Raises:
-            InputError: an argument is unknown or has a value that is not allowed.
+            UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``.
+            InputError: an argument has a value that is not allowed.
         """
         number = whole_number(num_envs)
         if number is None or number < 1:
@@ -97,7 +103,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             "model": model,
             "estimator": estimator,
         }
-        self.configuration = configure(arguments | unknown)
+        self.configuration = configure(arguments | unknown, type(self))
         self.render_mode = None
         self.num_envs = number
         self.simulation = Simulation(self.num_envs, self.configuration)
@@ -105,7 +111,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self.single_action_space = action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._seeded = False
+        steps = min(self.configuration.steps, _checked_steps(max_episode_steps))
+        self._last_tick = steps * self.configuration.ticks_per_step
+        self._begun = False
+        self._generators: list[np.random.Generator] = []
+        self._seeds: tuple[int, ...] = ()
         self._potential = np.zeros(self.num_envs)
         self._done = np.zeros(self.num_envs, dtype=np.bool_)
         self._all = np.ones(self.num_envs, dtype=np.bool_)
@@ -115,8 +125,40 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         """The filter's prior over the log-parameters."""
         return self.simulation.cohort.prior
 
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, as ``log_F_o/masseter_left``, in the order of the belief."""
+        return self.simulation.parameter_names
+
+    @property
+    def np_random(self) -> Any:
+        """The random number generator of each world, a tuple of N, as in ``SyncVectorEnv``.
+
+        Set to one generator, all worlds draw the keys of their coming episodes from it, in turn.
+        """
+        self._make_generators()
+        return tuple(self._generators)
+
+    @np_random.setter
+    def np_random(self, value: np.random.Generator) -> None:
+        self._generators, self._seeds = [value] * self.num_envs, (-1,) * self.num_envs
+
+    @property
+    def np_random_seed(self) -> Any:
+        """The seed of each world's generator, a tuple of N; -1 where it is not known."""
+        self._make_generators()
+        return self._seeds
+
+    def _make_generators(self) -> None:
+        """Generators of seeds that are drawn, where none were given."""
+        if not self._generators:
+            generators, self._seeds = zip(*(np_random() for _ in range(self.num_envs)), strict=True)
+            self._generators = list(generators)
+
     def reset(self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None) -> Batch:
         """Start episodes in all worlds, or in those of ``options["reset_mask"]``.
+
+        A reset that raises leaves all worlds as they were.
 
         Raises:
             InputError: an option is unknown or has the wrong shape, or a patient is not usable.
@@ -126,14 +168,13 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             if name not in ("patients", "reset_mask"):
                 raise InputError(f"option {shown(name)} is unknown; allowed: patients, reset_mask")
         chosen = self._checked_mask(options.get("reset_mask"))
-        if not self._seeded and not chosen.all():
+        if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
         patients = self._checked_patients(options.get("patients"))
-        self._seed_worlds(seed, chosen)
-        self._begin(chosen, patients)
-        return self.simulation.observation.copy(), with_masks(
-            self.simulation.info(self.simulation.worlds), chosen.copy()
-        )
+        generators, seeds = self._reseeded(seed, chosen)
+        self._begin(chosen, patients, generators)
+        self._generators, self._seeds, self._begun = generators, seeds, True
+        return self.simulation.observation.copy(), with_masks(self.simulation.reader.all(), chosen.copy())
 
     def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
@@ -151,30 +192,40 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise InputError(f"option patients has {len(patients)} entries; allowed: {self.num_envs}")
         return [checked_patient(patient, f"option patients[{i}]") for i, patient in enumerate(patients)]
 
-    def _seed_worlds(self, seed: int | Sequence[int | None] | None, chosen: NDArray[np.bool_]) -> None:
-        """Seed world i with s + i for an integer s, or with entry i of a sequence; else only at the first reset."""
-        seeds: list[int | None]
-        if seed is None:
-            seeds = [None] * self.num_envs
-        elif isinstance(seed, Sequence | np.ndarray):
-            seeds = [checked_seed(entry) for entry in seed]
-            if len(seeds) != self.num_envs:
-                raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {self.num_envs} entries")
+    def _reseeded(
+        self, seed: int | Sequence[int | None] | None, chosen: NDArray[np.bool_]
+    ) -> tuple[list[np.random.Generator], tuple[int, ...]]:
+        """Generators and seeds of all worlds, where chosen world i got s + i of an integer s, or entry i of a sequence.
+
+        A world that gets None keeps its generator.
+        """
+        given: Sequence[int | None]
+        if isinstance(seed, Sequence | np.ndarray):
+            given = [checked_seed(entry) for entry in seed]
+            if len(given) != self.num_envs:
+                raise InputError(f"seed has {len(given)} entries; allowed: an integer or {self.num_envs} entries")
         else:
             first = checked_seed(seed)
-            assert first is not None
-            self._np_random, self._np_random_seed = np_random(first)
-            seeds = [first + i for i in range(self.num_envs)]
-        for i in np.flatnonzero(self._all if not self._seeded else chosen):
-            if seeds[i] is not None or not self._seeded:
-                self.simulation.seed_world(int(i), np_random(seeds[i])[0])
-        self._seeded = True
+            given = [None if first is None else first + i for i in range(self.num_envs)]
+        self._make_generators()
+        generators, seeds = list(self._generators), list(self._seeds)
+        for i in np.flatnonzero(chosen).tolist():
+            if given[i] is not None:
+                generators[i], seeds[i] = np_random(given[i])
+        return generators, tuple(seeds)
 
-    def _begin(self, chosen: NDArray[np.bool_], patients: list[Patient | None]) -> None:
-        self.simulation.reset(chosen, patients)
+    def _begin(
+        self, chosen: NDArray[np.bool_], patients: list[Patient | None], generators: Sequence[np.random.Generator]
+    ) -> None:
+        with episode_keys(generators, chosen) as keys:
+            self.simulation.reset(chosen, patients, keys)
         now = potential(self.configuration.reward, self.simulation.worlds)
         self._potential[chosen] = now[chosen]
         self._done[chosen] = False
+
+    def _begin_drawn(self, chosen: NDArray[np.bool_]) -> None:
+        """Begin the next episodes of the worlds that have ended, with patients of the cohort."""
+        self._begin(chosen, [None] * self.num_envs, self._generators)
 
     def step(self, actions: NDArray[np.float32]) -> StepBatch:
         """One control period of every world; ``actions`` (N, 4).
@@ -182,7 +233,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             InputError: the actions have another shape than (N, 4), or a component that is no number in [-1, 1].
         """
-        if not self._seeded:
+        if not self._begun:
             raise error.ResetNeeded("call reset() before step()")
         checked = checked_actions(actions, (self.num_envs, N_MOTORS))
         simulation, configuration = self.simulation, self.configuration
@@ -192,20 +243,21 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         simulation.advance(checked, ~waiting)
         worlds = simulation.worlds
         now = potential(configuration.reward, worlds)
-        info = simulation.info(worlds)
+        info = simulation.reader.all()
         reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.steps_per_s
         reward[waiting] = 0.0
         self._potential = now
         terminated = info["violation"] | ~np.isfinite(worlds["log_det"])
-        truncated = worlds["tick"] >= configuration.steps * configuration.ticks_per_step
+        truncated = worlds["tick"] >= self._last_tick
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and waiting.any():
             terminated, truncated = terminated & ~waiting, truncated & ~waiting
-            self._begin(waiting, [None] * self.num_envs)
-            info = simulation.info(worlds)
+            self._begin_drawn(waiting)
+            info = simulation.reader.all()
         self._done = terminated | truncated
-        info = with_masks(info, self._all.copy())
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._done.any():
             info = self._restart(info)
+        else:
+            info = with_masks(info, self._all.copy())
         return simulation.observation.copy(), reward, terminated, truncated, info
 
     def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:
@@ -214,12 +266,12 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         last = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(done):
             last[i] = self.simulation.observation[i].copy()
-        self._begin(done, [None] * self.num_envs)
-        info = with_masks(self.simulation.info(self.simulation.worlds), self._all.copy())
+        self._begin_drawn(done)
+        info = with_masks(self.simulation.reader.all(), self._all.copy())
         return info | {
             "final_obs": last,
             "_final_obs": done,
-            "final_info": final_info,
+            "final_info": with_masks(final_info, done.copy()),
             "_final_info": done.copy(),
         }
 
@@ -231,3 +283,13 @@ def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
     if str(mode).lower() not in names:
         raise InputError(f"autoreset_mode is {shown(mode)}; allowed: {', '.join(names)}")
     return AutoresetMode[str(mode).upper()]
+
+
+def _checked_steps(value: object) -> float:
+    """The most steps of an episode; infinite for None, and for -1 as ``gymnasium.make`` takes it."""
+    if value is None:
+        return math.inf
+    steps = whole_number(value)
+    if steps is None or (steps < 1 and steps != -1):
+        raise InputError(f"max_episode_steps is {shown(value)}; allowed: a whole number, 1 or more, or None")
+    return math.inf if steps == -1 else steps

@@ -23,7 +23,7 @@ from jawenv.anatomy import load_quantities
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.mechanics.sagittal_forces import passive_forces, turned
-from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, add_fossa, add_mandible
+from jawenv.mechanics.sagittal_shapes import CONDYLE, FOSSA, SLOP, BodyMotion, add_fossa, add_mandible, motion_of
 
 with needs("JawSagittal", "pymunk", "sagittal"):
     import pymunk
@@ -113,22 +113,44 @@ class SagittalJaw:
         The space is built anew: what it remembers of former contacts would make equal episodes differ.
         """
         x, z, theta, x_rate, z_rate, theta_rate = np.asarray(state, dtype=np.float64).tolist()
+        arm_x, arm_z = turned(self.jaw["centre_of_mass"], theta)
+        position = MM * (x + arm_x), MM * (z + arm_z)
+        velocity = MM * (x_rate + theta_rate * arm_z), MM * (z_rate - theta_rate * arm_x)
+        self._build(BodyMotion(position, -theta, velocity, -theta_rate))
+        self._touched, self._impulse, self._rub = False, 0.0, 0.0
+        self._contact = CondyleContact(False, 0.0, 0.0, 0.0)
+
+    def _build(self, motion: BodyMotion) -> None:
+        """A space with the fossa, and the mandible in ``motion``."""
         space = pymunk.Space()
         space.iterations = ITERATIONS
         space.collision_slop = SLOP
         space.collision_bias = exp(-1.0 / OVERLAP_TIME)  # the share of an overlap that is left after 1 s
         add_fossa(space, self.jaw, self.condyle_radius, self.segment)
-        body = add_mandible(space, self.jaw, self.condyle_radius, self.friction)
-        arm_x, arm_z = turned(self.jaw["centre_of_mass"], theta)
-        body.angle = -theta
-        body.position = MM * (x + arm_x), MM * (z + arm_z)
-        body.velocity = MM * (x_rate + theta_rate * arm_z), MM * (z_rate - theta_rate * arm_x)
-        body.angular_velocity = -theta_rate
-        space.reindex_shapes_for_body(body)
+        body = add_mandible(space, self.jaw, self.condyle_radius, self.friction, motion)
         space.on_collision(CONDYLE, FOSSA, post_solve=self._keep_contact)
         self._space, self._body = space, body
-        self._touched, self._impulse, self._rub = False, 0.0, 0.0
-        self._contact = CondyleContact(False, 0.0, 0.0, 0.0)
+
+    def forget_contacts(self) -> None:
+        """Go on from the present motion alone.
+
+        pymunk remembers the last step's impulses, what is left of an overlap and the order of the contacts. None of it
+        can be read, so a copy of the jaw goes on exactly like its original from here on, and not before.
+        """
+        motion = motion_of(self._body)
+        self._space.remove(*self._body.shapes, self._body)
+        self._body = add_mandible(self._space, self.jaw, self.condyle_radius, self.friction, motion)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but pymunk's objects, of which the motion is kept: its own copies of a fossa have other corners."""
+        kept = {name: value for name, value in vars(self).items() if name not in ("_space", "_body")}
+        return kept | {"motion": motion_of(self._body)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Build the space anew around the motion."""
+        motion = state.pop("motion")
+        vars(self).update(state)
+        self._build(motion)
 
     @property
     def state(self) -> NDArray[np.float64]:

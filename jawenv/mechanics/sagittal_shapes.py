@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,9 +51,26 @@ def add_fossa(space: pymunk.Space, jaw: Any, radius: float, segment: float) -> N
         space.add(shape)
 
 
-def add_mandible(space: pymunk.Space, jaw: Any, radius: float, friction: float) -> pymunk.Body:
-    """The mandible about its centre of mass, with the condyle's circle."""
+class BodyMotion(NamedTuple):
+    """Where a pymunk body is and how it moves, in pymunk's units, to the bit."""
+
+    position: tuple[float, float]
+    angle: float
+    velocity: tuple[float, float]
+    angular_velocity: float
+
+
+def motion_of(body: pymunk.Body) -> BodyMotion:
+    """The present motion of ``body``."""
+    (x, y), (x_rate, y_rate) = body.position, body.velocity
+    return BodyMotion((x, y), body.angle, (x_rate, y_rate), body.angular_velocity)
+
+
+def add_mandible(space: pymunk.Space, jaw: Any, radius: float, friction: float, motion: BodyMotion) -> pymunk.Body:
+    """The mandible about its centre of mass, with the condyle's circle, in ``motion``."""
     body = pymunk.Body(float(jaw["mass"]), MM * MM * float(jaw["inertia"][1, 1]))
+    body.angle, body.position = motion.angle, motion.position
+    body.velocity, body.angular_velocity = motion.velocity, motion.angular_velocity
     centre = MM * jaw["centre_of_mass"][::2]
     condyle = pymunk.Circle(body, MM * radius, (-centre[0], -centre[1]))
     condyle.friction, condyle.collision_type = friction, CONDYLE

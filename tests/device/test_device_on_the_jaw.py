@@ -25,7 +25,7 @@ def test_full_thrust_for_ever_is_held_by_the_governor(control, way):
     used, governor = [], []
     for _ in range(120):
         *_, info = env.step(np.tile(np.array(FULL[way], dtype=np.float32), (PATIENTS, 1)))
-        used.append([info["comfort"][name] for name in COMFORT_LIMITS])
+        used.append([info[f"comfort_{name}"] for name in COMFORT_LIMITS])
         governor.append(info["governor"])
     assert info["violation"].sum() <= VIOLATIONS[way]
     worst = dict(zip(COMFORT_LIMITS, np.max(used, axis=(0, 2)), strict=True))

@@ -64,7 +64,8 @@ def test_names_and_sizes_follow_the_muscles(env_id):
     seen, _, info = played(env_id)
     muscles = MODELS[ENVIRONMENTS[env_id]].muscles
     parameters = len(muscles.parameter_names)
-    assert info["parameter_names"] == muscles.parameter_names
+    for env in (gym.make(env_id), gym.make_vec(env_id, num_envs=2)):
+        assert env.unwrapped.parameter_names == muscles.parameter_names
     assert info["belief_cov"].shape == (2, parameters, parameters)
     assert info["truth"].shape == (2, parameters)
     assert seen.shape[2] == max(place.stop for place in observation_layout(parameters).values())

@@ -62,7 +62,7 @@ def test_a_spec_survives_json_and_pickle():
 def test_the_signature_names_each_argument_with_its_default(form):
     parameters = inspect.signature(form).parameters
     stated = {name: one.default for name, one in parameters.items() if one.kind is one.KEYWORD_ONLY}
-    own = {"render_mode", "autoreset_mode"} & set(stated)
+    own = {"render_mode", "autoreset_mode", "max_episode_steps"} & set(stated)
     assert {name: stated[name] for name in set(stated) - own} == {
         one.name: one.default for one in fields(Configuration)
     }
@@ -140,7 +140,6 @@ def test_render_gives_a_frame():
 
 
 ARGUMENTS = [
-    ({"speed": 1}, "argument 'speed' is unknown; allowed: control, sensors, reward, cohort, episode_s, control_hz, "),
     ({"control": "torque"}, "control is 'torque'; allowed: force, trajectory, targets"),
     ({"sensors": 6}, "sensors is 6; allowed: pose, point"),
     ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score, worst, mixed"),

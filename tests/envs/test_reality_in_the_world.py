@@ -56,7 +56,7 @@ def test_each_effect_acts_on_the_truth_and_the_filter_does_not_know(plain, effec
 def test_the_joint_opposes_the_end_of_opening(plain):
     env_id, _, infos, _ = plain
     _, stiff, _ = played(env_id, reality={"articular_stiffness_N_m": 3000.0, "articular_onset": 0.1})
-    assert max(i["comfort"]["opening"] for i in stiff) < max(i["comfort"]["opening"] for i in infos)
+    assert max(i["comfort_opening"] for i in stiff) < max(i["comfort_opening"] for i in infos)
 
 
 def test_unusable_effects_are_named():

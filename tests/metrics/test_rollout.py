@@ -1,10 +1,14 @@
+from dataclasses import fields
+
 import gymnasium as gym
 import numpy as np
 import pytest
 
 import jawenv
+from jawenv.envs.jaw import JawEnv
 from jawenv.errors import InputError
 from jawenv.rollout import information_bound, play
+from jawenv.singles import SingleWorlds
 
 SHORT = {"episode_s": 1.0}
 
@@ -158,3 +162,57 @@ def test_bad_input_is_named(change, message):
 def test_something_that_is_no_environment_is_named():
     with pytest.raises(InputError, match="env_or_jaw: a float given"):
         information_bound(1.0, REST, None)
+
+
+class Doubled(JawEnv):
+    """Another reward."""
+
+    def step(self, action):
+        observation, reward, *rest = super().step(action)
+        return observation, 2.0 * reward, *rest
+
+
+@pytest.fixture
+def subclass_id():
+    """Of a subclass that is registered without a vector form."""
+    env_id = "jawenv-test/Doubled-v0"
+    gym.register(env_id, entry_point=Doubled, kwargs={"model": "jaw"})
+    yield env_id
+    del gym.registry[env_id]
+
+
+def test_an_environment_without_a_vector_form_is_played_world_by_world(subclass_id):
+    firm = {name: dict.fromkeys(jawenv.MUSCLE_NAMES, value) for name, value in (("F_o_N", 1.0), ("b", 7.0))}
+    arguments = {"patients": [None, firm], "seed": 5, "env_kwargs": {**SHORT, "record": True}}
+    one, other = play(OPEN, env_id=subclass_id, **arguments), play(OPEN, **arguments)
+    for field in fields(one):
+        if field.name != "records":
+            np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
+    for mine, theirs in zip(one.records, other.records, strict=True):
+        np.testing.assert_array_equal(mine.measured, theirs.measured)
+
+
+def test_a_world_that_ends_early_stands_still_while_single_ones_go_on(subclass_id):
+    soft = {"stop_stiffness_N_m": 1.0, "stop_damping_N_s_m": 1e-3, "brake_N_s_m": 1e-3, "full_scale_N": 10.0}
+    arguments = {"patients": 3, "seed": 0, "env_kwargs": {"episode_s": 3.0, "device": soft, "cohort": "healthy"}}
+    one, other = (play(Push(1, 1, 0, 0), **arguments, **kwargs) for kwargs in ({"env_id": subclass_id}, {}))
+    assert other.terminated.any()
+    np.testing.assert_array_equal(one.valid, other.valid)
+    np.testing.assert_array_equal(one.belief_cov, other.belief_cov)
+    np.testing.assert_array_equal(one.cost, other.cost)
+
+
+def test_an_agent_that_plans_needs_the_native_vector_form(subclass_id):
+    class Planner(Push):
+        def attach(self, env):
+            self.worlds = env.unwrapped.simulation
+
+    with pytest.raises(
+        InputError, match="^jawenv-test/Doubled-v0 has no native vector form, which agents that plan need"
+    ):
+        play(Planner(0, 0, 0, 0), patients=1, seed=0, env_id=subclass_id, env_kwargs=SHORT)
+
+
+def test_an_environment_of_something_else_is_named():
+    with pytest.raises(InputError, match="^env_id is 'Pendulum-v1'; allowed: an environment of jawenv, or a subclass"):
+        SingleWorlds("Pendulum-v1", 1, {})

@@ -62,9 +62,9 @@ def test_info() -> None:
     env = gym.make("jawenv/Jaw-v1", track_bound=True, episode_s=1.0)
     _, info = env.reset(seed=0)
     stated = {name for row in table("Info") for name in named(row[0])}
-    costs = {f"cost_{limit}" for limit in COMFORT_LIMITS}
-    assert stated - {"cost_<limit>"} == set(info) - costs
-    assert costs <= set(info)
+    of_limits = {f"{kind}_{limit}" for kind in ("cost", "comfort") for limit in COMFORT_LIMITS}
+    assert stated - {"cost_<limit>", "comfort_<limit>"} == set(info) - of_limits
+    assert of_limits <= set(info)
     env.close()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,10 @@ class Renderer:
         self._window: pygame.Surface | None = None
         self._clock: pygame.time.Clock | None = None
         self._dismissed = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy keeps the trace, and opens a window of its own."""
+        return vars(self) | {"_frame": None, "_window": None, "_clock": None, "_dismissed": False}
 
     def note(self, moment: Moment) -> None:
         """Keep a moment for the trace, whether or not it is drawn."""

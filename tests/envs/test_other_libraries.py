@@ -1,0 +1,164 @@
+"""What other libraries do with an environment: strange arguments, infos as numbers, wrappers, limits of steps."""
+
+import json
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers import TimeAwareObservation
+from gymnasium.wrappers.vector import DictInfoToList, RecordEpisodeStatistics
+
+import jawenv
+from jawenv.envs.jaw import JawEnv
+from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.envs.vector import JawVectorEnv
+
+ID = "jawenv/Jaw-v1"
+ACTION = np.array([0.3, 0.3, 0.1, 0.1], dtype=np.float32)
+ACTIONS = np.tile(ACTION, (2, 1))
+
+
+@pytest.mark.parametrize("form", [JawEnv, JawVectorEnv])
+def test_an_unknown_argument_is_a_type_error_in_pythons_words(form):
+    """Libraries try arguments of other environments, and take back what a ``TypeError`` of these words names."""
+    with pytest.raises(jawenv.InputError) as caught:
+        form(frameskip=1)
+    assert isinstance(caught.value, TypeError)
+    start = f"{form.__name__}.__init__() got an unexpected keyword argument 'frameskip'; allowed: control, sensors, "
+    assert str(caught.value).startswith(start)
+
+
+@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+def test_an_unknown_argument_of_make(env_id):
+    for make in (gym.make, gym.make_vec):
+        with pytest.raises(TypeError, match="unexpected keyword argument 'frameskip'") as caught:
+            make(env_id, frameskip=1)
+        assert isinstance(caught.value, jawenv.InputError)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("arguments", [{}, {"track_bound": True, "control": "targets"}])
+def test_infos_are_flat_and_hold_pythons_numbers_and_arrays(arguments):
+    env = gym.make(ID, **arguments)
+    infos = [env.reset(seed=0)[1], *(env.step(ACTION)[4] for _ in range(3))]
+    assert all(list(info) == list(infos[0]) for info in infos)
+    for info in infos:
+        arrays = {key: value for key, value in info.items() if isinstance(value, np.ndarray)}
+        assert all(value.ndim > 0 and value.dtype == np.float64 for value in arrays.values())
+        scalars = {key: value for key, value in info.items() if key not in arrays}
+        assert {key for key, value in scalars.items() if type(value) is not float} == {"violation"}
+        assert type(scalars["violation"]) is bool
+        assert json.loads(json.dumps(scalars)) == scalars
+    assert env.get_wrapper_attr("parameter_names") == jawenv.PARAMETER_NAMES
+
+
+def test_infos_of_the_vector_form_have_the_same_keys_and_their_masks():
+    single = gym.make(ID).reset(seed=0)[1]
+    env = gym.make_vec(ID, num_envs=2)
+    for info in (env.reset(seed=0)[1], env.step(ACTIONS)[4]):
+        assert list(info) == [*single, *(f"_{key}" for key in single)]
+        for key, value in single.items():
+            assert info[key].shape == (2, *np.shape(value))
+            assert info[key].dtype == np.asarray(value).dtype
+            assert info[f"_{key}"].all()
+    assert env.parameter_names == jawenv.PARAMETER_NAMES
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_infos_become_lists(mode):
+    """With the last infos of ended episodes where the mode has them."""
+    env = DictInfoToList(gym.make_vec(ID, num_envs=2, episode_s=0.15, autoreset_mode=mode))
+    single = gym.make(ID, episode_s=0.15)
+    _, infos = env.reset(seed=0)
+    _, info = single.reset(seed=0)
+    for k in range(3):
+        assert len(infos) == 2 and list(infos[0]) == list(info)
+        np.testing.assert_array_equal(infos[0]["belief_cov"], info["belief_cov"])
+        _, _, _, truncated, infos = env.step(ACTIONS)
+        observation, *_, info = single.step(ACTION)
+        assert truncated.all() == (k == 2)
+    if mode == AutoresetMode.SAME_STEP:
+        np.testing.assert_array_equal(infos[0]["final_obs"], observation)
+        assert list(infos[0]["final_info"]) == list(info)
+        assert (infos[0]["final_info"]["time"], infos[0]["time"]) == (info["time"], 0.0)
+
+
+def test_the_last_infos_are_those_of_the_worlds_that_ended():
+    env = gym.make_vec(ID, num_envs=2, episode_s=0.1, autoreset_mode="same_step")
+    env.reset(seed=0)
+    env.step(ACTIONS)
+    env.reset(options={"reset_mask": np.array([True, False])})
+    info = env.step(ACTIONS)[4]
+    for key in ("final_obs", "final_info"):
+        np.testing.assert_array_equal(info[f"_{key}"], [False, True])
+    np.testing.assert_array_equal(info["final_info"]["_time"], [False, True])
+
+
+def test_statistics_of_episodes():
+    env = RecordEpisodeStatistics(gym.make_vec(ID, num_envs=2, episode_s=0.15, autoreset_mode="same_step"))
+    env.reset(seed=0)
+    steps = [env.step(ACTIONS) for _ in range(3)]
+    episode = steps[-1][4]["episode"]
+    np.testing.assert_allclose(episode["r"], np.sum([step[1] for step in steps], axis=0))
+    np.testing.assert_array_equal(episode["l"], 3)
+
+
+@pytest.mark.parametrize("limit", [None, -1, 2, 50])
+def test_a_limit_of_steps_is_that_of_a_time_limit(limit):
+    arguments = {"episode_s": 0.2, "max_episode_steps": limit}
+    single, many = gym.make(ID, **arguments), gym.make_vec(ID, num_envs=2, **arguments)
+    single.reset(seed=0)
+    many.reset(seed=0)
+    for k in range(1, 5):
+        expected = single.step(ACTION)[3]
+        np.testing.assert_array_equal(many.step(ACTIONS)[3], expected)
+        assert expected == (k == min(4, limit if limit == 2 else 4))
+        if expected:
+            break
+
+
+@pytest.mark.parametrize("limit", [0, 1.5, True, "one"])
+def test_an_unusable_limit_of_steps_is_named(limit):
+    with pytest.raises(jawenv.InputError) as caught:
+        JawVectorEnv(max_episode_steps=limit)
+    assert str(caught.value) == f"max_episode_steps is {limit!r}; allowed: a whole number, 1 or more, or None"
+
+
+def test_a_wrapper_that_asks_for_the_number_of_steps():
+    env = TimeAwareObservation(gym.make(ID, max_episode_steps=600))
+    assert env.max_timesteps == 600
+    observation, _ = env.reset(seed=0)
+    assert env.observation_space.contains(observation)
+
+
+@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+def test_a_spec_makes_the_same_environment(env_id):
+    env = gym.make(env_id, control="trajectory", episode_s=2.0, max_episode_steps=30)
+    for spec in (env.spec, EnvSpec.from_json(env.spec.to_json())):
+        again = spec.make()
+        assert again.spec == env.spec
+        np.testing.assert_array_equal(again.reset(seed=3)[0], env.reset(seed=3)[0])
+        np.testing.assert_array_equal(again.step(ACTION)[0], env.step(ACTION)[0])
+
+
+@pytest.mark.parametrize(
+    "action",
+    [ACTION, ACTION.astype(np.float64), ACTION.astype(np.float16), ACTION.tolist(), tuple(ACTION.tolist())],
+    ids=["float32", "float64", "float16", "list", "tuple"],
+)
+def test_forms_of_an_action(action):
+    env, plain = gym.make(ID).unwrapped, gym.make(ID).unwrapped
+    for each in (env, plain):
+        each.reset(seed=0)
+    np.testing.assert_array_equal(env.step(action)[0], plain.step(np.array([float(part) for part in action]))[0])
+
+
+def test_an_action_that_overshoots_by_rounding_is_clipped():
+    env, plain = gym.make(ID).unwrapped, gym.make(ID).unwrapped
+    for each in (env, plain):
+        each.reset(seed=0)
+    over = np.full(4, 1.0 + 5e-7)
+    np.testing.assert_array_equal(env.step(over)[0], plain.step(np.ones(4))[0])
+    assert (over > 1.0).all()
