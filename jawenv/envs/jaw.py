@@ -10,9 +10,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Prior
+from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_actions
-from jawenv.envs.configuration import Control, Reward, Sensors, configure
+from jawenv.envs.configuration import Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset import checked_patient, checked_seed
 from jawenv.envs.rewards import potential
@@ -102,7 +103,7 @@ class JawEnv(gym.Env[Observation, Action]):
     def __init__(
         self,
         *,
-        control: Control = "force",
+        control: Control = DEFAULT_CONTROL,
         sensors: Sensors = "pose",
         reward: Reward = "uncertainty",
         cohort: str | Cohort | Source = "trismus",

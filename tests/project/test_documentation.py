@@ -15,8 +15,9 @@ import jawenv
 from eval.studies import design
 from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
+from jawenv.controls import CONTROL_HZ
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.configuration import CONTROL_HZ, Configuration
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 ROOT = Path(__file__).parents[2]

@@ -93,11 +93,13 @@ def test_the_belief_hangs_less_on_the_guess_that_readings_were_filtered_at(recor
 
 
 def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
-    """As filtering from the first reading at that belief does, to the bit; gated ticks are counted in all passes."""
+    """As filtering from the first reading at that belief does, to the bit; refused ticks are not counted again."""
     run = filtered_until(record, 0.0, 40)
     jaw, belief, rows, settings, scratch = run.arguments
     mean, cov = belief["mean"].copy(), belief["cov"].copy()
+    rows["measured"][30, 0] += 0.01
     replay(jaw, belief, rows, 39, settings, scratch)
+    assert belief["gated"] == 0
     np.testing.assert_array_equal(belief["mean"], mean)
     np.testing.assert_array_equal(belief["cov"], cov)
     again = belief.copy()
