@@ -31,7 +31,7 @@ def refusal(path: Path, **kwargs: str) -> str:
 
 
 def test_it_computes_the_layers_of_the_card(folder: Path) -> None:
-    agent = agents.load_agent(folder)
+    agent = agents.load_agent(folder, control="trajectory")
     assert isinstance(agent, ExportedPolicy) and isinstance(agent, Agent) and agent.name == "shared"
     observation = np.random.default_rng(0).normal(size=(6, OBSERVATION_SIZE)).astype(np.float32)
     weights = random_weights()
@@ -46,7 +46,7 @@ def test_it_computes_the_layers_of_the_card(folder: Path) -> None:
 
 
 def test_the_card_itself_stands_for_its_folder(folder: Path) -> None:
-    assert agents.load_agent(str(folder / "card.json")).name == "shared"
+    assert agents.load_agent(str(folder / "card.json"), control="trajectory").name == "shared"
 
 
 def test_elu_goes_on_smoothly_below_zero() -> None:
@@ -57,7 +57,7 @@ def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
     code = (
         "import agents, numpy, pickle, sys\n"
         "del pickle.loads, pickle.load, pickle.Unpickler\n"
-        f"agent = agents.load_agent({str(folder)!r})\n"
+        f"agent = agents.load_agent({str(folder)!r}, control='trajectory')\n"
         f"assert agent.predict(numpy.zeros({OBSERVATION_SIZE}, dtype='f4'))[0].shape == (4,)\n"
         "assert not {'torch', 'stable_baselines3'} & set(sys.modules)\n"
     )

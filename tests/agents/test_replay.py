@@ -85,7 +85,7 @@ def test_targets_are_no_faster_than_the_device():
 
 
 def test_another_control_mode_and_another_ending_are_refused(tmp_path):
-    agent = agents.load_agent("hold_still")
+    agent = agents.load_agent("hold_still", control="force")
     with pytest.raises(
         InputError, match="^replay of 'hold_still': control is 'force'; allowed: targets, or a policy of targets"
     ):

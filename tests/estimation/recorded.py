@@ -17,6 +17,7 @@ SWINGS = "opening_with_swings_and_fore_aft"
 class Waves:
     """Each motor pushes in a sine of its own, strongly enough to teach something within seconds."""
 
+    control = "force"
     frequencies = np.array([0.9, 0.6, 1.1, 0.7])  # Hz
 
     def reset(self, num_envs, seed):
@@ -38,7 +39,7 @@ def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
 @cache
 def opening(cohort="trismus"):
     """Eight patients, 30 s of a maneuver that keeps within comfort."""
-    agent = load_agent(SWINGS)
+    agent = load_agent(SWINGS, control="force")
     return jawenv.play(agent, patients=8, seed=6000, env_kwargs={"record": True, "cohort": cohort})
 
 

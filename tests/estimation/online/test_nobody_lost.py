@@ -89,7 +89,7 @@ def test_a_patient_who_rests_aside_is_not_lost_in_the_first_second():
 def test_a_wide_prior_loses_nobody_to_a_gentle_maneuver(name):
     """The belief goes on moving for seconds, and with it the motion about which early readings were linearised."""
     played = jawenv.play(
-        jawenv.Player(name),
+        jawenv.Player(name, control="force"),
         patients=8,
         seed=6047,
         env_kwargs={"cohort": "wide", "episode_s": 15.0, "track_bound": False},

@@ -55,8 +55,8 @@ def test_readings_are_counted_where_an_encoder_is_used(record):
 
 
 def test_as_many_ticks_are_kept_as_the_last_window_needs():
-    assert len(Simulation(1, configure({"model": "jaw"})).ticks[0]) == 1 + LAST_WINDOW
-    assert len(Simulation(1, configure({"model": "jaw", "episode_s": 5.0})).ticks[0]) == 1 + 500
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force"})).ticks[0]) == 1 + LAST_WINDOW
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force", "episode_s": 5.0})).ticks[0]) == 1 + 500
 
 
 def filtered_until(record, guess, ticks):
@@ -144,7 +144,7 @@ def test_a_replay_says_where_it_was_made(record):
 def test_slow_recordings_are_judged_right():
     """Encoders read at 20 Hz; without replays mean NEES/12 was 8."""
     kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
-    played = jawenv.play(load_agent(SWINGS), patients=16, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=16, seed=5000, env_kwargs=kwargs)
     shares = []
     for record in played.records:
         estimate = TensionFilter().estimate(divided(thinned(record, 5), 5))
@@ -156,7 +156,7 @@ def test_slow_recordings_are_judged_right():
 def test_one_point_is_judged_right_in_most():
     """Of twelve patients eight at least; where more than one motion fits, only ``ModeSearch`` knows."""
     kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
-    played = jawenv.play(load_agent(SWINGS), patients=12, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=12, seed=5000, env_kwargs=kwargs)
     assert not played.terminated.any()
     shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
     assert np.sum(shares < 2.5) >= 8, shares

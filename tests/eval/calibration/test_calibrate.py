@@ -48,7 +48,7 @@ def run(output, *arguments):
 @pytest.fixture(scope="module")
 def recording():
     kwargs = {"episode_s": 1.0, "record": True, "cohort": "trismus"}
-    return jawenv.play(load_agent(MANEUVER), patients=3, seed=4, env_kwargs=kwargs)
+    return jawenv.play(load_agent(MANEUVER, control="force"), patients=3, seed=4, env_kwargs=kwargs)
 
 
 def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):

@@ -255,7 +255,7 @@ def trained_run(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("runs") / "ppo-test"
     (folder / "checkpoints").mkdir(parents=True)
-    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v1"), device="cpu", n_steps=8, batch_size=8)
+    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v1", control="force"), device="cpu", n_steps=8, batch_size=8)
     model.save(folder / "best_model.zip")
     model.save(folder / "checkpoints" / "step_0000000008.zip")
     settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
