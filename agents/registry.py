@@ -66,7 +66,9 @@ def load_agent(
         policy = load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
         return _in_control(policy, control, control_hz)
     if names_own(str(spec)):
-        return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
+        own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
+        control_of(own, {"control": control})
+        return own
     known = ", ".join((*names(), *policy_names(), *EXCITATIONS, *PLANNERS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "

@@ -75,7 +75,7 @@ class JawEnv(gym.Env[Observation, Action]):
     observation and flags, reward 0.
 
     ## Arguments
-    * ``control`` "force" | "trajectory" | "targets"; ``sensors`` "pose" | "point"; ``reward``.
+    * ``control`` "targets" (default) | "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``.
     * ``cohort``: whom ``reset`` draws: a name in ``jawenv.COHORTS``, a ``jawenv.Cohort``, a mapping as
       ``Cohort.from_dict`` takes it, or the path of a JSON, TOML or YAML file with one.
     * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number (targets

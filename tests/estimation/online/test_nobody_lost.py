@@ -1,4 +1,7 @@
-"""Hostile actions through the real environment: whoever the patient is, the filter loses nobody."""
+"""Hostile actions through the real environment: none of these patients is lost.
+
+Other patients are lost under motors that are held at full commands (docs/calibration.md).
+"""
 
 import gymnasium as gym
 import numpy as np

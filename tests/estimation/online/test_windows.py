@@ -167,3 +167,21 @@ def test_a_record_that_says_nothing_leaves_the_prior(record):
     estimate = TensionFilter().estimate(blind)
     np.testing.assert_allclose(estimate.mean[-1], record.prior.mean)
     np.testing.assert_allclose(estimate.sd[-1], record.prior.sd)
+
+
+def test_refused_ticks_are_counted_once_whatever_is_filtered_again(record):
+    """Hostile readings, and readings that are filtered again behind them: no tick counts for more than one."""
+    measured = record.measured.copy()
+    measured[8:19:2, 0] += 0.02
+    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    counted, replayed = [], []
+    for tick in range(100):
+        before, place = int(belief["gated"]), belief["replayed_at"].copy()
+        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        counted.append(int(belief["gated"]) - before)
+        if (belief["replayed_at"] != place).any():
+            replayed.append((tick, before))
+    assert any(before >= 2 for _, before in replayed), "readings are filtered again after some were refused"
+    assert sum(counted) >= 4 and set(counted) <= {0, 1}
