@@ -55,8 +55,7 @@ DEVICE = np.dtype(
 )
 
 
-# Highest value of each field, mostly 100 times the default, and whether 0 is allowed; where it is not, something divides by
-# the field.
+# Highest value of each field, mostly 100 times the default; and whether 0 is allowed, by which some formulas divide.
 ALLOWED: Mapping[str, tuple[float, bool]] = MappingProxyType(
     {
         "vertical_arm_mm": (1000.0, False),

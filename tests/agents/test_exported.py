@@ -10,6 +10,7 @@ from exported_folder import LAYERS, fields, random_weights, write_exported
 from safetensors.numpy import save
 
 import agents
+import jawenv
 from agents.exported import ExportedPolicy, elu, load_exported
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
@@ -130,3 +131,12 @@ def test_a_policy_on_a_maneuver_corrects_it(tmp_path: Path) -> None:
 def test_wrong_observation_at_play_is_refused(folder: Path) -> None:
     with pytest.raises(InputError, match=f"observations of {OBSERVATION_SIZE} values, got 4"):
         load_exported(folder).predict(np.zeros((2, 4), dtype=np.float32))
+
+
+def test_a_policy_of_the_motors_keeps_the_control_of_its_card(folder: Path) -> None:
+    agent = agents.load_agent(folder, control="trajectory")
+    assert agent.control == "trajectory"  # type: ignore[attr-defined]
+    with pytest.raises(InputError, match="^control is 'targets'; allowed for agent 'shared', .*: trajectory$"):
+        agents.load_agent(folder)
+    with pytest.raises(InputError, match="^control is 'force'; allowed for agent 'shared', .*: trajectory$"):
+        jawenv.play(agent, patients=1, seed=0, env_kwargs={"control": "force"})

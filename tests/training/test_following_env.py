@@ -68,11 +68,7 @@ def test_training_and_agent_do_the_same() -> None:
     assert done.all()
 
     env = gym.make_vec(
-        config.id,
-        2,
-        vectorization_mode="vector_entry_point",
-        autoreset_mode="same_step",
-        **{"control": "force", **config.kwargs},
+        config.id, 2, vectorization_mode="vector_entry_point", autoreset_mode="same_step", **config.kwargs
     )
     seen, _ = env.reset(seed=7)
     agent = Following(ResidualPolicy(Drawn(), BASE, path=None, observation_size=OBSERVATION_SIZE), law)  # type: ignore[arg-type]
