@@ -17,7 +17,6 @@ SWINGS = "opening_with_swings_and_fore_aft"
 class Waves:
     """Each motor pushes in a sine of its own, strongly enough to teach something within seconds."""
 
-    control = "force"
     frequencies = np.array([0.9, 0.6, 1.1, 0.7])  # Hz
 
     def reset(self, num_envs, seed):
@@ -32,7 +31,7 @@ class Waves:
 @cache
 def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
     """Quick to play and rich, but it presses the teeth together, unless the jaw hangs open as a healthy one does."""
-    kwargs = {"record": True, "model": model, "episode_s": seconds, "cohort": cohort}
+    kwargs = {"record": True, "control": "force", "model": model, "episode_s": seconds, "cohort": cohort}
     return jawenv.play(Waves(), patients=patients, seed=5000, env_kwargs=kwargs)
 
 

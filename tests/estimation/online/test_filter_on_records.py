@@ -17,7 +17,7 @@ FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
 
 @cache
 def played(env_id, faulty, **more):
-    kwargs = {"record": True, "episode_s": 3.0, "reality": FAULTS if faulty else None, **more}
+    kwargs = {"record": True, "control": "force", "episode_s": 3.0, "reality": FAULTS if faulty else None, **more}
     return jawenv.play(Waves(), patients=2, seed=5000, env_id=env_id, env_kwargs=kwargs)
 
 

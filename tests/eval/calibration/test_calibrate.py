@@ -17,7 +17,7 @@ from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
-SHORT = ["--patients", "3", "--times", "0.5,1"]
+SHORT = ["--patients", "3", "--times", "0.5,1", "--control", "force"]
 
 
 @pytest.fixture(autouse=True)

@@ -299,7 +299,7 @@ def test_another_environment_is_another_study(tmp_path, plays):
 
 @pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
 def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, checkpoint):
-    (entry,) = load_entries([str(trained_run / checkpoint)], Settings().env_kwargs)
+    (entry,) = load_entries([str(trained_run / checkpoint)], Settings(control="force").env_kwargs)
     assert entry.trained
     assert entry.env_kwargs["control"] == "trajectory"
     assert entry.env_kwargs["episode_s"] == 30.0
