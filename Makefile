@@ -6,7 +6,7 @@ BIN := .venv/bin
 DEMO := runs/demo
 STUDIES := agents headline robustness sensors rates ladder cohorts
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
-DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --control targets --seed 500 --output $(DEMO)
+DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $(DEMO)
 
 export PYTHON
 

@@ -14,7 +14,8 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, JsonValue, model_validator
 
-from jawenv.envs.configuration import Control, Sensors
+from jawenv.controls import Control
+from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, read_mapping, validate
 from jawenv.maneuvers import Maneuver

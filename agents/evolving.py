@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from agents.planning import SPREAD, Plan, Planner, approach
+from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.envs.configuration import Control
 from jawenv.errors import InputError
 from jawenv.protocol import Array, Mask
 
@@ -33,7 +33,7 @@ class EvolvingPlanner(Planner):
 
     knot_s = 0.5
 
-    def __init__(self, plan: Plan, *, control: Control = "targets") -> None:
+    def __init__(self, plan: Plan, *, control: Control = DEFAULT_CONTROL) -> None:
         super().__init__(plan, control=control)
         if not plan.maneuvers:
             raise InputError(f"agent {plan.name!r}: maneuvers is (); allowed: one or more")

@@ -12,6 +12,7 @@ import numpy as np
 from agents.card import WEIGHTS, Architecture, ModelCard, read_card
 from agents.following import decision_hz
 from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
+from jawenv.controls import Control
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.extras import needs
@@ -40,10 +41,12 @@ class ExportedPolicy:
     Attributes:
         name: what tables call it.
         card: what it is; ``card.environment`` says where it plays.
+        control: of its actions; "targets" if they correct a maneuver.
     """
 
     def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
         self.name, self.card = name, card
+        self.control: Control = card.environment.control if card.residual is None else "targets"
         # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
         exact = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
         last = len(card.architecture.layers) - 1

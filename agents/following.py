@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.checks import real_number
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
-from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
@@ -32,7 +32,8 @@ def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
     Raises:
         InputError: control steps per second that are not a positive number.
     """
-    asked = env_kwargs.get("control_hz") if env_kwargs.get("control") == "targets" else None
+    targets = env_kwargs.get("control", DEFAULT_CONTROL) == "targets"
+    asked = env_kwargs.get("control_hz") if targets else None
     hz = real_number(DECISION_HZ if asked is None else asked)
     if hz is None or not (np.isfinite(hz) and hz > 0):
         raise InputError(f"control_hz {shown(asked)}: must be a positive number")
@@ -50,6 +51,7 @@ class TargetsLaw:
         decision_hz: decisions per second.
 
     Attributes:
+        control: as given.
         decision_hz: as given.
         steps_per_decision: control steps from one decision to the next.
 
@@ -59,6 +61,7 @@ class TargetsLaw:
 
     def __init__(self, control: Control, control_hz: float | None = None, decision_hz: float = DECISION_HZ) -> None:
         hz = CONTROL_HZ[control] if control_hz is None else control_hz
+        self.control = control
         self.decision_hz = decision_hz
         self.steps_per_decision = round(hz / decision_hz)
         if abs(self.steps_per_decision * decision_hz - hz) > 1e-9 * hz:
@@ -127,12 +130,14 @@ class Following:
 
     Attributes:
         name: the agent's.
+        control: the law's.
         agent: as given.
         law: as given.
     """
 
     def __init__(self, agent: Agent, law: TargetsLaw) -> None:
         self.name = agent.name
+        self.control = law.control
         self.agent = agent
         self.law = law
         self._memory: Memory | None = None

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from agents.evolving import EvolvingPlanner
 from agents.planning import Plan, Planner
-from jawenv.envs.configuration import Control
+from jawenv.controls import Control
 
 
 class Named(NamedTuple):

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from agents.prediction import Outcome, Prediction
 from jawenv.checks import whole_number
+from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
-from jawenv.envs.configuration import Control
 from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
 from jawenv.maneuvers import Maneuver
@@ -102,9 +102,10 @@ class Planner:
 
     knot_s = 1.0
 
-    def __init__(self, plan: Plan, *, control: Control = "targets") -> None:
+    def __init__(self, plan: Plan, *, control: Control = DEFAULT_CONTROL) -> None:
         _check_control(plan.name, control)
         self.plan, self.name, self.description = plan, plan.name, plan.description
+        self.control = control
         self._maneuvers = [Maneuver.named(name) for name in plan.maneuvers]
         self.reset(0)
 

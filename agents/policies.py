@@ -2,12 +2,13 @@
 
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from agents.following import decision_hz
 from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
+from jawenv.controls import Control
 from jawenv.errors import InputError
 from jawenv.files import read_mapping, validate
 from jawenv.protocol import Action, Mask, Observation, State
@@ -15,6 +16,7 @@ from jawenv.protocol import Action, Mask, Observation, State
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy
 
+CONFIG = "config.yaml"
 MODELS_OF_A_RUN = ("best_model.zip", "final_model.zip")
 _ENTRIES = {"data", "policy.pth"}
 
@@ -24,15 +26,17 @@ class TrainedPolicy:
 
     Attributes:
         name: the run's folder, and the checkpoint within it unless it is the best or final model.
+        control: control mode of its actions; None where no run's configuration says it.
         path: the checkpoint.
         observation_size: how many values the policy wants to see.
         policy: stable-baselines3's own.
     """
 
-    def __init__(self, path: Path, policy: "BasePolicy") -> None:
+    def __init__(self, path: Path, policy: "BasePolicy", control: Control | None = None) -> None:
         whole_run = path.name in MODELS_OF_A_RUN
         folder = path.resolve().parent.name
         self.name = folder if whole_run else f"{folder}/{path.stem}"
+        self.control = control
         self.path = path
         self.observation_size = int(np.prod(policy.observation_space.shape or (0,)))
         self.policy = policy
@@ -86,8 +90,9 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
     shape = policy.action_space.shape
     if shape != (4,):
         raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
-    trained = TrainedPolicy(checkpoint, policy)
-    base = _base_targets(checkpoint)
+    config = _run_config(checkpoint)
+    trained = TrainedPolicy(checkpoint, policy, _env_kwargs(config).get("control"))
+    base = _base_targets(checkpoint, config)
     agent = trained if base is None else _on_base(trained, base)
     if observation_size is not None and agent.observation_size != observation_size:
         raise InputError(
@@ -101,19 +106,32 @@ def _on_base(trained: TrainedPolicy, base: BaseTargets) -> ResidualPolicy:
     return ResidualPolicy(trained, base, trained.path, trained.observation_size - N_FEATURES)
 
 
-def _base_targets(checkpoint: Path) -> BaseTargets | None:
-    """The maneuver that the run of a checkpoint corrects, None if it corrects none or belongs to no run."""
-    folders = [folder for folder in checkpoint.resolve().parents[:2] if (folder / "config.yaml").is_file()]
-    if not folders:
-        return None
-    config = read_mapping(folders[0] / "config.yaml")
-    if config.get("residual") is None:
-        return None
-    source = f"{folders[0] / 'config.yaml'}: residual"
-    residual = validate(Residual, config["residual"], source)
+def _run_folder(checkpoint: Path) -> Path | None:
+    """The folder of the run that a checkpoint belongs to; None if it belongs to none."""
+    folders = checkpoint.resolve().parents[:2]
+    return next((folder for folder in folders if (folder / CONFIG).is_file()), None)
+
+
+def _run_config(checkpoint: Path) -> dict[str, Any]:
+    """The configuration of the run that a checkpoint belongs to; empty if it belongs to none."""
+    folder = _run_folder(checkpoint)
+    return {} if folder is None else read_mapping(folder / CONFIG)
+
+
+def _env_kwargs(config: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of the environment that a run's configuration names."""
     env = config.get("env")
-    kwargs = env.get("kwargs", {}) if isinstance(env, dict) else {}
-    return BaseTargets(residual.load_maneuver(folders[0]), residual.scale, decision_hz(kwargs))
+    kwargs = env.get("kwargs") if isinstance(env, dict) else None
+    return kwargs if isinstance(kwargs, dict) else {}
+
+
+def _base_targets(checkpoint: Path, config: dict[str, Any]) -> BaseTargets | None:
+    """The maneuver that the run of a checkpoint corrects, None if it corrects none."""
+    folder = _run_folder(checkpoint)
+    if folder is None or config.get("residual") is None:
+        return None
+    residual = validate(Residual, config["residual"], f"{folder / CONFIG}: residual")
+    return BaseTargets(residual.load_maneuver(folder), residual.scale, decision_hz(_env_kwargs(config)))
 
 
 def _checkpoint(path: Path) -> Path:

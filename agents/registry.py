@@ -11,7 +11,7 @@ from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
-from jawenv.envs.configuration import CONTROL_HZ, Control
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control, control_of
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.maneuvers import Maneuver, Player, maneuver_names
@@ -28,7 +28,7 @@ def names() -> tuple[str, ...]:
 def load_agent(
     spec: str | Path,
     *,
-    control: Control = "force",
+    control: Control = DEFAULT_CONTROL,
     control_hz: float | None = None,
     env_id: str = DEFAULT_ENV,
 ) -> Agent:
@@ -66,7 +66,9 @@ def load_agent(
         policy = load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
         return _in_control(policy, control, control_hz)
     if names_own(str(spec)):
-        return load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
+        own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
+        control_of(own, {"control": control})
+        return own
     known = ", ".join((*names(), *policy_names(), *EXCITATIONS, *PLANNERS))
     raise InputError(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
@@ -83,9 +85,11 @@ def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Ag
     """A policy as an agent of the control mode; where it says targets, they are followed.
 
     Raises:
-        InputError: control steps that do not fit the decisions that the policy was trained to make.
+        InputError: a policy of another control mode, or control steps that do not fit the decisions that the policy was
+            trained to make.
     """
     if not isinstance(policy, ResidualPolicy | Replay):
+        control_of(policy, {"control": control})
         return policy
     hz = _steps_per_s(control, control_hz)
     if control != "targets":

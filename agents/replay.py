@@ -16,6 +16,7 @@ import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
 from agents.following import Following
+from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
@@ -37,11 +38,13 @@ class Recorder:
 
     Attributes:
         name: that of the agent.
+        control: that of the agent; None if it names none.
         actions: one (N, 4) for each step since ``reset``.
     """
 
     def __init__(self, agent: Agent) -> None:
         self._agent, self.name = agent, agent.name
+        self.control: Control | None = getattr(agent, "control", None)
         self.actions: list[Action] = []
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
@@ -79,8 +82,11 @@ class Replay:
 
     Attributes:
         name: as given.
+        control: "targets".
         decision_hz: as given.
     """
+
+    control: Control = "targets"
 
     def __init__(self, name: str, actions: Array, decision_hz: float) -> None:
         self.name, self.decision_hz = name, decision_hz
@@ -146,9 +152,9 @@ def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
     """Make sure that an agent says where the jaw shall be, so that this can be replayed.
 
     Raises:
-        InputError: it does not.
+        InputError: it does not, or plays another control mode than asked for.
     """
-    control = env_kwargs.get("control", "force")
+    control = control_of(agent, env_kwargs) or DEFAULT_CONTROL
     if control != "targets" and not isinstance(agent, Following):
         raise InputError(
             f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy of targets"

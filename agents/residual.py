@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from agents.following import DECISION_HZ
+from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.errors import InputError
 from jawenv.files import InputModel, Number
@@ -126,12 +127,15 @@ class ResidualPolicy:
 
     Attributes:
         name: the policy's.
+        control: "targets".
         policy: as given.
         base: as given.
         decision_hz: its actions per second.
         path: as given.
         observation_size: as given.
     """
+
+    control: Control = "targets"
 
     def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
         self.name = policy.name

@@ -14,6 +14,7 @@ from eval.comparison.commands import card_command, compare_command, replay_comma
 from eval.options import Cohort, Control, Fresh, Output, Seed, Sensors
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError, out_of_memory
 from jawenv.seeds import REPORTS
 from training.help import Commands
@@ -58,7 +59,7 @@ def play_command(
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
     ] = None,
     seed: Seed = REPORTS[0].start,
-    control: Control = "trajectory",
+    control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of the episode, s.", metavar="S")] = 30.0,
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,

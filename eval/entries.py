@@ -17,7 +17,7 @@ from agents.own import source_of
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
 from agents.residual import ResidualPolicy
-from jawenv.envs.configuration import CONTROL_HZ
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.protocol import Agent
 from jawenv.rollout import DEFAULT_ENV
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
 _STUDYS_OWN = ("cohort", "episode_s")
 _DEFAULTS: dict[str, Any] = {
-    "control": "force",
+    "control": DEFAULT_CONTROL,
     "sensors": "pose",
     "cohort": "trismus",
     "episode_s": 30.0,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from jawenv.anatomy import cohort
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import model_of_env
@@ -14,7 +15,7 @@ from jawenv.reality import check_reality
 from jawenv.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.seeds import REPORTS
 
-CONTROLS = ("force", "trajectory", "targets")
+CONTROLS = tuple(CONTROL_HZ)
 SENSORS = ("pose", "point")
 
 
@@ -42,7 +43,7 @@ class Settings:
     patients: int = 64
     cohort: str = "trismus"
     seed: int = REPORTS[0].start
-    control: str = "force"
+    control: str = DEFAULT_CONTROL
     sensors: str = "pose"
     episode_s: float = 30.0
     env: str = DEFAULT_ENV

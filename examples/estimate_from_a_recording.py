@@ -20,7 +20,8 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 
 def make(path: Path, seconds: float) -> None:
     """Simulate one patient and write down what the device measures."""
-    played = jawenv.play(load_agent(MANEUVER), patients=1, seed=0, env_kwargs={"record": True, "episode_s": seconds})
+    agent, env_kwargs = load_agent(MANEUVER), {"record": True, "episode_s": seconds}
+    played = jawenv.play(agent, patients=1, seed=0, env_kwargs=env_kwargs)
     path.parent.mkdir(parents=True, exist_ok=True)
     save_record(played.records[0], path)
     print(f"{path}: {seconds:g} s of {MANEUVER.replace('_', ' ')}")

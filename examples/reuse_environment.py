@@ -15,6 +15,8 @@ from jawenv.envs.observation import observation_layout, parameters_of
 class Sway:
     """A policy of a few lines: all motors open the jaw by a sine, the horizontal ones against each other."""
 
+    control = "force"  # its actions are forces of the motors
+
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         """Action (N, 4) for observations (N, size), as stable-baselines3's policies give it."""
         layout = observation_layout(parameters_of(observation.shape[-1]))
@@ -26,7 +28,7 @@ class Sway:
 
 def one_episode(patient: jawenv.Patient, episode_s: float) -> None:
     """The usual loop, with one patient of our own."""
-    env = gym.make("jawenv/Jaw-v1", episode_s=episode_s)
+    env = gym.make("jawenv/Jaw-v1", control=Sway.control, episode_s=episode_s)
     policy = Sway()
     observation, info = env.reset(seed=0, options={"patient": patient})
     total, done = 0.0, False

@@ -2,8 +2,9 @@
 
     python examples/slow_device.py hold_still --patients 32 --episode-s 15
 
-Patients are played at 100 Hz; their records are made slower, and divided into short ticks again. For each rate it
-prints the mean NEES per parameter with its standard error (honest: 1), the median, and the root mean square error.
+Patients are played in force control at 100 Hz; their records are made slower, and divided into short ticks again. For
+each rate it prints the mean NEES per parameter with its standard error (honest: 1), the median, and the root mean
+square error.
 """
 
 import argparse
@@ -47,7 +48,7 @@ def main() -> None:
     given = parser.parse_args()
 
     env_kwargs = {"record": True, "episode_s": given.episode_s}
-    agent = load_agent(given.maneuver)
+    agent = load_agent(given.maneuver, control="force")
     records = jawenv.play(agent, patients=given.patients, seed=given.seed, env_kwargs=env_kwargs).records
     estimators: list[Estimator] = [TensionFilter()] if given.no_smoother else [TensionFilter(), IteratedSmoother()]
     print(f"{agent.name}, {given.patients} patients, {given.episode_s:g} s\n")

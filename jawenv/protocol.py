@@ -22,6 +22,9 @@ class Agent(Protocol):
     `predict` has the signature of stable-baselines3's `predict`, so a trained model and a hand-made maneuver are
     interchangeable, also inside `stable_baselines3.common.evaluation.evaluate_policy`.
 
+    An agent whose actions belong to one control mode says so by an attribute ``control``, from which ``jawenv.play``
+    takes it.
+
     Attributes:
         name: short name for tables and figures.
     """

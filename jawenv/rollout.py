@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jawenv.checks import whole_number
+from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
 from jawenv.singles import SingleWorlds
 
@@ -187,7 +188,8 @@ def play(
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise, 0 to 2**32 - 1.
-        env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise.
+        env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, and
+            `control` is that of the agent if it has an attribute of this name.
         env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
         progress: called with (steps done, steps of the longest episode) after every control step.
 
@@ -195,7 +197,8 @@ def play(
         The recording of all worlds. A world that ends early stays frozen while the others go on.
 
     Raises:
-        InputError: an agent without `predict`, no patient, a seed out of range, or what the environment refuses.
+        InputError: an agent without `predict`, no patient, a seed out of range, another `control` than the agent's,
+            or what the environment refuses.
     """
     if not callable(getattr(agent, "predict", None)):
         raise InputError(
@@ -209,6 +212,8 @@ def play(
     if not isinstance(env_kwargs, Mapping | None):
         raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
+    if (control := control_of(agent, kwargs)) is not None:
+        kwargs["control"] = control
     env = _worlds(env_id, number, kwargs)
     try:
         options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
@@ -349,7 +354,8 @@ def information_bound(env_or_jaw: Any, maneuver: Any, patient: Patient, *, seed:
         (T+1, P) standard deviation of every log-parameter over time; row k is at k / control_hz seconds.
 
     Raises:
-        InputError: `env_or_jaw` is none of the three, or the environment refuses its arguments.
+        InputError: `env_or_jaw` is none of the three, the environment refuses its arguments, or its control is not the
+            maneuver's.
     """
     env_id, kwargs = _settings_of(env_or_jaw)
     kwargs["track_bound"] = True
@@ -371,4 +377,5 @@ def _settings_of(env: Any) -> tuple[str, dict[str, Any]]:
             "or an environment made by gymnasium.make"
         )
     not_settings = {"num_envs", "autoreset_mode", "render_mode", "vectorization_mode"}
-    return spec.id, {key: value for key, value in spec.kwargs.items() if key not in not_settings}
+    kwargs = {key: value for key, value in spec.kwargs.items() if key not in not_settings}
+    return spec.id, {"control": DEFAULT_CONTROL, **kwargs}

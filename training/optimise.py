@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 import jawenv
 from jawenv.anatomy import MUSCLE_NAMES, Patient
-from jawenv.envs.configuration import Control, configure
+from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.maneuvers.maneuver import Targets
@@ -68,7 +69,7 @@ class Design(SearchSettings):
     """
 
     cohort: str = "trismus"
-    control: Control = "targets"
+    control: Control = DEFAULT_CONTROL
     horizon_s: float = 10.0
     criterion: Criterion = "worst"
     over: Over = "mean"

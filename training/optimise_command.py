@@ -10,6 +10,7 @@ import typer
 import yaml
 from rich.console import Console
 
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.progress import Progress
@@ -29,7 +30,7 @@ OVER = {
 def optimise(
     output: Output,
     cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
-    control: Annotated[str, typer.Option(help="force, trajectory or targets.")] = "targets",
+    control: Annotated[str, typer.Option(help="force, trajectory or targets.")] = DEFAULT_CONTROL,
     horizon_s: Annotated[float, typer.Option(help="Length of an episode.", metavar="S")] = 10.0,
     criterion: Annotated[str, typer.Option(help="worst (the largest sd), D (determinant) or A (trace).")] = "worst",
     over: Annotated[str, typer.Option(help="mean of the patients, tail (the worst third) or nominal.")] = "mean",

@@ -24,6 +24,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.progress import Progress
 from jawenv.seeds import TRAINING
@@ -265,9 +266,10 @@ def _law(config: EnvConfig, base: BaseTargets) -> TargetsLaw | None:
         InputError: the environment's control steps do not fit the policy's decisions.
     """
     kwargs: dict[str, Any] = config.kwargs
-    if kwargs.get("control") == "targets":
+    control = kwargs.get("control", DEFAULT_CONTROL)
+    if control == "targets":
         return None
-    return TargetsLaw(kwargs.get("control", "force"), kwargs.get("control_hz"), base.decision_hz)
+    return TargetsLaw(control, kwargs.get("control_hz"), base.decision_hz)
 
 
 def wrapped(

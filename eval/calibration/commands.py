@@ -25,6 +25,7 @@ from eval.options import (
     fields_of,
 )
 from eval.terminal import terminal
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.seeds import REPORTS
@@ -45,7 +46,7 @@ def calibrate_command(
     patients: Patients = 200,
     seed: Seed = REPORTS[0].start,
     cohort: Cohort = "trismus",
-    control: Control = "force",
+    control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     env: Annotated[
         str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")

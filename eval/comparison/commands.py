@@ -28,6 +28,7 @@ from eval.options import (
     fields_of,
 )
 from eval.terminal import terminal
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.seeds import REPLAYS, REPORTS
 
@@ -54,7 +55,7 @@ def compare_command(
     patients: Patients = 64,
     cohort: Cohort = "trismus",
     seed: Seed = REPORTS[0].start,
-    control: Control = "force",
+    control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
     reality: Effects = None,

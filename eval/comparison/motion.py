@@ -26,11 +26,13 @@ class Watched:
 
     Attributes:
         name: that of the agent.
+        control: that of the agent; None if it names none.
     """
 
     def __init__(self, agent: Any) -> None:
         self._agent = agent
         self.name: str = agent.name
+        self.control = getattr(agent, "control", None)
         self._motion: dict[str, Any] | None = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:

@@ -49,9 +49,9 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 # %% [markdown]
 # ## The environment
 #
-# One step is one command to the device's four motors. `info` holds what the filter believes about the 12 parameters
-# (natural logs: F_o is a muscle's force at closed jaw, b how steeply it grows with stretch) and, because this is a
-# simulation, the truth.
+# One step is one command to the device: where the jaw is to be 0.2 s later. `info` holds what the filter believes about
+# the 12 parameters (natural logs: F_o is a muscle's force at closed jaw, b how steeply it grows with stretch) and,
+# because this is a simulation, the truth.
 
 # %%
 env = gym.make("jawenv/Jaw-v1", episode_s=EPISODE_S)

@@ -125,7 +125,7 @@ study.patients.groupby("entry", sort=False)[["discomfort_s", "largest_fraction",
 # The combination of parameters that is known least after the maneuver, in words. It says which motion to add.
 
 # %%
-agent = jawenv.Player(maneuver, control="force")
+agent = jawenv.Player(maneuver)
 played = jawenv.play(agent, patients=1, seed=200, env_kwargs={"episode_s": EPISODE_S, "record": True})
 print(jawenv.identifiability(played.records[0]).describe())
 

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from eval.options import Believed, Changes, Cohort, Control, Effects, Fresh, Output, Patients, Seed, Sensors, fields_of
 from eval.report import words
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.seeds import REPORTS
@@ -45,7 +46,7 @@ def patient_command(
     ] = None,
     cohort: Cohort = "trismus",
     seed: Seed = REPORTS[0].start,
-    control: Control = "force",
+    control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
     reality: Effects = None,
@@ -102,7 +103,7 @@ def diagnose_command(
     patients: Patients = 200,
     cohort: Cohort = "one_sided",
     seed: Seed = REPORTS[0].start,
-    control: Control = "force",
+    control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
     reality: Effects = None,

@@ -10,7 +10,8 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from eval.studies.metrics import DEFAULT_METRICS, METRICS
 from jawenv.anatomy import cohort
-from jawenv.envs.configuration import Control, Sensors
+from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.ladder import Estimator, model_of_env
@@ -133,7 +134,7 @@ class Design(InputModel):
         default=(Environment(env="Jaw"),), min_length=1
     )
     cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)
-    controls: tuple[Control, ...] = Field(default=("force",), min_length=1)
+    controls: tuple[Control, ...] = Field(default=(DEFAULT_CONTROL,), min_length=1)
     sensors: tuple[Sensors, ...] = Field(default=("pose",), min_length=1)
     reality: dict[str, dict[str, Number]] = Field(default={"none": {}}, min_length=1)
     control_hz: tuple[Number, ...] = ()

@@ -46,10 +46,11 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
     from jawenv.envs.records import record_of
 
     env_id = {"sides": "jawenv/JawSides-v1", "jaw": "jawenv/Jaw-v1"}[model]
-    agent = load_agent(MANEUVER, env_id=env_id)
+    agent = load_agent(MANEUVER, control="force", env_id=env_id)
     env: Any = gym.make_vec(
         env_id,
         num_envs=len(rngs),
+        control="force",
         autoreset_mode="disabled",
         record=True,
         cohort=cohort,

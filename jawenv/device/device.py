@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
@@ -51,6 +52,39 @@ DEVICE = record_dtype(
         ("encoder_velocity", "f8"),
         ("encoder_rate", "f8"),
     ],
+)
+
+
+# Highest value of each field, mostly 100 times the default; and whether 0 is allowed, by which some formulas divide.
+ALLOWED: Mapping[str, tuple[float, bool]] = MappingProxyType(
+    {
+        "vertical_arm_mm": (1000.0, False),
+        "horizontal_arm_mm": (1000.0, False),
+        "lever": (10.0, False),
+        "full_scale_N": (600.0, False),
+        "motor_continuous_N": (1.5e4, False),
+        "motor_peak_N": (2.3e4, False),
+        "motor_no_load_mm_s": (2000.0, False),
+        "thermal_s": (1000.0, False),
+        "force_cap_N": (4000.0, False),
+        "slew_N_s": (1e5, False),
+        "lag_s": (2.0, False),
+        "max_rate_mm_s": (4000.0, False),
+        "servo_stiffness_N_m": (6e4, False),
+        "servo_damping_N_s_m": (800.0, False),
+        "stop_stiffness_N_m": (5e5, False),
+        "stop_damping_N_s_m": (1000.0, False),
+        "brake_N_s_m": (3000.0, True),
+        "unmodelled_force_N": (10.0, True),
+        "unmodelled_moment_N_m": (0.3, True),
+        "cell_force_N": (4.0, True),
+        "cell_moment_N_m": (0.08, True),
+        "cell_gain": (0.5, True),
+        "encoder_position_mm": (10.0, False),
+        "encoder_angle_deg": (180.0, False),
+        "encoder_velocity_mm_s": (100.0, False),
+        "encoder_rate_rad_s": (2.0, False),
+    }
 )
 
 
@@ -118,22 +152,14 @@ class Device:
         """Check every field.
 
         Raises:
-            InputError: a field is not a finite number, negative, or zero where something divides by it.
+            InputError: a field is not a finite number, or out of its range (``ALLOWED``).
         """
-        may_be_zero = {
-            "unmodelled_force_N",
-            "unmodelled_moment_N_m",
-            "cell_force_N",
-            "cell_moment_N_m",
-            "cell_gain",
-            "brake_N_s_m",
-        }
-        for name in (field.name for field in fields(self)):
+        for name, (high, zero) in ALLOWED.items():
             value = getattr(self, name)
             number = real_number(value)
-            if number is None or number < 0.0 or (number == 0.0 and name not in may_be_zero):
-                low = "0 or more" if name in may_be_zero else "more than 0"
-                raise InputError(f"device.{name} is {shown(value)}; allowed: a finite number, {low}")
+            if number is None or not 0.0 <= number <= high or (number == 0.0 and not zero):
+                low = "0 or more" if zero else "more than 0"
+                raise InputError(f"device.{name} is {shown(value)}; allowed: a finite number, {low}, at most {high:g}")
             object.__setattr__(self, name, number)
 
     @classmethod

@@ -11,6 +11,7 @@ import numpy as np
 
 from jawenv.anatomy import Cohort, cohort
 from jawenv.checks import real_number
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
 from jawenv.device.device import Device, device_of
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
@@ -19,12 +20,9 @@ from jawenv.files import Source
 from jawenv.ladder import Estimator, model_named
 from jawenv.reality import Reality, check_reality
 
-Control = Literal["force", "trajectory", "targets"]
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 
-CONTROL_HZ: dict[str, float] = {"force": 20.0, "trajectory": 20.0, "targets": 5.0}
-"""Steps per second where none are given, by control."""
 LARGEST = 1e6  # of the numeric arguments
 
 
@@ -35,7 +33,7 @@ class Configuration:
     Numbers become Python's own; cohort, device and reality become objects, so that a file is read once.
     """
 
-    control: Control = "force"
+    control: Control = DEFAULT_CONTROL
     sensors: Sensors = "pose"
     reward: Reward = "uncertainty"
     cohort: str | Cohort | Source = "trismus"

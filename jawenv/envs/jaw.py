@@ -11,9 +11,10 @@ from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Prior
+from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_action
-from jawenv.envs.configuration import Control, Reward, Sensors, configure
+from jawenv.envs.configuration import Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
@@ -75,7 +76,7 @@ class JawEnv(gym.Env[Observation, Action]):
     observation and flags, reward 0.
 
     ## Arguments
-    * ``control`` "force" | "trajectory" | "targets"; ``sensors`` "pose" | "point"; ``reward``.
+    * ``control`` "targets" (default) | "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``.
     * ``cohort``: whom ``reset`` draws: a name in ``jawenv.COHORTS``, a ``jawenv.Cohort``, a mapping as
       ``Cohort.from_dict`` takes it, or the path of a JSON, TOML or YAML file with one.
     * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number (targets
@@ -103,7 +104,7 @@ class JawEnv(gym.Env[Observation, Action]):
     def __init__(
         self,
         *,
-        control: Control = "force",
+        control: Control = DEFAULT_CONTROL,
         sensors: Sensors = "pose",
         reward: Reward = "uncertainty",
         cohort: str | Cohort | Source = "trismus",

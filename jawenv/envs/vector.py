@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Cohort, Patient, Prior
 from jawenv.checks import whole_number
+from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_actions
-from jawenv.envs.configuration import Control, Reward, Sensors, configure
+from jawenv.envs.configuration import Reward, Sensors, configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
@@ -57,7 +58,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self,
         num_envs: int = 1,
         *,
-        control: Control = "force",
+        control: Control = DEFAULT_CONTROL,
         sensors: Sensors = "pose",
         reward: Reward = "uncertainty",
         cohort: str | Cohort | Source = "trismus",

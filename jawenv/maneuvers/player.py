@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.checks import real_number
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, TRACKER
 from jawenv.device.device import N_MOTORS, Device
-from jawenv.envs.configuration import CONTROL_HZ, Control
 from jawenv.envs.observation import parameters_of
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
@@ -42,9 +42,14 @@ class Player:
 
     Args:
         maneuver: the maneuver, the name of one that comes with jawenv, or the path of a file.
-        control: control mode of the environment.
+        control: control mode of the environment, which ``jawenv.play`` takes from here.
         control_hz: control steps per second of the environment; None for the mode's default.
         device: of the environment, if not the default one.
+
+    Attributes:
+        maneuver: what is played.
+        name: the maneuver's.
+        control: as given.
 
     Raises:
         InputError: an unknown maneuver or control mode, or a rate that is not positive.
@@ -54,7 +59,7 @@ class Player:
         self,
         maneuver: Maneuver | str | Path,
         *,
-        control: Control = "force",
+        control: Control = DEFAULT_CONTROL,
         control_hz: float | None = None,
         device: Device | None = None,
     ) -> None:
@@ -65,7 +70,7 @@ class Player:
             raise InputError(f"control_hz {shown(control_hz)}: must be a positive number")
         self.maneuver = _maneuver(maneuver)
         self.name = self.maneuver.name
-        self._control = control
+        self.control = control
         self._holds_roll = self.maneuver.channels.roll is not None
         self._device = (device or Device()).records()
         self._dt = 1.0 / hz
@@ -90,7 +95,7 @@ class Player:
         rows, single, parameters = checked_rows(observation)
         memory = self._recall(state, len(rows), episode_start)
         time = self._dt * memory.step.astype(np.float64)
-        if self._control == "targets":
+        if self.control == "targets":
             # Where the jaw is to be at the end of the step.
             action = action_of(self.targets(time + self._dt).value)
         else:
@@ -106,7 +111,7 @@ class Player:
     def _follow(self, rows: Observation, parameters: int, trackers: NDArray[np.void], targets: Targets) -> Array:
         trackers["target"], trackers["rate"] = targets.value, targets.rate
         action = np.zeros((len(rows), N_MOTORS))
-        servo = self._control == "trajectory"
+        servo = self.control == "trajectory"
         follow_all(self._device, rows, parameters, trackers, servo, self._holds_roll, self._dt, action)
         return action
 

@@ -36,7 +36,7 @@ REALITY = record_dtype(
 )
 
 # Lowest and highest value of each field, and whether the lowest is itself allowed.
-_ALLOWED = {
+ALLOWED = {
     "reflex_gain": (0.0, 10.0, True),
     "reflex_latency_ms": (0.0, 80.0, True),
     "reflex_lag_ms": (0.0, 1000.0, False),
@@ -115,7 +115,7 @@ class Reality:
         Raises:
             InputError: a field is not a finite number or out of its range.
         """
-        for name, (low, high, closed) in _ALLOWED.items():
+        for name, (low, high, closed) in ALLOWED.items():
             value = getattr(self, name)
             number = real_number(value)
             if number is None or not low <= number <= high or (number == low and not closed):
@@ -132,8 +132,8 @@ class Reality:
             InputError: an unknown field, or a value that is not allowed.
         """
         for name in data:
-            if name not in _ALLOWED:
-                raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(_ALLOWED)}")
+            if name not in ALLOWED:
+                raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(ALLOWED)}")
         return cls(**data)
 
     @classmethod

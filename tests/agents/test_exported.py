@@ -10,6 +10,7 @@ from exported_folder import LAYERS, fields, random_weights, write_exported
 from safetensors.numpy import save
 
 import agents
+import jawenv
 from agents.exported import ExportedPolicy, elu, load_exported
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
@@ -31,7 +32,7 @@ def refusal(path: Path, **kwargs: str) -> str:
 
 
 def test_it_computes_the_layers_of_the_card(folder: Path) -> None:
-    agent = agents.load_agent(folder)
+    agent = agents.load_agent(folder, control="trajectory")
     assert isinstance(agent, ExportedPolicy) and isinstance(agent, Agent) and agent.name == "shared"
     observation = np.random.default_rng(0).normal(size=(6, OBSERVATION_SIZE)).astype(np.float32)
     weights = random_weights()
@@ -46,7 +47,7 @@ def test_it_computes_the_layers_of_the_card(folder: Path) -> None:
 
 
 def test_the_card_itself_stands_for_its_folder(folder: Path) -> None:
-    assert agents.load_agent(str(folder / "card.json")).name == "shared"
+    assert agents.load_agent(str(folder / "card.json"), control="trajectory").name == "shared"
 
 
 def test_elu_goes_on_smoothly_below_zero() -> None:
@@ -57,7 +58,7 @@ def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
     code = (
         "import agents, numpy, pickle, sys\n"
         "del pickle.loads, pickle.load, pickle.Unpickler\n"
-        f"agent = agents.load_agent({str(folder)!r})\n"
+        f"agent = agents.load_agent({str(folder)!r}, control='trajectory')\n"
         f"assert agent.predict(numpy.zeros({OBSERVATION_SIZE}, dtype='f4'))[0].shape == (4,)\n"
         "assert not {'torch', 'stable_baselines3'} & set(sys.modules)\n"
     )
@@ -130,3 +131,12 @@ def test_a_policy_on_a_maneuver_corrects_it(tmp_path: Path) -> None:
 def test_wrong_observation_at_play_is_refused(folder: Path) -> None:
     with pytest.raises(InputError, match=f"observations of {OBSERVATION_SIZE} values, got 4"):
         load_exported(folder).predict(np.zeros((2, 4), dtype=np.float32))
+
+
+def test_a_policy_of_the_motors_keeps_the_control_of_its_card(folder: Path) -> None:
+    agent = agents.load_agent(folder, control="trajectory")
+    assert agent.control == "trajectory"  # type: ignore[attr-defined]
+    with pytest.raises(InputError, match="^control is 'targets'; allowed for agent 'shared', .*: trajectory$"):
+        agents.load_agent(folder)
+    with pytest.raises(InputError, match="^control is 'force'; allowed for agent 'shared', .*: trajectory$"):
+        jawenv.play(agent, patients=1, seed=0, env_kwargs={"control": "force"})

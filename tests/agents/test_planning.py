@@ -65,7 +65,7 @@ def test_what_a_planner_cannot_do_without_is_named():
     agent = quick("myopic")
     with pytest.raises(InputError, match=r"^agent 'myopic': no environment; allowed: attach\(env\) before predict"):
         agent.predict(np.zeros((2, 59), np.float32))
-    with pytest.raises(InputError, match="control is 'trajectory'; allowed for a planner: targets"):
+    with pytest.raises(InputError, match="control is 'trajectory'; allowed for agent 'myopic', .*: targets"):
         jawenv.play(agent, patients=1, seed=5000, env_kwargs={"control": "trajectory", "episode_s": 1.0})
     env = vector(1)
     env.reset(seed=5000)

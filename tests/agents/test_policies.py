@@ -1,5 +1,6 @@
 """Trained policies: what is loaded acts as what was saved, and what is no policy is named."""
 
+import shutil
 from pathlib import Path
 
 import gymnasium as gym
@@ -114,3 +115,10 @@ def test_policy_of_another_environment_is_refused(run_folder: Path, tmp_path: Pa
 def test_wrong_observation_at_play_is_refused(run_folder: Path) -> None:
     with pytest.raises(InputError, match=f"observations of {SIZE} values, got 4"):
         load_policy(run_folder).predict(np.zeros((2, 4), dtype=np.float32))
+
+
+def test_a_policy_has_the_control_of_its_run(run_folder: Path, tmp_path: Path) -> None:
+    assert load_policy(run_folder).control is None
+    shutil.copy(run_folder / "final_model.zip", tmp_path / "final_model.zip")
+    (tmp_path / "config.yaml").write_text("env: {kwargs: {control: force}}\n")
+    assert load_policy(tmp_path).control == "force"

@@ -85,7 +85,7 @@ def test_targets_are_no_faster_than_the_device():
 
 
 def test_another_control_mode_and_another_ending_are_refused(tmp_path):
-    agent = agents.load_agent("hold_still")
+    agent = agents.load_agent("hold_still", control="force")
     with pytest.raises(
         InputError, match="^replay of 'hold_still': control is 'force'; allowed: targets, or a policy of targets"
     ):
@@ -93,3 +93,11 @@ def test_another_control_mode_and_another_ending_are_refused(tmp_path):
     maneuver = Maneuver.named("hold_still")
     with pytest.raises(InputError, match="^output is .*; allowed: a file that ends in .yaml$"):
         save_maneuver(maneuver, tmp_path / "replay.txt")
+
+
+def test_a_replay_is_of_targets_control(tmp_path):
+    replay = replays_of(agents.load_agent("random"), patients=2, seed=5000, env_kwargs=KWARGS)[1]
+    with pytest.raises(
+        InputError, match="^control is 'force'; allowed for agent 'yoked_replay_of_random', .*: targets$"
+    ):
+        jawenv.play(replay, patients=2, seed=5000, env_kwargs={"control": "force"})

@@ -47,7 +47,7 @@ print(time.perf_counter() - start, *[name for name in {HEAVY} if name in sys.mod
 FIRST_STEP = """
 import time
 import gymnasium as gym, jawenv
-env = gym.make("jawenv/Jaw-v1")
+env = gym.make("jawenv/Jaw-v1", control="force")
 env.reset(seed=0)
 env.step(env.action_space.sample())
 print(time.time(), time.process_time())
@@ -102,7 +102,7 @@ def run_vector(vec: gym.vector.VectorEnv, action: Callable[[int], np.ndarray], s
 def agents_of(control: str) -> dict[str, Agent]:
     """What drives the worlds: commands that press on stops and teeth, a maneuver, and random actions."""
     maneuver = load_agent("opening_with_swings_and_fore_aft", control=control)
-    return {"gentle sines": Sinusoids(), "maneuver": maneuver, "random actions": load_agent("random")}
+    return {"gentle sines": Sinusoids(), "maneuver": maneuver, "random actions": load_agent("random", control=control)}
 
 
 def run_driven(vec: gym.vector.VectorEnv, agent: Agent, observation: np.ndarray, steps: int) -> tuple[float, Any]:
@@ -118,7 +118,7 @@ def run_driven(vec: gym.vector.VectorEnv, agent: Agent, observation: np.ndarray,
 
 def speeds(size: Size) -> list[Row]:
     """One environment, and a batch under three kinds of actions and both controls, over Humanoid-v5's speed."""
-    jaw, humanoid = gym.make(DEFAULT_ENV), gym.make("Humanoid-v5")
+    jaw, humanoid = gym.make(DEFAULT_ENV, control="force"), gym.make("Humanoid-v5")
     jaw.reset(seed=0)
     humanoid.reset(seed=0)
     humanoid.action_space.seed(0)
@@ -157,7 +157,7 @@ def ladder_speeds(size: Size) -> list[Row]:
     rows = []
     for env_id in OTHERS:
         say(f"speed: {env_id}")
-        alone, vec = gym.make(env_id), gym.make_vec(env_id, num_envs=WORLDS)
+        alone, vec = gym.make(env_id, control="force"), gym.make_vec(env_id, num_envs=WORLDS, control="force")
         alone.reset(seed=0)
         vec.reset(seed=0)
         share = 10 if env_id in PLANTS_IN_PYTHON else 1
@@ -175,7 +175,7 @@ def ladder_speeds(size: Size) -> list[Row]:
 class Sinusoids:
     """The motor commands of the other measurements, as an agent."""
 
-    name = "sinusoids"
+    name, control = "sinusoids", "force"
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         self.step, self.action = 0, sinusoids(num_envs)
@@ -267,7 +267,10 @@ def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
 
 
 def memory(size: Size) -> list[Row]:
-    vec, jaw = gym.make_vec("jawenv/Jaw-v1", num_envs=WORLDS), gym.make("jawenv/Jaw-v1")
+    vec, jaw = (
+        gym.make_vec("jawenv/Jaw-v1", num_envs=WORLDS, control="force"),
+        gym.make("jawenv/Jaw-v1", control="force"),
+    )
     vec.reset(seed=0)
     jaw.reset(seed=0)
     calls, alone = size.memory_env_steps // WORLDS // 10 * 10, size.memory_single_steps

@@ -36,7 +36,7 @@ def test_full_thrust_for_ever_is_held_by_the_governor(control, way):
 
 
 def test_the_governor_leaves_small_motion_alone():
-    env = gym.make_vec(ID, num_envs=PATIENTS, episode_s=4.0)
+    env = gym.make_vec(ID, num_envs=PATIENTS, episode_s=4.0, control="force")
     env.reset(seed=100)
     for k in range(80):
         action = 0.05 * np.sin(2 * np.pi * k / 80) * np.array([1, 1, -1, 1], dtype=np.float32)

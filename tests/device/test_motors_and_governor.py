@@ -66,13 +66,14 @@ def test_the_record_is_the_device_in_SI_units():
 @pytest.mark.parametrize(
     ("field", "value", "allowed"),
     [
-        ("lag_s", 0.0, "a finite number, more than 0"),
-        ("slew_N_s", -1.0, "a finite number, more than 0"),
-        ("cell_gain", -0.01, "a finite number, 0 or more"),
-        ("lever", float("nan"), "a finite number, more than 0"),
-        ("force_cap_N", float("inf"), "a finite number, more than 0"),
-        ("thermal_s", "ten", "a finite number, more than 0"),
-        ("full_scale_N", True, "a finite number, more than 0"),
+        ("lag_s", 0.0, "a finite number, more than 0, at most 2"),
+        ("slew_N_s", -1.0, "a finite number, more than 0, at most 100000"),
+        ("cell_gain", -0.01, "a finite number, 0 or more, at most 0.5"),
+        ("lever", float("nan"), "a finite number, more than 0, at most 10"),
+        ("force_cap_N", float("inf"), "a finite number, more than 0, at most 4000"),
+        ("thermal_s", "ten", "a finite number, more than 0, at most 1000"),
+        ("full_scale_N", True, "a finite number, more than 0, at most 600"),
+        ("brake_N_s_m", 1e9, "a finite number, 0 or more, at most 3000"),
     ],
 )
 def test_a_field_that_no_device_has_is_named(field, value, allowed):
@@ -96,7 +97,7 @@ def test_the_command_rises_no_faster_than_the_slew_limit(jaw, motors):
 
 
 def test_thrust_follows_its_command_with_the_lag(jaw, motors):
-    device = device_record(slew_N_s=1e9, lag_s=0.05, full_scale_N=10.0)
+    device = device_record(slew_N_s=1e5, lag_s=0.05, full_scale_N=10.0)
     thrusts = []
     for _ in range(20):
         command(device, jaw, motors, -OPEN)
@@ -119,7 +120,7 @@ def test_thrust_falls_with_speed_to_nothing_at_the_no_load_speed(jaw, motors):
 
 def test_a_hot_motor_falls_back_to_its_continuous_thrust(jaw, motors):
     """Heat rises towards (thrust / continuous)^2; the peak lasts until it is 1."""
-    device = device_record(full_scale_N=57.5, slew_N_s=1e9, lag_s=1e-4, thermal_s=2.0)
+    device = device_record(full_scale_N=57.5, slew_N_s=1e5, lag_s=1e-4, thermal_s=2.0)
     thrusts = []
     for _ in range(200):
         command(device, jaw, motors, OPEN)

@@ -22,7 +22,7 @@ def actions(number):
 
 def played(env_id, number=2, seed=5, **arguments):
     """Observations, rewards and the last info of a short episode of some worlds."""
-    env = gym.make_vec(env_id, num_envs=number, **arguments)
+    env = gym.make_vec(env_id, num_envs=number, **{"control": "force", **arguments})
     seen, rewards = [env.reset(seed=seed)[0]], []
     for action in actions(number):
         observation, reward, _, _, info = env.step(action)
@@ -38,9 +38,9 @@ def test_the_registry_is_the_ladder():
 @pytest.mark.parametrize("env_id", OTHERS)
 def test_both_checkers_have_nothing_to_say(env_id):
     """Warnings are errors in this suite."""
-    check_env(gym.make(env_id, episode_s=0.5).unwrapped, skip_render_check=True)
+    check_env(gym.make(env_id, episode_s=0.5, control="force").unwrapped, skip_render_check=True)
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    checker.check_env(gym.make(env_id, episode_s=0.5).unwrapped, warn=True)
+    checker.check_env(gym.make(env_id, episode_s=0.5, control="force").unwrapped, warn=True)
 
 
 @pytest.mark.parametrize("env_id", OTHERS)
@@ -48,7 +48,7 @@ def test_world_i_equals_the_single_environment_bit_for_bit(env_id):
     arguments = {"control": "trajectory", "reward": "bound"}
     together, rewards, info = played(env_id, **arguments)
     for i in range(2):
-        env = gym.make(env_id, **arguments)
+        env = gym.make(env_id, **{"control": "force", **arguments})
         seen = [env.reset(seed=5 + i)[0]]
         for k, action in enumerate(actions(2)[:, i]):
             observation, reward, _, _, single = env.step(action)
@@ -81,7 +81,7 @@ def test_planar_models_stay_in_their_plane(env_id):
 
 
 def test_a_patient_has_the_muscles_of_the_model():
-    env = gym.make("jawenv/JawSides-v1")
+    env = gym.make("jawenv/JawSides-v1", control="force")
     law = {"F_o_N": {"left": 3.0, "right": 1.0}, "b": {"left": 7.0, "right": 7.0}}
     _, info = env.reset(seed=0, options={"patient": law})
     np.testing.assert_allclose(np.exp(info["truth"]), [3.0, 7.0, 1.0, 7.0])
@@ -98,13 +98,13 @@ def test_two_condyles_resist_roll_and_their_filter_knows():
     assert honest["nees"].mean() < nees_band(4, 12, 0.999)[1]
     assert np.median(wrong["nees"]) > 1000.0
     with pytest.raises(jawenv.InputError, match="^estimator is 'bilateral'; allowed in Jaw: midline$"):
-        gym.make("jawenv/Jaw-v1", estimator="bilateral")
+        gym.make("jawenv/Jaw-v1", estimator="bilateral", control="force")
 
 
 def test_the_plant_in_contact_moves_as_the_smooth_one_does():
     """The same patients and noise: friction and the chatter of contact change the motion by little."""
     _, _, rough = played("jawenv/JawSagittal-v1")
-    smooth_env = gym.make_vec("jawenv/JawSagittal-v1", num_envs=2)
+    smooth_env = gym.make_vec("jawenv/JawSagittal-v1", num_envs=2, control="force")
     simulation = smooth_env.simulation
     simulation._contact = None  # the compiled midline plant, restricted to the plane
     smooth_env.reset(seed=5)

@@ -50,9 +50,9 @@ def files(tmp_path):
 def first_steps(patient=None, **arguments):
     """Observations of two steps of an environment, single and as a world of two."""
     action = np.array([0.5, 0.5, 0.1, -0.1], dtype=np.float32)
-    single = gym.make(ID, episode_s=1.0, **arguments)
+    single = gym.make(ID, episode_s=1.0, **{"control": "force", **arguments})
     single.reset(seed=4, options=None if patient is None else {"patient": patient})
-    together = gym.make_vec(ID, num_envs=2, episode_s=1.0, **arguments)
+    together = gym.make_vec(ID, num_envs=2, episode_s=1.0, **{"control": "force", **arguments})
     together.reset(seed=4, options=None if patient is None else {"patients": [patient, None]})
     seen = [single.step(action)[0] for _ in range(2)]
     worlds = [together.step(np.tile(action, (2, 1)))[0][0] for _ in range(2)]
@@ -85,7 +85,7 @@ def test_forms_of_a_patient(files):
 
 
 def test_a_cohort_serves_every_model():
-    env = gym.make("jawenv/JawSides-v1", cohort=ONE_SIDE)
+    env = gym.make("jawenv/JawSides-v1", cohort=ONE_SIDE, control="force")
     _, info = env.reset(seed=0)
     assert info["truth"].shape == (4,)
     np.testing.assert_allclose(env.unwrapped.prior.mean[::2], np.log([2.4, 1.2]))
@@ -100,13 +100,13 @@ def test_specs_survive_json_and_pickle(files):
         {"cohort": path, "device": str(files["device.toml"])},
         {"device": WEAK, "reality": Reality(creep_share=0.2)},
     ):
-        env = gym.make(ID, **arguments)
+        env = gym.make(ID, **{"control": "force", **arguments})
         for copy in (EnvSpec.from_json(env.spec.to_json()), pickle.loads(pickle.dumps(env.spec))):
             made = gym.make(copy).unwrapped
             np.testing.assert_array_equal(made.prior.mean, env.unwrapped.prior.mean)
             assert made.configuration.device == env.unwrapped.configuration.device
             assert made.configuration.reality == env.unwrapped.configuration.reality
-    spec = pickle.loads(pickle.dumps(gym.make(ID, cohort=ONE_SIDE, device=files["device.toml"]).spec))
+    spec = pickle.loads(pickle.dumps(gym.make(ID, cohort=ONE_SIDE, device=files["device.toml"], control="force").spec))
     assert gym.make(spec).unwrapped.simulation.cohort.name == "stiff left"
 
 
@@ -137,7 +137,7 @@ LAW = {"F_o_N": 1.2, "F_o_sd": 0.5, "b": 7.0, "b_sd": 0.3}
 )
 def test_an_unusable_cohort_is_named(change, message):
     with pytest.raises(jawenv.InputError) as caught:
-        gym.make(ID, cohort={"groups": [{"left": LAW | change, "right": LAW}]})
+        gym.make(ID, cohort={"groups": [{"left": LAW | change, "right": LAW}]}, control="force")
     assert str(caught.value) == message
 
 
@@ -147,8 +147,13 @@ def test_an_unusable_cohort_is_named(change, message):
         ("cohort", "a.toml", "groups = [", "a.toml: damaged TOML: Invalid value (at end of document)"),
         ("cohort", "a.json", "[]", "a.json: must hold a mapping of keys to values, not a list"),
         ("cohort", "a.json", "{}", "a.json: Cohort: groups is missing"),
-        ("device", "a.yaml", "lag_s: 0", "a.yaml: device.lag_s is 0; allowed: a finite number, more than 0"),
-        ("device", "a.yaml", "lag_s: .nan", "a.yaml: device.lag_s is nan; allowed: a finite number, more than 0"),
+        ("device", "a.yaml", "lag_s: 0", "a.yaml: device.lag_s is 0; allowed: a finite number, more than 0, at most 2"),
+        (
+            "device",
+            "a.yaml",
+            "lag_s: .nan",
+            "a.yaml: device.lag_s is nan; allowed: a finite number, more than 0, at most 2",
+        ),
         ("device", "a.txt", "", "a.txt: unknown file type '.txt'; allowed: .json, .toml, .yaml, .yml"),
     ],
 )

@@ -26,7 +26,7 @@ NOTHING = np.zeros(4, dtype=np.float32)
 
 def make(**arguments):
     """The bare environment, without Gymnasium's wrappers."""
-    return gym.make(ID, **arguments).unwrapped
+    return gym.make(ID, **{"control": "force", **arguments}).unwrapped
 
 
 @pytest.mark.parametrize(("control", "sensors"), MODES)
@@ -42,7 +42,7 @@ def test_stable_baselines3s_checker_has_nothing_to_say(control, sensors):
 
 
 def test_make_vec_gives_the_native_vector_form():
-    env = gym.make_vec(ID, num_envs=256, cohort="severe")
+    env = gym.make_vec(ID, num_envs=256, cohort="severe", control="force")
     assert isinstance(env, JawVectorEnv)
     assert env.num_envs == 256
     assert env.simulation.cohort.name == "severe"
@@ -87,7 +87,7 @@ def test_numpys_numbers_are_numbers():
         seen.append(env.step(NOTHING)[0])
         assert type(env.configuration.episode_s) is float
     np.testing.assert_array_equal(*seen)
-    together = gym.make_vec(ID, num_envs=np.int64(2), **numpys)
+    together = gym.make_vec(ID, num_envs=np.int64(2), **{"control": "force", **numpys})
     from_number, _ = together.reset(seed=np.uint32(3))
     from_entries, _ = together.reset(seed=np.array([3, 4]))
     np.testing.assert_array_equal(from_number, from_entries)
@@ -155,17 +155,18 @@ ARGUMENTS = [
     ({"episode_s": 0}, "episode_s is 0; allowed: a number, more than 0, at most 1e+06"),
     ({"episode_s": 0.01}, "episode_s is 0.01; allowed: at least one control period"),
     ({"comfort_weight": float("nan")}, "comfort_weight is nan; allowed: a number, 0 or more, at most 1e+06"),
-    ({"control_hz": 30}, "control_hz is 30; allowed: 100 divided by a whole number"),
-    ({"control_hz": 200}, "control_hz is 200; allowed: 100 divided by a whole number"),
+    ({"control_hz": 30}, "control_hz is 30; allowed: 20 divided by a whole number"),
+    ({"control": "force", "control_hz": 30}, "control_hz is 30; allowed: 100 divided by a whole number"),
+    ({"control": "force", "control_hz": 200}, "control_hz is 200; allowed: 100 divided by a whole number"),
     ({"track_bound": "yes"}, "track_bound is 'yes'; allowed: true or false"),
-    ({"control_hz": 1e-320}, "control_hz is 9.99989e-321; allowed: 100 divided by a whole number"),
+    ({"control_hz": 1e-320}, "control_hz is 9.99989e-321; allowed: 20 divided by a whole number"),
     ({"episode_s": 30 + 0j}, "episode_s is (30+0j); allowed: a number, more than 0, at most 1e+06"),
     ({"episode_s": True}, "episode_s is True; allowed: a number, more than 0, at most 1e+06"),
     ({"device": 5}, "device is 5; allowed: a Device, a mapping of its fields, or the path of a file with them"),
     ({"device": "no/such.toml"}, "no/such.toml: no such file"),
     ({"reality": 5}, "reality is 5; allowed: a Reality, a mapping of its fields, or the path of a file with them"),
     ({"device": {"colour": 1}}, "device.colour is not a field of Device; allowed: vertical_arm_mm, "),
-    ({"device": {"lag_s": 0}}, "device.lag_s is 0; allowed: a finite number, more than 0"),
+    ({"device": {"lag_s": 0}}, "device.lag_s is 0; allowed: a finite number, more than 0, at most 2"),
 ]
 
 
@@ -186,7 +187,7 @@ def test_an_unusable_argument_is_named(arguments, message):
 
 def test_unusable_arguments_of_one_form_are_named():
     with pytest.raises(jawenv.InputError, match="^render_mode is 'ansi'; allowed: human, rgb_array$"):
-        jawenv.envs.jaw.JawEnv(render_mode="ansi")
+        jawenv.envs.jaw.JawEnv(render_mode="ansi", control="force")
     for arguments, message in (
         ({"num_envs": 0}, "num_envs is 0; allowed: a whole number, 1 or more"),
         (
@@ -196,7 +197,7 @@ def test_unusable_arguments_of_one_form_are_named():
         ({"num_envs": 2, "render_mode": "human"}, "render_mode is 'human'; allowed in the vector form: None"),
     ):
         with pytest.raises(jawenv.InputError) as caught:
-            JawVectorEnv(**arguments)
+            JawVectorEnv(**{"control": "force", **arguments})
         assert str(caught.value) == message
 
 
@@ -223,7 +224,7 @@ def test_an_unusable_action_is_named(action, message):
 
 
 def test_an_unusable_action_of_many_is_named():
-    env = gym.make_vec(ID, num_envs=2)
+    env = gym.make_vec(ID, num_envs=2, control="force")
     env.reset(seed=0)
     with pytest.raises(jawenv.InputError, match=r"^action\[1, 2\] is -2.0; allowed: -1 to 1$"):
         env.step(np.array([[0, 0, 0, 0], [0, 0, -2, 0]]))
@@ -278,19 +279,19 @@ def test_an_unusable_option_is_named(options, message):
 )
 def test_an_unusable_option_of_the_vector_form_is_named(arguments, message):
     with pytest.raises(jawenv.InputError) as caught:
-        gym.make_vec(ID, num_envs=2).reset(**arguments)
+        gym.make_vec(ID, num_envs=2, control="force").reset(**arguments)
     assert str(caught.value) == message
 
 
 def test_step_and_render_need_a_reset():
     with pytest.raises(gym.error.ResetNeeded):
-        gym.make(ID).step(NOTHING)
+        gym.make(ID, control="force").step(NOTHING)
     with pytest.raises(gym.error.ResetNeeded):
         make().step(NOTHING)
     with pytest.raises(gym.error.ResetNeeded):
         make(render_mode="rgb_array").render()
     with pytest.raises(gym.error.ResetNeeded):
-        gym.make_vec(ID, num_envs=2).step(np.zeros((2, 4)))
+        gym.make_vec(ID, num_envs=2, control="force").step(np.zeros((2, 4)))
 
 
 @pytest.mark.parametrize("reason", ["truncated", "terminated"])

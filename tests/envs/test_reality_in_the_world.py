@@ -22,7 +22,7 @@ STEPS = 40
 
 
 def played(env_id, **arguments):
-    env = gym.make(env_id, episode_s=STEPS / 20, **arguments)
+    env = gym.make(env_id, episode_s=STEPS / 20, **{"control": "force", **arguments})
     observation, info = env.reset(seed=3)
     seen, infos = [observation], [info]
     for k in range(STEPS - 1):
@@ -69,6 +69,6 @@ def test_unusable_effects_are_named():
         ({"reality": {"creep_share": 1.5}}, "reality.creep_share is 1.5; allowed: a finite number, 0 or more, at"),
     ):
         with pytest.raises(jawenv.InputError) as caught:
-            gym.make("jawenv/Jaw-v1", **arguments)
+            gym.make("jawenv/Jaw-v1", **{"control": "force", **arguments})
         assert str(caught.value).startswith(message)
         assert "\n" not in str(caught.value)

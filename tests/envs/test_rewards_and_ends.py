@@ -33,7 +33,7 @@ def play(env, steps, action=swing):
 @pytest.mark.parametrize("reward", TOTAL)
 def test_rewards_add_up_to_the_information_at_the_end(reward):
     """From the reset's, which the first measurement has moved from zero by nothing that counts."""
-    rewards, infos = play(gym.make(ID, reward=reward, track_bound=True, episode_s=3.0), 60)
+    rewards, infos = play(gym.make(ID, reward=reward, track_bound=True, episode_s=3.0, control="force"), 60)
     first, last = infos[0][TOTAL[reward]], infos[-1][TOTAL[reward]]
     assert rewards.sum() == pytest.approx(last - first, abs=1e-9)
     assert first == pytest.approx(0.0, abs=1e-9)
@@ -42,7 +42,7 @@ def test_rewards_add_up_to_the_information_at_the_end(reward):
 
 @pytest.mark.parametrize("reward", ["worst", "mixed"])
 def test_the_reward_for_the_worst_sd_follows_the_sixth_norm(reward):
-    rewards, infos = play(gym.make(ID, reward=reward, episode_s=3.0), 60)
+    rewards, infos = play(gym.make(ID, reward=reward, episode_s=3.0, control="force"), 60)
     norm = [np.mean(info["belief_sd"] ** 6) ** (1.0 / 6.0) for info in (infos[0], infos[-1])]
     expected = 12.0 * np.log(norm[0] / norm[1])
     if reward == "mixed":
@@ -53,7 +53,7 @@ def test_the_reward_for_the_worst_sd_follows_the_sixth_norm(reward):
 
 
 def test_information_is_that_of_the_belief_in_info():
-    env = gym.make(ID, episode_s=1.0)
+    env = gym.make(ID, episode_s=1.0, control="force")
     info, prior = play(env, 20)[1][-1], env.unwrapped.prior
     claimed = claimed_information(info["belief_cov"], prior.sd)
     true = true_information(info["truth"], info["belief_mean"], info["belief_cov"], prior.mean, prior.sd)
@@ -65,8 +65,8 @@ def test_information_is_that_of_the_belief_in_info():
 
 
 def test_the_bound_is_told_only_when_it_is_tracked():
-    _, with_bound = gym.make(ID, track_bound=True).reset(seed=0)
-    _, without = gym.make(ID).reset(seed=0)
+    _, with_bound = gym.make(ID, track_bound=True, control="force").reset(seed=0)
+    _, without = gym.make(ID, control="force").reset(seed=0)
     assert set(with_bound) - set(without) == {"bound_sd", "information_bound"}
     np.testing.assert_allclose(with_bound["bound_sd"], jawenv.cohort("trismus").prior.sd)
 
@@ -77,8 +77,8 @@ def test_discomfort_is_taken_from_the_reward_by_its_weight():
     def forward(k):
         return np.array([0, 0, 0.6, 0.6], dtype=np.float32)
 
-    free, infos = play(gym.make(ID, episode_s=3.0), 60, forward)
-    paid, _ = play(gym.make(ID, episode_s=3.0, comfort_weight=2.0), 60, forward)
+    free, infos = play(gym.make(ID, episode_s=3.0, control="force"), 60, forward)
+    paid, _ = play(gym.make(ID, episode_s=3.0, comfort_weight=2.0, control="force"), 60, forward)
     cost = np.array([info["cost"] for info in infos[1:]])
     np.testing.assert_allclose(free - paid, 2.0 * cost / 20, atol=1e-12)
     assert cost.max() > 0.0
@@ -92,7 +92,7 @@ def test_discomfort_is_taken_from_the_reward_by_its_weight():
 def test_a_hard_limit_that_is_crossed_ends_the_episode():
     """A device strong and quick enough to overrun its own governor, whose stops are as soft as a sponge."""
     device = {"stop_stiffness_N_m": 1.0, "stop_damping_N_s_m": 1e-3, "brake_N_s_m": 1e-3, "full_scale_N": 10.0}
-    env = gym.make(ID, device=device, cohort="healthy", episode_s=10.0)
+    env = gym.make(ID, device=device, cohort="healthy", episode_s=10.0, control="force")
     env.reset(seed=1)
     for _ in range(200):
         _, _, terminated, truncated, info = env.step(np.array([1, 1, 0, 0], dtype=np.float32))
@@ -107,7 +107,7 @@ def test_a_hard_limit_that_is_crossed_ends_the_episode():
 
 
 def test_time_left_falls_from_one_to_zero():
-    env = gym.make(ID, episode_s=0.5, control_hz=10)
+    env = gym.make(ID, episode_s=0.5, control_hz=10, control="force")
     observation, info = env.reset(seed=0)
     left, times = [observation[OBSERVATION_LAYOUT["time_left"]][0]], [info["time"]]
     for _ in range(5):
@@ -139,7 +139,7 @@ def test_the_observation_reads_nothing_of_the_truth(control):
 
 
 def test_the_first_observation_shows_the_prior_and_the_resting_jaw():
-    env = gym.make(ID)
+    env = gym.make(ID, control="force")
     observation, _ = env.reset(seed=0)
     part = {name: observation[place] for name, place in OBSERVATION_LAYOUT.items()}
     np.testing.assert_allclose(part["belief_mean"], 0.0, atol=1e-6)

@@ -36,8 +36,8 @@ def threads():
 def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number, count, threads):
     threads(count)
     arguments = {"control": "trajectory", "reward": "bound", "comfort_weight": 0.5}
-    many = gym.make_vec(ID, num_envs=number, **arguments)
-    alone = [gym.make(ID, **arguments) for _ in range(number)]
+    many = gym.make_vec(ID, num_envs=number, **{"control": "force", **arguments})
+    alone = [gym.make(ID, **{"control": "force", **arguments}) for _ in range(number)]
     together, info = many.reset(seed=11)
     started = [env.reset(seed=11 + i) for i, env in enumerate(alone)]
     for i, (observation, single) in enumerate(started):
@@ -55,7 +55,7 @@ def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number,
 
 
 def test_the_next_episode_of_a_seed_is_another_one_and_repeats_too():
-    env = gym.make(ID)
+    env = gym.make(ID, control="force")
 
     def two_episodes():
         return env.reset(seed=5)[1]["truth"], env.reset()[1]["truth"]
@@ -67,7 +67,7 @@ def test_the_next_episode_of_a_seed_is_another_one_and_repeats_too():
 
 _EPISODE = """
 import hashlib, gymnasium, jawenv, numpy
-env = gymnasium.make("jawenv/Jaw-v1")
+env = gymnasium.make("jawenv/Jaw-v1", control="force")
 observations = [env.reset(seed=8)[0]]
 for k in range(20):
     observations.append(env.step(numpy.full(4, 0.2 * numpy.sin(k), dtype=numpy.float32))[0])
@@ -76,7 +76,7 @@ print(hashlib.sha256(numpy.array(observations).tobytes()).hexdigest())
 
 
 def test_the_same_seed_gives_the_same_episode_in_another_process():
-    env = gym.make(ID)
+    env = gym.make(ID, control="force")
     observations = [env.reset(seed=8)[0]]
     for k in range(20):
         observations.append(env.step(np.full(4, 0.2 * np.sin(k), dtype=np.float32))[0])
@@ -87,7 +87,7 @@ def test_the_same_seed_gives_the_same_episode_in_another_process():
 _FORK = """
 import os, gymnasium, jawenv, numba, numpy
 numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
-env = gymnasium.make_vec("jawenv/Jaw-v1", num_envs=20)
+env = gymnasium.make_vec("jawenv/Jaw-v1", num_envs=20, control="force")
 env.reset(seed=8)
 actions = numpy.zeros((20, 4), dtype=numpy.float32)
 env.step(actions)
@@ -113,8 +113,8 @@ def test_a_forked_process_has_threads_of_its_own():
 def test_autoreset_is_gymnasiums_own(mode):
     """Step by step equal to SyncVectorEnv over single environments, through several ends of episodes."""
     arguments = {"episode_s": 0.2, "reward": "score"}
-    native = gym.make_vec(ID, num_envs=3, autoreset_mode=mode, **arguments)
-    reference = SyncVectorEnv([lambda: gym.make(ID, **arguments)] * 3, autoreset_mode=mode)
+    native = gym.make_vec(ID, num_envs=3, autoreset_mode=mode, **{"control": "force", **arguments})
+    reference = SyncVectorEnv([lambda: gym.make(ID, **{"control": "force", **arguments})] * 3, autoreset_mode=mode)
     np.testing.assert_array_equal(native.reset(seed=2)[0], reference.reset(seed=2)[0])
     ended = False
     for k, action in enumerate(actions(3, 14)):
@@ -138,7 +138,7 @@ def test_autoreset_is_gymnasiums_own(mode):
 
 
 def test_next_step_ignores_the_action_and_pays_nothing():
-    env = gym.make_vec(ID, num_envs=2, episode_s=0.1)
+    env = gym.make_vec(ID, num_envs=2, episode_s=0.1, control="force")
     env.reset(seed=0)
     env.step(np.zeros((2, 4)))
     assert env.step(np.zeros((2, 4)))[3].all()
@@ -151,7 +151,7 @@ def test_next_step_ignores_the_action_and_pays_nothing():
 
 
 def test_a_disabled_world_stands_still_until_its_mask_resets_it():
-    env = gym.make_vec(ID, num_envs=3, episode_s=0.1, autoreset_mode="disabled")
+    env = gym.make_vec(ID, num_envs=3, episode_s=0.1, autoreset_mode="disabled", control="force")
     first, _ = env.reset(seed=0)
     env.step(np.zeros((3, 4)))
     last, _, _, truncated, _ = env.step(np.full((3, 4), 0.3))
@@ -174,13 +174,13 @@ def test_a_given_patient_is_the_truth_and_only_of_this_episode():
     patient = jawenv.Patient(
         name="Ann", F_o_N=dict.fromkeys(jawenv.MUSCLE_NAMES, 1.5), b=dict.fromkeys(jawenv.MUSCLE_NAMES, 6.0)
     )
-    env = gym.make(ID)
+    env = gym.make(ID, control="force")
     _, info = env.reset(seed=0, options={"patient": patient})
     np.testing.assert_array_equal(info["truth"], patient.log_parameters())
     as_mapping = {"F_o_N": dict(patient.F_o_N), "b": dict(patient.b)}
     np.testing.assert_array_equal(env.reset(options={"patient": as_mapping})[1]["truth"], patient.log_parameters())
     assert not np.array_equal(env.reset()[1]["truth"], patient.log_parameters())
-    many = gym.make_vec(ID, num_envs=2)
+    many = gym.make_vec(ID, num_envs=2, control="force")
     _, info = many.reset(seed=0, options={"patients": [None, patient]})
     np.testing.assert_array_equal(info["truth"][1], patient.log_parameters())
     np.testing.assert_array_equal(info["truth"][0], env.reset(seed=0)[1]["truth"])

@@ -31,14 +31,14 @@ class Waves:
 @cache
 def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
     """Quick to play and rich, but it presses the teeth together, unless the jaw hangs open as a healthy one does."""
-    kwargs = {"record": True, "model": model, "episode_s": seconds, "cohort": cohort}
+    kwargs = {"record": True, "control": "force", "model": model, "episode_s": seconds, "cohort": cohort}
     return jawenv.play(Waves(), patients=patients, seed=5000, env_kwargs=kwargs)
 
 
 @cache
 def opening(cohort="trismus"):
     """Eight patients, 30 s of a maneuver that keeps within comfort."""
-    agent = load_agent(SWINGS)
+    agent = load_agent(SWINGS, control="force")
     return jawenv.play(agent, patients=8, seed=6000, env_kwargs={"record": True, "cohort": cohort})
 
 

@@ -8,11 +8,12 @@ from PIL import Image
 from eval.cli import main
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]
+FORCE = ["--control", "force"]  # 20 steps per second
 
 
 def test_a_film_has_a_picture_for_every_step_that_is_shown(tmp_path, capsys):
     path = tmp_path / "film.mp4"
-    assert main(["play", "chirp", *SHORT, "--video", str(path), "--every", "4", "--width", "640"]) == 0
+    assert main(["play", "chirp", *SHORT, *FORCE, "--video", str(path), "--every", "4", "--width", "640"]) == 0
     assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (20 // 4 + 1, pytest.approx(6 / 5.0, abs=0.02))
     said = capsys.readouterr().out
     assert "chirp: after 1 s " in said and "least known is " in said and str(path.name) in said.replace("\n", "")
@@ -21,7 +22,7 @@ def test_a_film_has_a_picture_for_every_step_that_is_shown(tmp_path, capsys):
 
 def test_a_gif_moves_and_begins_where_asked(tmp_path):
     path = tmp_path / "film.gif"
-    assert main(["play", "chirp", *SHORT, "--video", str(path), "--start-s", "0.5", "--width", "320"]) == 0
+    assert main(["play", "chirp", *SHORT, *FORCE, "--video", str(path), "--start-s", "0.5", "--width", "320"]) == 0
     with Image.open(path) as film:
         assert film.n_frames == 11 and film.info["duration"] == 50
         first = np.asarray(film.convert("RGB"))

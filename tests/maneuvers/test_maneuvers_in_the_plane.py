@@ -6,7 +6,7 @@ import pytest
 import jawenv
 from agents import load_agent, names
 
-ASIDE = [name for name in names() if load_agent(name).maneuver.channels.side.bounds() != (0.0, 0.0)]  # type: ignore[attr-defined]
+ASIDE = [name for name in names() if load_agent(name, control="force").maneuver.channels.side.bounds() != (0.0, 0.0)]  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

@@ -131,14 +131,14 @@ def test_worlds_do_not_touch_each_other(control: str) -> None:
 
 def test_one_observation_gets_one_action() -> None:
     rows = SpringJaw("force", np.ones(1)).observe()
-    action, _ = Player(swings()).predict(rows[0])
+    action, _ = Player(swings(), control="force").predict(rows[0])
     assert action.shape == (4,)
-    np.testing.assert_array_equal(action, Player(swings()).predict(rows)[0][0])
+    np.testing.assert_array_equal(action, Player(swings(), control="force").predict(rows)[0][0])
 
 
 def test_the_memory_is_the_state_and_is_never_changed_in_place() -> None:
     """A caller may hand the state back, leave it out, or go on from an older one."""
-    agent, other = Player(swings()), Player(swings())
+    agent, other = Player(swings(), control="force"), Player(swings(), control="force")
     assert isinstance(agent, Agent)
     jaw = SpringJaw("force", np.ones(2))
     state, states, observations, actions = None, [], [], []
@@ -156,7 +156,7 @@ def test_the_memory_is_the_state_and_is_never_changed_in_place() -> None:
 
 def test_a_new_episode_starts_in_its_world_alone() -> None:
     jaw = SpringJaw("force", np.ones(3))
-    agent = Player(swings())
+    agent = Player(swings(), control="force")
     for _ in range(40):
         jaw.step(agent.predict(jaw.observe())[0])
     _, state = agent.predict(jaw.observe(), episode_start=np.array([False, True, False]))
@@ -167,7 +167,7 @@ def test_a_new_episode_starts_in_its_world_alone() -> None:
 
 def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
     jaw = SpringJaw("force", np.ones(2), reach_N=3.0)
-    agent = Player(swings(fore_aft=0.4))
+    agent = Player(swings(fore_aft=0.4), control="force")
     places, _ = play(agent, jaw, 28.0)
     used = np.abs(places[..., 2]) * 15.0 / 3.0
     assert used.max() < 1.1 and used[-140:].max() < 0.95
@@ -178,7 +178,7 @@ def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
 
 
 def test_a_push_within_the_limit_is_left_alone() -> None:
-    places, _ = play(Player(swings(fore_aft=0.1)), SpringJaw("force", np.ones(1), reach_N=3.0), 21.0)
+    places, _ = play(Player(swings(fore_aft=0.1), control="force"), SpringJaw("force", np.ones(1), reach_N=3.0), 21.0)
     assert np.abs(places[..., 2]).max() == pytest.approx(0.1, rel=0.02)
 
 
@@ -198,8 +198,8 @@ def test_wrong_input_is_named() -> None:
     with pytest.raises(InputError, match="control 'position': allowed are force, trajectory, targets"):
         Player(swings(), control="position")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="control_hz -1"):
-        Player(swings(), control_hz=-1)
-    agent = Player(swings())
+        Player(swings(), control_hz=-1, control="force")
+    agent = Player(swings(), control="force")
     with pytest.raises(InputError, match="an observation has 5 values; allowed: 39 \\+ 2 x parameters"):
         agent.predict(np.zeros((2, 5)))
     rows = SpringJaw("force", np.ones(2)).observe()

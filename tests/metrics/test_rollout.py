@@ -16,6 +16,8 @@ SHORT = {"episode_s": 1.0}
 class Push:
     """Sends the same action for ever, and remembers how it was called."""
 
+    control = "force"
+
     def __init__(self, *action):
         self.action = np.array(action, dtype=np.float32)
         self.resets, self.starts = [], []
@@ -128,7 +130,7 @@ def test_a_filter_that_diverged_ends_its_episode_the_step_before(monkeypatch):
 
 def test_the_bound_is_the_same_however_the_environment_is_named(recording):
     patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
-    env = gym.make("jawenv/Jaw-v1", **SHORT)
+    env = gym.make("jawenv/Jaw-v1", **{"control": "force", **SHORT})
     by_instance = information_bound(env, OPEN, patient)
     env.close()
     by_kwargs = information_bound(SHORT, OPEN, patient)

@@ -15,8 +15,10 @@ import jawenv
 from eval.studies import design
 from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
+from jawenv.controls import CONTROL_HZ
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.configuration import CONTROL_HZ, Configuration
+from jawenv.device.device import ALLOWED
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +61,7 @@ def test_observation() -> None:
 
 
 def test_info() -> None:
-    env = gym.make("jawenv/Jaw-v1", track_bound=True, episode_s=1.0)
+    env = gym.make("jawenv/Jaw-v1", track_bound=True, episode_s=1.0, control="force")
     _, info = env.reset(seed=0)
     stated = {name for row in table("Info") for name in named(row[0])}
     of_limits = {f"{kind}_{limit}" for kind in ("cost", "comfort") for limit in COMFORT_LIMITS}
@@ -85,8 +87,8 @@ def test_comfort_limits() -> None:
 
 
 def test_device() -> None:
-    stated = {named(row[0])[0]: float(row[1]) for row in table("Device and sensors")}
-    assert stated == {field.name: field.default for field in fields(jawenv.Device)}
+    stated = {named(row[0])[0]: (float(row[1]), float(row[2].replace(",", ""))) for row in table("Device and sensors")}
+    assert stated == {field.name: (field.default, ALLOWED[field.name][0]) for field in fields(jawenv.Device)}
 
 
 def test_cohorts_and_parameters() -> None:

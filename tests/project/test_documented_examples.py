@@ -45,8 +45,8 @@ import gymnasium as gym, jawenv, jawenv.rollout
 shortened = lambda make: lambda *given, **kwargs: make(*given, **({{"episode_s": {seconds}}} | kwargs))
 gym.make, gym.make_vec = shortened(gym.make), shortened(gym.make_vec)
 play = jawenv.rollout.play
-jawenv.play = lambda *given, env_kwargs, **rest: play(
-    *given, env_kwargs={{"episode_s": {seconds}}} | env_kwargs, **rest
+jawenv.play = lambda *given, env_kwargs=None, **rest: play(
+    *given, env_kwargs={{"episode_s": {seconds}}} | (env_kwargs or {{}}), **rest
 )
 for page in json.loads(sys.stdin.read()):
     names = {{}}
@@ -64,10 +64,11 @@ def short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
         make = getattr(gym, name)
         monkeypatch.setattr(gym, name, functools.partial(make, episode_s=EPISODE_S))
     play = jawenv.rollout.play
+    shortened = {"episode_s": EPISODE_S}
     monkeypatch.setattr(
         jawenv,
         "play",
-        lambda *given, env_kwargs, **rest: play(*given, env_kwargs={"episode_s": EPISODE_S} | env_kwargs, **rest),
+        lambda *given, env_kwargs=None, **rest: play(*given, env_kwargs=shortened | (env_kwargs or {}), **rest),
     )
     return tmp_path
 

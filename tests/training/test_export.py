@@ -78,7 +78,7 @@ def test_it_acts_as_the_model(algorithm: type[BaseAlgorithm], more: dict, tmp_pa
     assert export(run, tmp_path / "shared") == 0
     observation = np.random.default_rng(0).normal(size=(50, OBSERVATION_SIZE)).astype(np.float32)
     wanted = algorithm.load(run / "best_model.zip").predict(observation, deterministic=True)[0]
-    action = agents.load_agent(tmp_path / "shared").predict(observation)[0]
+    action = agents.load_agent(tmp_path / "shared", control="trajectory").predict(observation)[0]
     np.testing.assert_allclose(action, wanted, rtol=0.0, atol=1e-6)
     assert np.abs(wanted).max() > 0.01
 

@@ -88,7 +88,10 @@ class _Silent:
     ("change", "message"),
     [
         (("maneuver: opening_with_swings", "maneuver: nowhere.yaml"), "nowhere.yaml: no such file"),
-        (("control: targets, ", "control_hz: 12.5, "), "control_hz 12.5: must be a multiple of the 5 decisions"),
+        (
+            ("control: targets, ", "control: force, control_hz: 12.5, "),
+            "control_hz 12.5: must be a multiple of the 5 decisions",
+        ),
     ],
 )
 def test_unusable_residuals_get_one_line(

@@ -48,7 +48,7 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
         ("trend", "f8", (N_WRENCH,)),  # of the load cell
         ("readings", "i8"),  # ticks at the end of which an encoder was used
-        ("gated", "i8"),  # ticks whose innovation the gate rejected
+        ("gated", "i8"),  # ticks whose innovation the gate rejected when they were read
         ("last_measured", "f8", (N_MEASUREMENTS,)),
         ("last_sample", "f8", (N_WRENCH,)),
         ("held_sample", "f8", (N_WRENCH,)),

@@ -120,8 +120,6 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
         belief.readings += 1
         variances, start_sd = settings.measurement_variance, settings.start_sd
         scratch.verdict = update_motion(jaw, belief, measured, variances, scratch.used, start_sd, scratch.update)
-        if scratch.verdict == REFUSED:
-            belief.gated += 1
     if jaw.condyles == 2 and tick < SETTLING_TICKS:
         belief.score[:] = 0.0
         belief.information[:, :] = 0.0
@@ -153,7 +151,7 @@ def replay(jaw, belief, rows, tick, settings, scratch):
     """Filter ``rows`` 0 to ``tick`` again, linearised at the current mean of the parameters.
 
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
-    filtered motion does.
+    filtered motion does. What the gate refuses is counted in the first pass alone.
     """
     belief.replayed_at[:] = belief.mean
     begin_motion(belief, rows[0].believed, settings.start_sd)
@@ -180,6 +178,8 @@ def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
         scratch: Working memory.
     """
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
+    if scratch.verdict == REFUSED:
+        belief.gated += 1
     if tick < rows.shape[0] and ends_window(belief, scratch):
         learn(belief, settings, scratch.belief)
         if has_moved(belief):

@@ -21,7 +21,7 @@ SWINGS = "opening_with_swings_and_fore_aft"
 @cache
 def played(env_id, maneuver=SWINGS, episode_s=2.0):
     """Two patients of a rung, with the bound that the environment tracked."""
-    agent = load_agent(maneuver, env_id=env_id)
+    agent = load_agent(maneuver, env_id=env_id, control="force")
     settings = {"record": True, "track_bound": True, "episode_s": episode_s}
     return jawenv.play(agent, patients=2, seed=6022, env_kwargs=settings, env_id=env_id)
 

@@ -32,6 +32,7 @@ SURE = [0.0005, 0.9995]  # quantiles of what chance alone does
 class OpenAndSwing:
     """Holds the jaw open and a little forward, and swings each motor in a sine of its own; sees nothing."""
 
+    control = "force"
     frequencies = np.array([0.9, 0.6, 1.1, 0.7])  # Hz
     swings = np.array([0.15, 0.15, 0.1, 0.1])
 
@@ -46,6 +47,8 @@ class OpenAndSwing:
 
 class Push:
     """Opens and closes the jaw once, whatever is observed, without pressing the teeth together."""
+
+    control = "force"
 
     def reset(self, num_envs, seed):
         self.time = 0.0

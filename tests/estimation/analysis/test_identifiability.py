@@ -23,7 +23,7 @@ from jawenv.estimation.analysis.identifiability import (
 
 @cache
 def record_of(maneuver, env_id="jawenv/Jaw-v1"):
-    agent = load_agent(maneuver, env_id=env_id)
+    agent = load_agent(maneuver, env_id=env_id, control="force")
     settings = {"record": True, "episode_s": 6.0}
     return jawenv.play(agent, patients=1, seed=5_000, env_kwargs=settings, env_id=env_id).records[0]
 

@@ -18,7 +18,7 @@ TICKS = 6
 
 @cache
 def record_of(env_id="jawenv/Jaw-v1"):
-    agent = load_agent("opening_with_swings_and_fore_aft", env_id=env_id)
+    agent = load_agent("opening_with_swings_and_fore_aft", env_id=env_id, control="force")
     settings = {"record": True, "episode_s": 3.0}
     return jawenv.play(agent, patients=1, seed=5_001, env_kwargs=settings, env_id=env_id).records[0]
 

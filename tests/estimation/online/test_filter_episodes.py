@@ -99,7 +99,7 @@ def test_what_the_filter_claims_is_so(name, control):
 
 
 def test_nobody_knows_more_than_the_bound_allows():
-    agent = load_agent(MOVING[0])
+    agent = load_agent(MOVING[0], control="force")
     recording = play(agent, patients=16, seed=6400, env_kwargs={"episode_s": 10.0})
     bound, claimed = recording.information_bound[:, -1], recording.information_claimed[:, -1]
     assert bound.mean() > claimed.mean() - 1.0

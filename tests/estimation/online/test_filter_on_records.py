@@ -17,7 +17,7 @@ FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
 
 @cache
 def played(env_id, faulty, **more):
-    kwargs = {"record": True, "episode_s": 3.0, "reality": FAULTS if faulty else None, **more}
+    kwargs = {"record": True, "control": "force", "episode_s": 3.0, "reality": FAULTS if faulty else None, **more}
     return jawenv.play(Waves(), patients=2, seed=5000, env_id=env_id, env_kwargs=kwargs)
 
 
@@ -67,7 +67,7 @@ def at_end(record):
 def test_what_failed_is_left_out_and_must_be():
     """A third of the readings. A component of the load cell that is held is doubted by no law of noise: wide enough."""
     kwargs = {"record": True, "episode_s": 10.0, "reality": FAULTS}
-    run = jawenv.play(load_agent(SWINGS), patients=8, seed=6100, env_kwargs=kwargs)
+    run = jawenv.play(load_agent(SWINGS, control="force"), patients=8, seed=6100, env_kwargs=kwargs)
     assert not run.terminated.any()
     honest, naive = ([at_end(make(record)) for record in run.records] for make in (lambda record: record, believing))
     assert np.mean(honest) < nees_band(8, 12, 0.999)[1] / 12.0
@@ -76,7 +76,9 @@ def test_what_failed_is_left_out_and_must_be():
 
 def test_a_sensor_that_dies_costs_information_alone():
     """An encoder of angles stops after 3 s; a filter that believes it is lost, or broken."""
-    run = jawenv.play(load_agent(SWINGS), patients=4, seed=6100, env_kwargs={"record": True, "episode_s": 10.0})
+    run = jawenv.play(
+        load_agent(SWINGS, control="force"), patients=4, seed=6100, env_kwargs={"record": True, "episode_s": 10.0}
+    )
     honest, naive = [], []
     for record in run.records:
         measured = record.measured.copy()
@@ -92,7 +94,11 @@ def test_a_sensor_that_dies_costs_information_alone():
 def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
     """For 0.1 s nothing is learned; then the claims hold."""
     run = jawenv.play(
-        load_agent(SWINGS), patients=16, seed=5000, env_id=f"jawenv/{name}-v1", env_kwargs={"episode_s": 2.0}
+        load_agent(SWINGS, control="force"),
+        patients=16,
+        seed=5000,
+        env_id=f"jawenv/{name}-v1",
+        env_kwargs={"episode_s": 2.0},
     )
     learned = run.information_claimed[:, 1]
     np.testing.assert_allclose(learned, 0.0, atol=1e-9) if settles else np.testing.assert_array_less(1.0, learned)

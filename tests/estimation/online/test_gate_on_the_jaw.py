@@ -24,7 +24,7 @@ SECONDS = 6.0
 def sound(patients=4):
     """Records with nothing wrong in them, and what the filter makes of each."""
     kwargs = {"record": True, "episode_s": SECONDS, "track_bound": False}
-    records = jawenv.play(load_agent(SWINGS), patients=patients, seed=6200, env_kwargs=kwargs).records
+    records = jawenv.play(load_agent(SWINGS, control="force"), patients=patients, seed=6200, env_kwargs=kwargs).records
     return [(record, *filtered(record)) for record in records]
 
 
@@ -103,7 +103,7 @@ def test_a_wrong_belief_is_no_wrong_reading(off):
     for parts in (np.tile([1.0, 0.0], 6), np.tile([0.0, 1.0], 6), np.tile([1.0, -0.5], 6)):
         patient = jawenv.Patient.from_log_parameters(prior.mean + off * parts * prior.sd, muscles=names)
         kwargs = {"record": True, "episode_s": 5.0, "track_bound": False}
-        played = jawenv.play(load_agent(SWINGS), patients=[patient] * 2, seed=6300, env_kwargs=kwargs)
+        played = jawenv.play(load_agent(SWINGS, control="force"), patients=[patient] * 2, seed=6300, env_kwargs=kwargs)
         for record in played.records:
             belief, mean, cov = filtered(record)
             assert belief["gated"] == 0

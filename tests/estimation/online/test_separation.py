@@ -99,7 +99,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     costs up to 13 % of the score's change, else 6 %.
     """
     kwargs = {"record": True, "model": model, "episode_s": 1.0}
-    record = jawenv.play(load_agent(SWINGS), patients=1, seed=5000, env_kwargs=kwargs).records[0]
+    record = jawenv.play(load_agent(SWINGS, control="force"), patients=1, seed=5000, env_kwargs=kwargs).records[0]
     record = Running(record).foresee(80)
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
     other, moved, stayed = Running(record, theta).run(80), Running(record).run(80), Running(record).run(80)

@@ -55,8 +55,8 @@ def test_readings_are_counted_where_an_encoder_is_used(record):
 
 
 def test_as_many_ticks_are_kept_as_the_last_window_needs():
-    assert len(Simulation(1, configure({"model": "jaw"})).ticks[0]) == 1 + LAST_WINDOW
-    assert len(Simulation(1, configure({"model": "jaw", "episode_s": 5.0})).ticks[0]) == 1 + 500
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force"})).ticks[0]) == 1 + LAST_WINDOW
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force", "episode_s": 5.0})).ticks[0]) == 1 + 500
 
 
 def filtered_until(record, guess, ticks):
@@ -93,11 +93,13 @@ def test_the_belief_hangs_less_on_the_guess_that_readings_were_filtered_at(recor
 
 
 def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
-    """As filtering from the first reading at that belief does, to the bit; gated ticks are counted in all passes."""
+    """As filtering from the first reading at that belief does, to the bit; refused ticks are not counted again."""
     run = filtered_until(record, 0.0, 40)
     jaw, belief, rows, settings, scratch = run.arguments
     mean, cov = belief["mean"].copy(), belief["cov"].copy()
+    rows["measured"][30, 0] += 0.01
     replay(jaw, belief, rows, 39, settings, scratch)
+    assert belief["gated"] == 0
     np.testing.assert_array_equal(belief["mean"], mean)
     np.testing.assert_array_equal(belief["cov"], cov)
     again = belief.copy()
@@ -142,7 +144,7 @@ def test_a_replay_says_where_it_was_made(record):
 def test_slow_recordings_are_judged_right():
     """Encoders read at 20 Hz; without replays mean NEES/12 was 8."""
     kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
-    played = jawenv.play(load_agent(SWINGS), patients=16, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=16, seed=5000, env_kwargs=kwargs)
     shares = []
     for record in played.records:
         estimate = TensionFilter().estimate(divided(thinned(record, 5), 5))
@@ -154,7 +156,7 @@ def test_slow_recordings_are_judged_right():
 def test_one_point_is_judged_right_in_most():
     """Of twelve patients eight at least; where more than one motion fits, only ``ModeSearch`` knows."""
     kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
-    played = jawenv.play(load_agent(SWINGS), patients=12, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=12, seed=5000, env_kwargs=kwargs)
     assert not played.terminated.any()
     shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
     assert np.sum(shares < 2.5) >= 8, shares
@@ -165,3 +167,21 @@ def test_a_record_that_says_nothing_leaves_the_prior(record):
     estimate = TensionFilter().estimate(blind)
     np.testing.assert_allclose(estimate.mean[-1], record.prior.mean)
     np.testing.assert_allclose(estimate.sd[-1], record.prior.sd)
+
+
+def test_refused_ticks_are_counted_once_whatever_is_filtered_again(record):
+    """Hostile readings, and readings that are filtered again behind them: no tick counts for more than one."""
+    measured = record.measured.copy()
+    measured[8:19:2, 0] += 0.02
+    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    counted, replayed = [], []
+    for tick in range(100):
+        before, place = int(belief["gated"]), belief["replayed_at"].copy()
+        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        counted.append(int(belief["gated"]) - before)
+        if (belief["replayed_at"] != place).any():
+            replayed.append((tick, before))
+    assert any(before >= 2 for _, before in replayed), "readings are filtered again after some were refused"
+    assert sum(counted) >= 4 and set(counted) <= {0, 1}

@@ -140,7 +140,9 @@ def test_a_search_begins_at_the_modes_the_prior_and_bent_ones(record):
 )
 def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(env_id, sensors, expected):
     kwargs = {"sensors": sensors, "record": True, "episode_s": 0.5}
-    played = jawenv.play(load_agent("hold_still"), patients=1, seed=5000, env_id=env_id, env_kwargs=kwargs)
+    played = jawenv.play(
+        load_agent("hold_still", control="force"), patients=1, seed=5000, env_id=env_id, env_kwargs=kwargs
+    )
     assert mode_search.leaves_pose_open(played.records[0]) is expected
 
 
@@ -185,7 +187,7 @@ def test_a_record_without_readings_leaves_the_prior(record):
 def test_slow_recordings_are_judged_right():
     """Encoders read at 20 Hz of a jaw that hardly moves, which the filter in one pass is too sure of."""
     kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
-    played = jawenv.play(load_agent("hold_still"), patients=6, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent("hold_still", control="force"), patients=6, seed=5000, env_kwargs=kwargs)
     shares = []
     for record in played.records:
         estimate = mode_search.ModeSearch().estimate(divided(thinned(record, 5), 5))
@@ -197,7 +199,7 @@ def test_slow_recordings_are_judged_right():
 def of_one_point(agent, seed, seconds, patients=1):
     """Patients' records with the mouthpiece's position alone."""
     kwargs = {"sensors": "point", "record": True, "episode_s": seconds, "track_bound": False}
-    return jawenv.play(load_agent(agent), patients=patients, seed=seed, env_kwargs=kwargs).records
+    return jawenv.play(load_agent(agent, control="force"), patients=patients, seed=seed, env_kwargs=kwargs).records
 
 
 def test_one_point_is_judged_right():

@@ -165,7 +165,7 @@ def test_the_record_is_linearised_about_what_is_found(record):
 def test_several_beliefs_that_stay_are_found():
     """One point's readings, 10 s."""
     kwargs = {"record": True, "episode_s": 10.0, "sensors": "point", "track_bound": False}
-    for record in jawenv.play(load_agent(SWINGS), patients=2, seed=5021, env_kwargs=kwargs).records:
+    for record in jawenv.play(load_agent(SWINGS, control="force"), patients=2, seed=5021, env_kwargs=kwargs).records:
         estimate = IteratedSmoother().estimate(record)
         assert share(record, estimate.mean[-1], estimate.cov[-1]) < 2.5
 
@@ -173,7 +173,7 @@ def test_several_beliefs_that_stay_are_found():
 def test_it_is_honest_of_slow_recordings():
     """Encoders read at 10 Hz, eight patients, 10 s."""
     kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
-    played = jawenv.play(load_agent(SWINGS), patients=8, seed=5000, env_kwargs=kwargs)
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=8, seed=5000, env_kwargs=kwargs)
     shares = []
     for record in played.records:
         estimate = IteratedSmoother().estimate(divided(thinned(record, 10), 10))
@@ -185,7 +185,7 @@ def test_it_is_honest_of_slow_recordings():
 def test_the_most_probable_parameters_are_better_than_those_of_the_most_probable_path():
     """Eight patients who are moved quickly: errors of both in the same sds, and the claims of one of them."""
     kwargs = {"record": True, "episode_s": 20.0, "track_bound": False}
-    played = jawenv.play(load_agent("chirp"), patients=8, seed=6500, env_kwargs=kwargs)
+    played = jawenv.play(load_agent("chirp", control="force"), patients=8, seed=6500, env_kwargs=kwargs)
     of_path, of_mean, shares = [], [], []
     for record in played.records:
         result = IteratedSmoother().smooth(record)

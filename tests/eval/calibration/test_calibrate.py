@@ -17,7 +17,7 @@ from jawenv.estimation.recordings.estimate import Estimate
 from jawenv.estimation.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
-SHORT = ["--patients", "3", "--times", "0.5,1"]
+SHORT = ["--patients", "3", "--times", "0.5,1", "--control", "force"]
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +48,7 @@ def run(output, *arguments):
 @pytest.fixture(scope="module")
 def recording():
     kwargs = {"episode_s": 1.0, "record": True, "cohort": "trismus"}
-    return jawenv.play(load_agent(MANEUVER), patients=3, seed=4, env_kwargs=kwargs)
+    return jawenv.play(load_agent(MANEUVER, control="force"), patients=3, seed=4, env_kwargs=kwargs)
 
 
 def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):

@@ -255,7 +255,7 @@ def trained_run(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("runs") / "ppo-test"
     (folder / "checkpoints").mkdir(parents=True)
-    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v1"), device="cpu", n_steps=8, batch_size=8)
+    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v1", control="force"), device="cpu", n_steps=8, batch_size=8)
     model.save(folder / "best_model.zip")
     model.save(folder / "checkpoints" / "step_0000000008.zip")
     settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
@@ -299,7 +299,7 @@ def test_another_environment_is_another_study(tmp_path, plays):
 
 @pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
 def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, checkpoint):
-    (entry,) = load_entries([str(trained_run / checkpoint)], Settings().env_kwargs)
+    (entry,) = load_entries([str(trained_run / checkpoint)], Settings(control="force").env_kwargs)
     assert entry.trained
     assert entry.env_kwargs["control"] == "trajectory"
     assert entry.env_kwargs["episode_s"] == 30.0

@@ -37,7 +37,7 @@ def test_every_entry_is_played_under_every_setting():
 
 
 def test_rates_reach_the_environment():
-    made = cells(control_hz=[10, 50], entries=["chirp"])
+    made = cells(controls=["force"], control_hz=[10, 50], entries=["chirp"])
     assert [cell.control_hz for cell in made] == [10.0, 50.0]
     assert [cell.load().env_kwargs["control_hz"] for cell in made] == [10.0, 50.0]
 
@@ -81,20 +81,23 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             "unknown key 'entries.0.agents'; allowed: agent, controls, cohorts, patients",
         ),
         (
-            {"entries": [{"agent": "chirp", "controls": ["targets"]}]},
-            "entry 'chirp': controls targets; allowed: the study's, force",
+            {"entries": [{"agent": "chirp", "controls": ["force"]}]},
+            "entry 'chirp': controls force; allowed: the study's, targets",
         ),
         (
             {"entries": [{"agent": "chirp", "cohorts": ["wide"]}]},
             "entry 'chirp': cohorts wide; allowed: the study's, trismus",
         ),
         ({"entries": ["nobody"]}, "agent 'nobody': unknown; allowed: chirp"),
-        ({"entries": ["myopic"]}, "agent 'myopic': control is 'force'; allowed for a planner: targets"),
+        (
+            {"entries": ["myopic"], "controls": ["force"]},
+            "agent 'myopic': control is 'force'; allowed for a planner: targets",
+        ),
         ({"cohorts": ["knees"]}, "cohort 'knees' is unknown; allowed: trismus"),
         ({"environments": ["Knee"]}, "env 'Knee': unknown; allowed: jawenv/JawHinge-v1"),
         ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator: 'bilateral' given, allowed in"),
         ({"controls": ["thought"]}, "controls.0 = 'thought'"),
-        ({"control_hz": [33]}, "control_hz is 33; allowed: 100 divided by a whole number"),
+        ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
         ({"control_hz": [float("nan")]}, "control_hz.0"),
         ({"reality": {"slow": {"creep": 1}}}, "reality.creep is not a field of Reality; allowed: reflex_gain"),
         ({"reality": {"slow": {"creep_share": float("nan")}}}, "reality.slow.creep_share"),

@@ -1,0 +1,84 @@
+"""At the bounds of every numeric field of device, reality and patient an episode stays finite."""
+
+from dataclasses import fields
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import jawenv
+from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
+from jawenv.device.device import ALLOWED as DEVICE
+from jawenv.reality import Reality
+from jawenv.reality.options import ALLOWED as REALITY
+
+SMALLEST = np.nextafter(0.0, 1.0)
+NEEDS = {  # what a field that shapes an effect needs to act
+    "reflex_latency_ms": {"reflex_gain": 0.5},
+    "reflex_lag_ms": {"reflex_gain": 0.5},
+    "creep_time_s": {"creep_share": 0.3},
+    "articular_onset": {"articular_stiffness_N_m": 3000.0},
+}
+BOUNDS = [
+    *(("device", name, value) for name, (high, zero) in DEVICE.items() for value in (0.0 if zero else SMALLEST, high)),
+    *(
+        ("reality", name, value)
+        for name, (low, high, closed) in REALITY.items()
+        for value in (low if closed else max(low, SMALLEST), high)
+    ),
+]
+STIFFNESS = {"F_o_N": 1.2, "b": 7.0, "head_tilt_deg": 0.0}
+
+
+def play_two_seconds(patient=None, **arguments):
+    """Random actions until the end; all that a step gives must be finite."""
+    env = gym.make("jawenv/Jaw-v1", episode_s=2.0, **arguments)
+    env.action_space.seed(0)
+    observation, info = env.reset(seed=0, options=None if patient is None else {"patient": patient})
+    reward, ended = 0.0, False
+    while True:
+        assert np.isfinite(observation).all() and np.isfinite(reward) and np.isfinite(info["cost"])
+        if ended:
+            return
+        observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        ended = terminated or truncated
+
+
+def test_every_numeric_field_has_bounds():
+    assert set(DEVICE) == {field.name for field in fields(jawenv.Device)}
+    assert set(REALITY) == {field.name for field in fields(Reality)}
+    assert set(STIFFNESS) | {"name"} == set(jawenv.Patient.model_fields)
+
+
+@pytest.mark.parametrize("control", ["targets", "force", "trajectory"])
+@pytest.mark.parametrize(("what", "name", "value"), BOUNDS)
+def test_an_episode_at_a_bound_is_finite(what, name, value, control):
+    play_two_seconds(control=control, **{what: {**NEEDS.get(name, {}), name: value}})
+
+
+@pytest.mark.parametrize(("name", "high"), [(name, high) for name, (high, _) in DEVICE.items()])
+def test_a_device_beyond_its_bound_is_refused(name, high):
+    with pytest.raises(jawenv.InputError, match=rf"^device\.{name} is .*, at most {high:g}$".replace("+", r"\+")):
+        jawenv.Device(**{name: np.nextafter(high, np.inf)})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("F_o_N", 1e-6),
+        ("F_o_N", LARGEST_F_O_N),
+        ("b", 1e-6),
+        ("b", LARGEST_B),
+        ("head_tilt_deg", -90.0),
+        ("head_tilt_deg", 90.0),
+    ],
+)
+def test_a_patient_at_a_bound_is_finite_or_refused_in_one_line(name, value):
+    """A jaw that no comfort fits is refused when the episode begins."""
+    given = STIFFNESS | {name: value}
+    muscles = {key: dict.fromkeys(jawenv.MUSCLE_NAMES, given[key]) for key in ("F_o_N", "b")}
+    patient = jawenv.Patient(**muscles, head_tilt_deg=given["head_tilt_deg"])
+    try:
+        play_two_seconds(patient)
+    except jawenv.InputError as error:
+        assert "patient" in str(error) and "\n" not in str(error)
