@@ -29,7 +29,7 @@ from platformdirs import user_cache_dir
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
 # What reading a damaged entry raises, or one for types that this version of jawenv does not have: it is made anew.
-UNREADABLE = (pickle.UnpicklingError, ImportError, AttributeError, EOFError, IndexError, KeyError, ValueError, TypeError)
+UNREADABLE = (pickle.UnpicklingError, ImportError, AttributeError, EOFError, LookupError, ValueError, TypeError)
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 

@@ -1,8 +1,8 @@
 """The lines of all muscles at once: a number for each line, in the lanes of a vector register.
 
-``all_lines(array)`` is an index that stands for all rows of a field of a record. Where a kernel is called with it in place
-of a row's number, ``array[i]`` is a ``Lanes``: as many numbers, with the operators, ``sqrt`` and ``exp`` of one. So the
-same kernel serves one line and all of them, and reads like the equation. ``total`` is the sum over the lines.
+``all_lines(array)`` is an index that stands for all rows of a field of a record. Where a kernel is called with it in
+place of a row's number, ``array[i]`` is a ``Lanes``: as many numbers, with the operators, ``sqrt`` and ``exp`` of one.
+So the same kernel serves one line and all of them, and reads like the equation. ``total`` is the sum over the lines.
 """
 
 from __future__ import annotations
@@ -219,13 +219,9 @@ def _is_rows(array: Any, index: Any) -> AllLines | None:
     """The ``AllLines`` of an index [i] of a vector or [i, column] of a matrix."""
     if not isinstance(array, types.Array):
         return None
-    if array.ndim == 1 and isinstance(index, AllLines):
-        return index
-    if array.ndim == 2 and isinstance(index, types.BaseTuple) and len(index) == 2:
-        rows, column = index
-        if isinstance(rows, AllLines) and isinstance(column, types.Integer):
-            return rows
-    return None
+    parts: list[Any] = list(index) if isinstance(index, types.BaseTuple) else [index]
+    whole = all(isinstance(column, types.Integer) for column in parts[1:])
+    return parts[0] if isinstance(parts[0], AllLines) and len(parts) == array.ndim <= 2 and whole else None
 
 
 @type_callable(operator.getitem)
@@ -240,10 +236,10 @@ def _(context: Any) -> Callable[..., Any]:
 def _gather(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number of every row; lanes beyond the last row repeat the first."""
     kind, index = signature.args
-    result = signature.return_type
+    result: Lanes = signature.return_type
     array = context.make_array(kind)(context, builder, values[0])
     columns = []
-    if isinstance(index, types.BaseTuple):
+    if kind.ndim == 2:
         column = builder.extract_value(values[1], 1)
         columns = [context.cast(builder, column, index[1], types.intp)]
     vector, first = ir.Constant(ir.VectorType(_NUMBER, result.width), ir.Undefined), None
