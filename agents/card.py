@@ -18,7 +18,7 @@ from jawenv.controls import Control
 from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, read_mapping, validate
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 
 FORMAT_VERSION: Final = 1
 CARD, WEIGHTS = "card.json", "policy.safetensors"

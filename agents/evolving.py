@@ -13,7 +13,7 @@ from agents.planning import SPREAD, Plan, Planner, approach
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.errors import InputError
-from jawenv.protocol import Array, Mask
+from jawenv.playing.protocol import Array, Mask
 
 SIZE = 0.5
 """First step, as a share of ``SPREAD``."""

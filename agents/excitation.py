@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from jawenv.protocol import Action, Array, Mask, Observation, State
+from jawenv.playing.protocol import Action, Array, Mask, Observation, State
 
 ACTION_SIZE = 4
 
@@ -74,7 +74,7 @@ class Excitation:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See `jawenv.protocol.Agent.predict`; the observation only says how many worlds there are."""
+        """See `jawenv.playing.protocol.Agent.predict`; the observation only says how many worlds there are."""
         num_envs = 1 if np.ndim(observation) == 1 else len(observation)
         if len(self._streams) != num_envs:
             self.reset(num_envs)

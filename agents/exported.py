@@ -17,7 +17,7 @@ from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
-from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 
 
 def elu(x: Array) -> Array:
@@ -63,7 +63,7 @@ class ExportedPolicy:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See `jawenv.protocol.Agent.predict`; what the training explored with is not exported.
+        """See `jawenv.playing.protocol.Agent.predict`; what the training explored with is not exported.
 
         Raises:
             InputError: the observation has not the size that the policy was trained on.

@@ -19,8 +19,8 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
-from jawenv.maneuvers.player import checked_rows, goals_of
-from jawenv.protocol import Action, Agent, Mask, Observation, State
+from jawenv.playing.maneuvers.player import checked_rows, goals_of
+from jawenv.playing.protocol import Action, Agent, Mask, Observation, State
 
 DECISION_HZ = CONTROL_HZ["targets"]
 Trackers = NDArray[np.void]
@@ -154,7 +154,7 @@ class Following:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``; asks the followed agent only when a decision is due.
+        """See ``jawenv.playing.protocol.Agent.predict``; asks the followed agent only when a decision is due.
 
         Raises:
             InputError: an observation of the wrong size or not finite, or of another number of worlds than before.

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from jawenv.errors import InputError
-from jawenv.protocol import Agent
+from jawenv.playing.protocol import Agent
 
 _SPEC = re.compile(r"(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 _MEMBERS = ("name", "reset", "predict")

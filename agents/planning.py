@@ -22,9 +22,9 @@ from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
-from jawenv.maneuvers import Maneuver
-from jawenv.maneuvers.player import action_of
-from jawenv.protocol import Action, Array, Mask, Observation, State
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.protocol import Action, Array, Mask, Observation, State
 
 LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 """Targets that are sampled lie in this box, fractions of the patient's comfort."""
@@ -121,7 +121,7 @@ class Planner:
         return 1e3 * self.seconds / self.decisions if self.decisions else float("nan")
 
     def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """See ``jawenv.protocol.Planning.attach``.
+        """See ``jawenv.playing.protocol.Planning.attach``.
 
         Raises:
             InputError: an environment with another control mode than targets, or one that cannot be copied.
@@ -147,7 +147,7 @@ class Planner:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``; observation and state are not read, but the attached environment.
+        """See ``playing.protocol.Agent.predict``; what is read is the attached environment alone.
 
         Raises:
             InputError: no environment is attached, or one of another number of worlds.

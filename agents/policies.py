@@ -11,7 +11,7 @@ from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
 from jawenv.controls import Control
 from jawenv.errors import InputError
 from jawenv.files import read_mapping, validate
-from jawenv.protocol import Action, Mask, Observation, State
+from jawenv.playing.protocol import Action, Mask, Observation, State
 
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy
@@ -57,7 +57,7 @@ class TrainedPolicy:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See `jawenv.protocol.Agent.predict`.
+        """See `jawenv.playing.protocol.Agent.predict`.
 
         Raises:
             InputError: the observation has not the size that the policy was trained on.

@@ -13,7 +13,7 @@ from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
-from jawenv.protocol import Array, Mask
+from jawenv.playing.protocol import Array, Mask
 
 QUIET = 1e-3
 """Share of the noise in the copies. Not 0, since the filter leaves a reading out that repeats the last to the bit."""

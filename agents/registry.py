@@ -14,10 +14,10 @@ from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control, control_of
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
-from jawenv.maneuvers import Maneuver, Player, maneuver_names
-from jawenv.maneuvers.maneuver import SUFFIXES
-from jawenv.protocol import Agent
-from jawenv.rollout import DEFAULT_ENV
+from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.protocol import Agent
+from jawenv.playing.rollout import DEFAULT_ENV
 
 
 def names() -> tuple[str, ...]:

@@ -20,10 +20,10 @@ from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
-from jawenv.maneuvers import Maneuver
-from jawenv.maneuvers.player import goals_of
-from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
-from jawenv.rollout import DEFAULT_ENV, play
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.player import goals_of
+from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.playing.rollout import DEFAULT_ENV, play
 
 FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target
 DIGITS = 5
@@ -48,13 +48,13 @@ class Recorder:
         self.actions: list[Action] = []
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See ``jawenv.protocol.Agent.reset``; agents without memory may have none."""
+        """See ``jawenv.playing.protocol.Agent.reset``; agents without memory may have none."""
         self.actions = []
         if hasattr(self._agent, "reset"):
             self._agent.reset(num_envs, seed)
 
     def attach(self, env: Any) -> None:
-        """See ``jawenv.protocol.Planning.attach``."""
+        """See ``jawenv.playing.protocol.Planning.attach``."""
         if hasattr(self._agent, "attach"):
             self._agent.attach(env)
 
@@ -65,7 +65,7 @@ class Recorder:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``."""
+        """See ``jawenv.playing.protocol.Agent.predict``."""
         action, state = self._agent.predict(observation, state, episode_start, deterministic)
         self.actions.append(np.array(action))
         return action, state
@@ -121,7 +121,7 @@ class Replay:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``; all worlds begin at once."""
+        """See ``jawenv.playing.protocol.Agent.predict``; all worlds begin at once."""
         if episode_start is not None and np.all(episode_start):
             self._step = 0
         worlds = np.arange(1 if np.ndim(observation) == 1 else len(observation)) % len(self._actions)

@@ -20,10 +20,10 @@ from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.errors import InputError
 from jawenv.files import InputModel, Number
-from jawenv.maneuvers import Maneuver
-from jawenv.maneuvers.maneuver import SUFFIXES
-from jawenv.maneuvers.player import action_of, goals_of
-from jawenv.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.maneuvers.player import action_of, goals_of
+from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS
@@ -158,7 +158,7 @@ class ResidualPolicy:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``.
+        """See ``jawenv.playing.protocol.Agent.predict``.
 
         Raises:
             InputError: an observation of the wrong size, or of another number of worlds than before.

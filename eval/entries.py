@@ -19,11 +19,11 @@ from agents.policies import TrainedPolicy
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.errors import InputError
-from jawenv.protocol import Agent
-from jawenv.rollout import DEFAULT_ENV
+from jawenv.playing.protocol import Agent
+from jawenv.playing.rollout import DEFAULT_ENV
 
 if TYPE_CHECKING:
-    from training.config import EnvConfig
+    from training.run.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
 _STUDYS_OWN = ("cohort", "episode_s")
@@ -159,14 +159,14 @@ def _env_of_run(spec: str) -> EnvConfig | None:
     A checkpoint of a run counts as the run.
     """
     if (place := exported_place(spec)) is not None:
-        from training.config import EnvConfig
+        from training.run.config import EnvConfig
 
         trained_in = read_card(place).environment
         return EnvConfig(id=trained_in.id, kwargs=trained_in.kwargs())
     config_file = _config_of_run(Path(spec))
     if config_file is None:
         return None
-    from training.config import TrainingConfig
+    from training.run.config import TrainingConfig
 
     return TrainingConfig.load(config_file).env
 

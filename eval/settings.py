@@ -11,8 +11,8 @@ from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import model_of_env
+from jawenv.playing.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.reality import check_reality
-from jawenv.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.seeds import REPORTS
 
 CONTROLS = tuple(CONTROL_HZ)

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
-    from jawenv.estimation.analysis.bound import bound_along
-    from jawenv.estimation.analysis.identifiability import identifiability
-    from jawenv.maneuvers import Maneuver, Player, maneuver_names
+    from jawenv.laboratory.analysis.bound import bound_along
+    from jawenv.laboratory.analysis.identifiability import identifiability
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.metrics.score import score
-    from jawenv.rollout import information_bound, play
+    from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+    from jawenv.playing.rollout import information_bound, play
 
 _HOMES = {
     "COHORTS": "jawenv.anatomy",
@@ -28,17 +28,17 @@ _HOMES = {
     "Device": "jawenv.device",
     "InputError": "jawenv.errors",
     "MUSCLE_NAMES": "jawenv.anatomy",
-    "Maneuver": "jawenv.maneuvers",
+    "Maneuver": "jawenv.playing.maneuvers",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
-    "Player": "jawenv.maneuvers",
+    "Player": "jawenv.playing.maneuvers",
     "acceleration": "jawenv.mechanics",
-    "bound_along": "jawenv.estimation.analysis.bound",
+    "bound_along": "jawenv.laboratory.analysis.bound",
     "cohort": "jawenv.anatomy",
-    "identifiability": "jawenv.estimation.analysis.identifiability",
-    "information_bound": "jawenv.rollout",
-    "maneuver_names": "jawenv.maneuvers",
-    "play": "jawenv.rollout",
+    "identifiability": "jawenv.laboratory.analysis.identifiability",
+    "information_bound": "jawenv.playing.rollout",
+    "maneuver_names": "jawenv.playing.maneuvers",
+    "play": "jawenv.playing.rollout",
     "score": "jawenv.metrics",
 }
 

@@ -1,6 +1,6 @@
 """Free motion of the jaw with two condyles: classical Runge-Kutta steps of the compiled equations."""
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 from jawenv.mechanics.bilateral import bilateral_rate, plus_six, split_body
 
 

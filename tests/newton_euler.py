@@ -6,7 +6,7 @@ exact to rounding.
 
 import numpy as np
 
-from jawenv.estimation.references.numpy_model import IMAGINARY_STEP
+from jawenv.laboratory.references.numpy_model import IMAGINARY_STEP
 from jawenv.mechanics.newton_euler import (
     acceleration,
     angle_axes,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jawenv.estimation.model.step import plus
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_step import plus
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.equilibrium import settle

@@ -18,9 +18,9 @@ from eval.settings import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.rollout import information_bound
-from training.config import CONFIGS, TrainingConfig
-from training.optimise import Design
+from jawenv.playing.rollout import information_bound
+from training.run.config import CONFIGS, TrainingConfig
+from training.search.optimise import Design
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 

@@ -11,10 +11,7 @@ import typer
 from rich.console import Console
 
 from jawenv.errors import InputError, out_of_memory
-from training.design_command import design
-from training.distill_command import distill
 from training.help import Commands
-from training.optimise_command import optimise
 from training.options import (
     Cohort,
     Config,
@@ -39,6 +36,9 @@ from training.options import (
     Worlds,
     configured,
 )
+from training.search.design_command import design
+from training.search.distill_command import distill
+from training.search.optimise_command import optimise
 
 app = typer.Typer(
     cls=Commands,
@@ -82,9 +82,9 @@ def train(
     evaluations.csv, a TensorBoard log, and all that is needed to repeat the run. Options given here win over
     the settings file.
     """
-    from training import several
-    from training import train as training
-    from training.run import RunFolder
+    from training.run import several
+    from training.run import train as training
+    from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
     changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}
@@ -125,7 +125,7 @@ def train(
 @app.command("plot")
 def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
     """Draw learning curves: worst sd and discomfort over steps, mean and 95 % interval over seeds."""
-    from training.plot import draw
+    from training.run.plot import draw
 
     print(draw(runs, output))
     return 0
@@ -143,7 +143,7 @@ def tune(
     output: Output = None,
 ) -> int:
     """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
-    from training.tune import search
+    from training.run.tune import search
 
     wanted, stem = configured(config, env, residual_on)
     name = study or stem
@@ -167,8 +167,8 @@ def export_command(
     FOLDER holds policy.safetensors and card.json. It can be given wherever a run can, needs no PyTorch, and unlike a
     checkpoint runs no code when it is loaded.
     """
-    from training.export import export
-    from training.run import RunFolder
+    from training.run.export import export
+    from training.run.folder import RunFolder
 
     command = shlex.join(["python", "-m", "training", *sys.argv[1:]])
     card = export(RunFolder(run), output, results=results, licence=licence, command=command, overwrite=overwrite)

@@ -10,7 +10,7 @@ import typer
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
-    from training.config import TrainingConfig
+    from training.run.config import TrainingConfig
 
 Config = Annotated[
     str | None,
@@ -75,7 +75,7 @@ def configured(config: str | None, env: str | None, residual_on: str | None) -> 
         InputError: none is named, or it is not what it should be.
     """
     from jawenv.ladder import model_of_env
-    from training.config import TrainingConfig, config_file
+    from training.run.config import TrainingConfig, config_file
 
     if config is None:
         raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")

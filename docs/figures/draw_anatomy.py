@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 
 from jawenv.anatomy import COHORTS, WHOLE_MUSCLES, attachment, attachment_rows
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import capsule_force, muscle_pull

@@ -7,7 +7,7 @@ from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
 from matplotlib.figure import Figure
 
 from jawenv.envs import beginning
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point, rotation

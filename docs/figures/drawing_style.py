@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from jawenv.envs.rendering import outlines
+from jawenv.rendering import outlines
 
 # Okabe & Ito's colours, which the colour-blind can tell apart; line styles differ as well.
 INK, GREY, PALE = "#2b2f36", "#7d858f", "#e4e7eb"

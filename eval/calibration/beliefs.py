@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from eval.calibration.filters import OTHERS, TENSION
 from jawenv.errors import InputError
-from jawenv.estimation.recordings.estimate import Estimate
+from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
-from jawenv.rollout import Recording
+from jawenv.playing.rollout import Recording
 
 Array = NDArray[np.float64]
 

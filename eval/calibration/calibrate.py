@@ -26,7 +26,7 @@ from eval.settings import Settings
 from eval.tables import read_table, write_table
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.errors import InputError
-from jawenv.rollout import play
+from jawenv.playing.rollout import play
 
 CHUNK = 8  # patients: few enough to lose little when interrupted, enough for a vector environment to be quick
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 from jawenv.errors import InputError
-from jawenv.estimation.recordings.estimate import Estimator
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
-from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
-from jawenv.estimation.references.mode_search import ModeSearch
-from jawenv.estimation.references.smoother import IteratedSmoother
+from jawenv.laboratory.recordings.estimate import Estimator
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman, FilterpyUnscentedKalman
+from jawenv.laboratory.references.mode_search import ModeSearch
+from jawenv.laboratory.references.smoother import IteratedSmoother
 
 TENSION = "tension"
 """The environment's own, whose belief the recording holds: it is not run again."""

@@ -17,8 +17,8 @@ from eval.report import words
 from eval.settings import Settings
 from eval.tables import made_with
 from jawenv.errors import InputError
+from jawenv.playing.rollout import play
 from jawenv.progress import Progress
-from jawenv.rollout import play
 
 
 def play_entry(entry: Entry, settings: Settings, progress: Callable[[int, int], None] | None = None) -> Results:

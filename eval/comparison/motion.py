@@ -10,7 +10,7 @@ import numpy as np
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.protocol import Action, Mask, Observation, State
+from jawenv.playing.protocol import Action, Mask, Observation, State
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 _MOTORS = ("motor 1", "motor 2", "motor 3", "motor 4")
@@ -36,12 +36,12 @@ class Watched:
         self._motion: dict[str, Any] | None = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See ``jawenv.protocol.Agent.reset``."""
+        """See ``jawenv.playing.protocol.Agent.reset``."""
         if hasattr(self._agent, "reset"):
             self._agent.reset(num_envs, seed)
 
     def attach(self, env: Any) -> None:
-        """See ``jawenv.protocol.Planning.attach``; called once, before the first step."""
+        """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
         if hasattr(self._agent, "attach"):
             self._agent.attach(env)
         self._simulation = env.unwrapped.simulation
@@ -57,7 +57,7 @@ class Watched:
         episode_start: Mask | None = None,
         deterministic: bool = True,
     ) -> tuple[Action, State]:
-        """See ``jawenv.protocol.Agent.predict``."""
+        """See ``jawenv.playing.protocol.Agent.predict``."""
         action, after = self._agent.predict(observation, state, episode_start, deterministic)
         if self._step % self._every == 0:
             self._keep(np.atleast_2d(action)[0])
@@ -76,7 +76,7 @@ class Watched:
 
     def _keep(self, action: Action) -> None:
         """Add a frame, as long as the episode runs."""
-        from jawenv.envs.scene import build_scene
+        from jawenv.envs.shown_world import build_scene
 
         world = self._simulation.worlds[0]
         if world["violated"] or not np.isfinite(world["log_det"]):

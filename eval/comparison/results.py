@@ -22,7 +22,7 @@ import pandas as pd
 from eval.comparison import motion
 from eval.tables import read_table, write_table
 from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
-from jawenv.rollout import DEFAULT_ENV, Recording
+from jawenv.playing.rollout import DEFAULT_ENV, Recording
 
 Array = npt.NDArray[np.float64]
 _CURVE_INTERVAL_S = 0.1

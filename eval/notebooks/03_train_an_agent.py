@@ -35,10 +35,10 @@ from eval.comparison.ranking import rank
 from eval.entries import load_entries
 from eval.report import figures
 from eval.settings import Settings
-from training.config import TrainingConfig, config_file
-from training.plot import draw
-from training.run import RunFolder
-from training.train import start
+from training.run.config import TrainingConfig, config_file
+from training.run.folder import RunFolder
+from training.run.plot import draw
+from training.run.train import start
 
 # %matplotlib inline
 

@@ -31,8 +31,8 @@ from IPython.display import Markdown
 
 import jawenv
 from agents import load_agent
-from jawenv.estimation.recordings.files import load_record, save_record
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.recordings.files import load_record, save_record
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 # %matplotlib inline
 

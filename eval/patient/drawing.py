@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from eval.patient.verdicts import BOTH, UNKNOWN
 from eval.report import words
 from jawenv.anatomy import MuscleSet
-from jawenv.envs.rendering import outlines
-from jawenv.envs.rendering.mesh import Mesh
+from jawenv.rendering import outlines
+from jawenv.rendering.mesh import Mesh
 
 Array = NDArray[np.float64]
 

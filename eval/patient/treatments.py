@@ -14,7 +14,7 @@ from eval.patient.cohort import KnownPatient
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
-from jawenv.rollout import play
+from jawenv.playing.rollout import play
 
 Array = NDArray[np.float64]
 

@@ -11,11 +11,11 @@ from jawenv.errors import InputError
 
 
 def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
-    """A chart of each panel of ``training.plot`` over environment steps, and what could not be read of the runs."""
+    """A chart of each panel of ``training.run.plot`` over environment steps, and what could not be read of the runs."""
     trained = [each for each in study.about.get("entries", []) if each.get("trained")]
     if not trained:
         return {}, []
-    from training.plot import PANELS
+    from training.run.plot import PANELS
 
     tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
     looks = charts.entries(ranking)
@@ -47,8 +47,8 @@ def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
     """Evaluations by the number of the row, of the runs that are still where they were."""
-    from training.evaluations import read_evaluations
-    from training.run import RunFolder
+    from training.run.evaluations import read_evaluations
+    from training.run.folder import RunFolder
 
     found, notes = {}, []
     for i, row in enumerate(ranking.rows):

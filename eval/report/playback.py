@@ -8,8 +8,8 @@ import numpy as np
 
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
-from jawenv.envs.rendering import outlines
-from jawenv.envs.rendering.mesh import Mesh
+from jawenv.rendering import outlines
+from jawenv.rendering.mesh import Mesh
 
 
 def playback(study: Results, ranking: Ranking) -> dict[str, Any] | None:

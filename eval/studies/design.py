@@ -15,8 +15,8 @@ from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.ladder import Estimator, model_of_env
+from jawenv.playing.rollout import LARGEST_SEED
 from jawenv.reality import check_reality
-from jawenv.rollout import LARGEST_SEED
 
 FOLDER = Path(__file__).parent
 MOST_PATIENTS = 1_000_000

@@ -20,7 +20,7 @@ from eval.comparison import results
 from eval.studies.cells import FACTORS, Cell, cells_of
 from eval.studies.design import Design
 from eval.tables import read_table, write_table
-from jawenv.rollout import play
+from jawenv.playing.rollout import play
 
 # Few enough to lose little when interrupted, enough for the vector environment to be quick.
 PATIENTS_IN_A_PART = 20

@@ -16,8 +16,8 @@ from eval.report import words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
-from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 EPISODE_S = 30.0
@@ -43,7 +43,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
     """
     import gymnasium as gym
 
-    from jawenv.envs.records import record_of
+    from jawenv.laboratory.recordings.of_simulation import record_of
 
     env_id = {"sides": "jawenv/JawSides-v1", "jaw": "jawenv/Jaw-v1"}[model]
     agent = load_agent(MANEUVER, control="force", env_id=env_id)

@@ -12,8 +12,8 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
-from jawenv.estimation.recordings import defaults
-from jawenv.estimation.thesis_methods.point_kinematics import compatible_range
+from jawenv.laboratory.recordings import defaults
+from jawenv.laboratory.thesis_methods.point_kinematics import compatible_range
 
 POINTS = 60
 CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the figure shows

@@ -15,9 +15,9 @@ from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
 from eval.thesis.spread import Spread, spreads
-from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.thesis_methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
-from jawenv.estimation.thesis_methods.moment_balance import balance_of
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.thesis_methods.least_squares import LinearLeastSquares, NonlinearLeastSquares
+from jawenv.laboratory.thesis_methods.moment_balance import balance_of
 from jawenv.metrics import FIBROSED_F_O_N
 
 NOISES = {"sensors": SENSORS, "sensors and forces": DEVICE}

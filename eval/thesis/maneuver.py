@@ -12,8 +12,8 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
-from jawenv.estimation.thesis_methods.least_squares import NonlinearLeastSquares
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.thesis_methods.least_squares import NonlinearLeastSquares
 
 OPENINGS = (5.0, 10.0, 20.0)
 SMALL, LARGE = 5.0, 20.0

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.device.device import Device
-from jawenv.estimation.model.encoders import N_MEASUREMENTS, expect
-from jawenv.estimation.recordings import defaults
-from jawenv.estimation.recordings.record import Record
+from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.laboratory.recordings import defaults
+from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel
 from jawenv.mechanics.kinematics import turning_axes
 

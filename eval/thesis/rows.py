@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from eval import statistics
 from eval.report import words
 from eval.statistics import Interval
-from jawenv.estimation.recordings.estimate import Estimate
-from jawenv.estimation.recordings.record import Record
+from jawenv.laboratory.recordings.estimate import Estimate
+from jawenv.laboratory.recordings.record import Record
 
 Array = NDArray[np.float64]
 

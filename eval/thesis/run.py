@@ -25,7 +25,7 @@ from eval.tables import read_table, write_table
 from eval.thesis.item import Finding, Item
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
-from jawenv.rollout import LARGEST_SEED
+from jawenv.playing.rollout import LARGEST_SEED
 
 CHUNK = 10
 ENOUGH = 20
@@ -39,7 +39,7 @@ class Settings:
 
     Attributes:
         draws: of each item, >= 2.
-        seed: of all draws, 0 to ``jawenv.rollout.LARGEST_SEED``.
+        seed: of all draws, 0 to ``jawenv.playing.rollout.LARGEST_SEED``.
         quick: short episodes and fewer cases, to try the program out.
 
     Raises:

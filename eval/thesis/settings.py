@@ -18,7 +18,7 @@ from eval.thesis.prescribed import SLIDE, Motion, lead
 from jawenv.anatomy import cohort
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.device.device import Device
-from jawenv.estimation.recordings.record import Record
+from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.jaw import ALL_FREE, build_jaw
 
 Array = NDArray[np.float64]

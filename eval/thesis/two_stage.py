@@ -11,10 +11,10 @@ from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import SENSORS, hinge_record, plane_record
-from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.thesis_methods.least_squares import NonlinearLeastSquares
-from jawenv.estimation.thesis_methods.moment_balance import balance_of
-from jawenv.estimation.thesis_methods.two_stage import TwoStageLogLinear
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.thesis_methods.least_squares import NonlinearLeastSquares
+from jawenv.laboratory.thesis_methods.moment_balance import balance_of
+from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
 
 CLOSE = 0.1
 DRAWN = 100

@@ -10,12 +10,12 @@ from functools import cache
 
 import numpy as np
 
-from jawenv.compiled import njit
 from jawenv.device.linkage import excursions
+from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
+from jawenv.kernels.vec3 import add, apply, cross, norm, vector3
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.mechanics.vec3 import add, apply, cross, norm, vector3
 
 COMFORT_LIMITS = (
     "force",

@@ -6,9 +6,9 @@ from math import exp
 
 import numpy as np
 
-from jawenv.compiled import njit
 from jawenv.device.channels import CHANNELS, N_CHANNELS
 from jawenv.device.comfort import COMFORT_LIMITS
+from jawenv.kernels.compiled import njit
 
 # Which channels shrink when little is left of a limit, and the margin below which they begin to. Opening and side are
 # no limits here: the targets themselves stay within them. Nor is speed: the unmodelled force alone shakes the jaw to

@@ -10,7 +10,7 @@ from math import cos, sin
 from typing import NamedTuple
 
 from jawenv.anatomy import default_mandible
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 
 _MOUTHPIECE_X, _MOUTHPIECE_Z = 1e3 * default_mandible().mouthpiece_m[0], 1e3 * default_mandible().mouthpiece_m[2]
 

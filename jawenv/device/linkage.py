@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jawenv.compiled import njit_inlined
+from jawenv.kernels.compiled import njit_inlined
 
 
 @njit_inlined

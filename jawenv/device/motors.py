@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.compiled import njit, njit_inlined
 from jawenv.device.comfort import (
     CONDYLE_FORE_AFT,
     CONDYLE_SIDE,
@@ -29,10 +28,11 @@ from jawenv.device.comfort import (
 )
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
+from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.kernels.lanes import all_lines
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import smooth_ramp, totals
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 
 # Where between the soft (0) and the hard limit (1) the governor begins.
 GOVERNOR_ONSET = 0.1

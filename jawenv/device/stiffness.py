@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-from jawenv.compiled import njit
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, STOPPED, STOPPED_AND_BRAKED
+from jawenv.kernels.compiled import njit
 
 
 @njit

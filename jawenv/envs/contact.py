@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.compiled import njit
 from jawenv.device.motors import device_wrench
-from jawenv.envs.advance import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
 from jawenv.envs.load_cell import add_moments, clear_moments
 from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
+from jawenv.envs.step_kernel import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
+from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
+from jawenv.kernels.vec3 import apply
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
-from jawenv.mechanics.vec3 import apply
 from jawenv.reality.joint import articular_push
 
 

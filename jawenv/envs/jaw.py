@@ -16,9 +16,9 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import Reward, Sensors, configure
 from jawenv.envs.observation import OBSERVATION_BOUND
-from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
+from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
-from jawenv.envs.scene import build_scene, moment_of
+from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
@@ -240,7 +240,7 @@ class JawEnv(gym.Env[Observation, Action]):
     def _renderer_made(self) -> Any:
         """The renderer, which imports pygame when it first draws."""
         if self._renderer is None:
-            from jawenv.envs.rendering.renderer import Renderer
+            from jawenv.rendering.renderer import Renderer
 
             mode = cast(Literal["human", "rgb_array"], self.render_mode)
             self._renderer = Renderer(mode, self.configuration.steps_per_s)

@@ -8,7 +8,7 @@ parabola, which has the force's mean and first two moments.
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 
 
 @njit

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from math import log10, sqrt
 
-from jawenv.compiled import njit, world_kernel
 from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
-from jawenv.estimation.model.step import set_muscles
+from jawenv.filter.joint_step import set_muscles
+from jawenv.kernels.compiled import njit, world_kernel
 from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.kinematics import rotation, split
 

@@ -7,11 +7,11 @@ zero. The plant of pymunk is moved from Python (``contact``).
 
 from __future__ import annotations
 
-from jawenv.compiled import njit, njit_inlined
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import held_rate
 from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
+from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
 from jawenv.mechanics.dynamics import plus, state_rate
 from jawenv.mechanics.kinematics import split

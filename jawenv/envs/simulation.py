@@ -10,22 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, default_mandible
-from jawenv.envs.advance import advance, scratch_dtype, settings_dtype
-from jawenv.envs.beginning import BEGINNING_SCRATCH, begin
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
-from jawenv.envs.start import start_sd
+from jawenv.envs.reset_kernel import BEGINNING_SCRATCH, begin
+from jawenv.envs.step_kernel import advance, scratch_dtype, settings_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
-from jawenv.estimation.online.tick import LAST_WINDOW, set_prior, tick_dtype
+from jawenv.filter.initial_motion import start_sd
+from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
+from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
-from jawenv.noise import philox
 from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 from jawenv.anatomy import default_fossa
-from jawenv.compiled import njit
 from jawenv.device.channels import (
     FASTEST_TARGET,
     FORE_AFT,
@@ -25,6 +24,7 @@ from jawenv.device.comfort import SOFT_FORCE
 from jawenv.device.guard import CREST_SHARE, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
 from jawenv.envs.observation import OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+from jawenv.kernels.compiled import njit
 
 LAW_TICKS = 5  # 20 Hz
 _CREST_M = pi / default_fossa().spatial_frequency

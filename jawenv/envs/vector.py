@@ -21,7 +21,7 @@ from jawenv.envs.actions import checked_actions
 from jawenv.envs.configuration import Reward, Sensors, configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
-from jawenv.envs.reset import checked_patient, checked_seed, episode_keys
+from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown

@@ -9,8 +9,8 @@ import numpy as np
 from jawenv.device.channels import TRACKER
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.estimation.online.state import belief_dtype
-from jawenv.estimation.references.joint_recursion import filter_size
+from jawenv.filter.joint_recursion import filter_size
+from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES

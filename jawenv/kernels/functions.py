@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import floor
 
-from jawenv.compiled import njit_inlined
+from jawenv.kernels.compiled import njit_inlined
 
 # pi / 2 in two parts, the first of which has zeros in its last bits: whole multiples of it are exact.
 QUARTER, QUARTER_REST = 1.57079632673412561417e00, 6.07710050650619224932e-11

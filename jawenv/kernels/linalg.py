@@ -18,7 +18,7 @@ from numba import types
 from numba.core import cgutils, errors
 from numba.extending import intrinsic
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 
 WIDE = 8  # numbers in a vector register
 _FLAGS = ("contract",)

@@ -13,10 +13,10 @@ given in body axes, as the load cell in the mouthpiece feels it.
 
 from __future__ import annotations
 
-from jawenv.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
 
 N_STATES = 10
 N_WRENCH = 6

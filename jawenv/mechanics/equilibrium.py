@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, cross, vector3
 
 TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
 MAX_ITERATIONS = 300

@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.compiled import njit, njit_inlined
+from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.kernels.lanes import all_lines, total
+from jawenv.kernels.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, fossa
-from jawenv.mechanics.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
 
 
 @njit_inlined

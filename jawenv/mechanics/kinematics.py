@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from jawenv.compiled import njit_inlined
+from jawenv.kernels.compiled import njit_inlined
 from jawenv.kernels.functions import sin_cos
-from jawenv.mechanics.vec3 import Matrix, Vector
+from jawenv.kernels.vec3 import Matrix, Vector
 
 Five: TypeAlias = tuple[float, float, float, float, float]
 

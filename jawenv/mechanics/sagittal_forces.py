@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import apply, vector3
 from jawenv.mechanics.forces import capsule_force, carried_forces
 from jawenv.mechanics.kinematics import rotation
-from jawenv.mechanics.vec3 import apply, vector3
 
 Six = tuple[float, float, float, float, float, float]
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from math import ceil, sqrt
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 from jawenv.kernels.lanes import all_lines, total
+from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.forces import muscle_pull, smooth_ramp
 from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, rotation
-from jawenv.mechanics.vec3 import apply, row3
 
 # Longest phase (rad) of the bound in one step of the classical Runge-Kutta method. Stability would bear 2.78. A phase
 # error acts as an error of the stiffness: at a phase of 2, a jaw on its teeth biases the estimated muscle forces.

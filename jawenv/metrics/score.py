@@ -11,7 +11,7 @@ from jawenv.errors import InputError
 from jawenv.metrics.calibration import claimed_information, covered, nees, true_information
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
-from jawenv.rollout import Recording
+from jawenv.playing.rollout import Recording
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -126,7 +126,7 @@ def score(
     """Judge a recording: precision, honesty, comfort and diagnosis of every patient when the episode ends.
 
     Args:
-        recording: see `jawenv.rollout.play`.
+        recording: see `jawenv.playing.rollout.play`.
         targets: thresholds of the worst sd whose time is taken.
         sd_limit: largest sd of an identified parameter.
         fibrosed_F_o_N: F_o (N) above which a whole muscle is fibrosed; a line that stands for several, or for a part,

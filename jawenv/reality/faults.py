@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jawenv.compiled import njit
-from jawenv.noise import fill_normals
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.noise import fill_normals
 
 N_CHANNELS = 18  # 12 encoders, 6 components of the load cell
 FAULT_TICKS = 2**40  # the faults' random numbers are those of ticks that no episode reaches

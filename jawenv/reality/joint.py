@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from jawenv.compiled import njit
 from jawenv.device.linkage import excursions
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import add, apply, apply_transposed, vector3
 from jawenv.mechanics.forces import smooth_ramp
 from jawenv.mechanics.kinematics import contact_point, rotation
-from jawenv.mechanics.vec3 import add, apply, apply_transposed, vector3
 
 
 @njit

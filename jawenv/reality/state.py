@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
+from jawenv.kernels.vec3 import add
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation
-from jawenv.mechanics.vec3 import add
 
 # With the tick that sampling and holding take of themselves, the longest latency is one tick more.
 DELAY_TICKS = 7

@@ -26,10 +26,10 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.compiled import njit
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import add, apply, cross, dot, row3
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.mechanics.vec3 import add, apply, cross, dot, row3
 
 
 @njit

@@ -9,7 +9,7 @@ from exported_folder import fields
 from agents.card import CARD, ModelCard, exported_place, read_card
 from jawenv.errors import InputError
 from jawenv.files import validate, write_json
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 
 RESULT = {"cohort": "trismus", "patients": 64, "seeds": [500, 563], "metric": "nats", "low": 44.4, "high": 46.5}
 

@@ -14,8 +14,8 @@ import jawenv
 from agents.exported import ExportedPolicy, elu, load_exported
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver, Player
-from jawenv.protocol import Agent
+from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.protocol import Agent
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from agents import load_agent
 from agents.following import DECISION_HZ, Following, TargetsLaw, decision_hz
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.protocol import Agent
+from jawenv.playing.protocol import Agent
 
 ID = "jawenv/Jaw-v1"
 TARGET = OBSERVATION_LAYOUT["motor_target"]

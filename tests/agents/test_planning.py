@@ -12,7 +12,7 @@ from agents.planners import PLANNERS
 from agents.planning import Plan, Planner
 from agents.replay import Recorder
 from jawenv.errors import InputError
-from jawenv.protocol import Agent, Planning
+from jawenv.playing.protocol import Agent, Planning
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
 QUICK = {

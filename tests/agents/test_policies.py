@@ -12,7 +12,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.policies import load_policy
 from jawenv.errors import InputError
-from jawenv.protocol import Agent
+from jawenv.playing.protocol import Agent
 
 SIZE = 9
 

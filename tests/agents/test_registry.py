@@ -8,8 +8,8 @@ import agents
 from agents.excitation import Excitation
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.maneuvers.player import Player
-from jawenv.protocol import Agent
+from jawenv.playing.maneuvers.player import Player
+from jawenv.playing.protocol import Agent
 
 
 @pytest.mark.parametrize("name", [*agents.names(), "random"])

@@ -7,7 +7,7 @@ import agents
 import jawenv
 from agents.replay import Recorder, replay_of, replays_of, save_maneuver, targets_of
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers import Maneuver, Player
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
 

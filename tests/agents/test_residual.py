@@ -15,8 +15,8 @@ from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, Residual, Residu
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.files import write_json
-from jawenv.maneuvers import Maneuver, Player
-from jawenv.protocol import Agent
+from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.protocol import Agent
 
 NAME = "opening_with_swings_and_fore_aft"
 BASE = BaseTargets(Maneuver.named(NAME), scale=0.5)

@@ -7,7 +7,7 @@ import jawenv
 from agents import load_agent
 from agents.card import SHIPPED, exported_place, policy_names, read_card
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 from jawenv.seeds import REPORTS
 
 

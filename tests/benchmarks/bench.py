@@ -26,12 +26,12 @@ import numpy as np
 import jawenv
 from agents import load_agent
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.estimation.recordings.estimate import Estimator
-from jawenv.estimation.recordings.record import Record
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
-from jawenv.estimation.references.filterpy_filters import FilterpyExtendedKalman
-from jawenv.protocol import Agent
-from jawenv.rollout import DEFAULT_ENV
+from jawenv.laboratory.recordings.estimate import Estimator
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman
+from jawenv.playing.protocol import Agent
+from jawenv.playing.rollout import DEFAULT_ENV
 
 WORLDS = 256
 CONTROL_HZ = 20.0

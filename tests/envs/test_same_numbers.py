@@ -12,7 +12,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jawenv
-from jawenv.compiled import WORLDS_AT_ONCE
+from jawenv.kernels.compiled import WORLDS_AT_ONCE
 
 ID = "jawenv/Jaw-v1"
 THREADS = sorted({1, min(2, numba.config.NUMBA_NUM_THREADS)})

@@ -11,9 +11,9 @@ from jawenv.device.channels import FASTEST_TARGET, LOWEST, TRACKER
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.tracking import LAW_TICKS, aim, follow_all, move_targets
 from jawenv.errors import InputError
-from jawenv.maneuvers import Player, maneuver_names
-from jawenv.maneuvers.player import action_of
 from jawenv.metrics.calibration import nees, nees_band
+from jawenv.playing.maneuvers import Player, maneuver_names
+from jawenv.playing.maneuvers.player import action_of
 
 ID = "jawenv/Jaw-v1"
 PERIOD_S = 0.2

@@ -3,7 +3,7 @@
 from eval.comparison import results
 from eval.comparison.results import Results
 from jawenv.ladder import model_of_env
-from jawenv.rollout import DEFAULT_ENV
+from jawenv.playing.rollout import DEFAULT_ENV
 from tests.metrics.linear_gaussian import linear_gaussian
 
 GOOD, TRAINED, BOASTFUL, IDLE = "good_one", "ppo-seed0", "boastful", "hold_still"

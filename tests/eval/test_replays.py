@@ -6,7 +6,7 @@ import pytest
 from agents import planning
 from agents.planners import Named
 from eval.cli import main
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 from jawenv.seeds import REPLAYS
 
 SHORT = ["--patients", "2", "--episode-s", "2"]

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jawenv
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     bilateral_rate,

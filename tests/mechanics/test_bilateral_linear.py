@@ -6,9 +6,9 @@ import pytest
 import two_condyles
 from scipy.interpolate import lagrange
 
-from jawenv.estimation.model.body_step import BODY_PARTS
-from jawenv.estimation.model.encoders import measure_body
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype, move
+from jawenv.filter.encoders import measure_body
+from jawenv.filter.joint_body_step import BODY_PARTS
+from jawenv.filter.joint_recursion import joint_scratch_dtype, move
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
 

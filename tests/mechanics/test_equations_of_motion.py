@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_fossa
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.dynamics import linearise_acceleration, state_rate
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation
 

@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 import jawenv
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.equilibrium import settle
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)

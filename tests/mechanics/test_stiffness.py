@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import linearise_acceleration
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS, fastest_rate, parts_needed

@@ -7,8 +7,8 @@ import pytest
 import jawenv
 from jawenv.envs.jaw import JawEnv
 from jawenv.errors import InputError
-from jawenv.rollout import information_bound, play
-from jawenv.singles import SingleWorlds
+from jawenv.playing.rollout import information_bound, play
+from jawenv.playing.singles import SingleWorlds
 
 SHORT = {"episode_s": 1.0}
 

@@ -23,10 +23,10 @@ from test_without_extras import BLOCKED
 
 import eval.cli
 import jawenv
-import jawenv.rollout
+import jawenv.playing.rollout
 import training.cli
 from agents.card import Result
-from jawenv.estimation.recordings.files import load_record
+from jawenv.laboratory.recordings.files import load_record
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
@@ -41,10 +41,10 @@ class NotInstalled:
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 
 sys.meta_path.insert(0, NotInstalled())
-import gymnasium as gym, jawenv, jawenv.rollout
+import gymnasium as gym, jawenv, jawenv.playing.rollout
 shortened = lambda make: lambda *given, **kwargs: make(*given, **({{"episode_s": {seconds}}} | kwargs))
 gym.make, gym.make_vec = shortened(gym.make), shortened(gym.make_vec)
-play = jawenv.rollout.play
+play = jawenv.playing.rollout.play
 jawenv.play = lambda *given, env_kwargs=None, **rest: play(
     *given, env_kwargs={{"episode_s": {seconds}}} | (env_kwargs or {{}}), **rest
 )
@@ -63,7 +63,7 @@ def short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     for name in ("make", "make_vec"):
         make = getattr(gym, name)
         monkeypatch.setattr(gym, name, functools.partial(make, episode_s=EPISODE_S))
-    play = jawenv.rollout.play
+    play = jawenv.playing.rollout.play
     shortened = {"episode_s": EPISODE_S}
     monkeypatch.setattr(
         jawenv,

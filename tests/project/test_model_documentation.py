@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_mandible, known_muscle_sets
-from jawenv.estimation.model.encoders import measure
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.encoders import measure
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body

@@ -8,8 +8,8 @@ import pytest
 
 from eval.settings import Settings
 from jawenv.seeds import REPORTS, TRAINING, TUNING, VALIDATION
-from training.config import DEFAULT_CONFIG, TrainingConfig
-from training.train import world_seed
+from training.run.config import DEFAULT_CONFIG, TrainingConfig
+from training.run.train import world_seed
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "Makefile", *sorted((ROOT / "docs").glob("*.md"))]

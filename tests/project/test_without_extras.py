@@ -39,7 +39,7 @@ REFUSED = {
     "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v1", num_envs=2)',
     "contact, mechanics": "import jawenv.mechanics.sagittal",
     "pictures": 'env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
-    "filters": "import jawenv.estimation.references.filterpy_filters",
+    "filters": "import jawenv.laboratory.references.filterpy_filters",
 }
 REFUSALS = f"""
 import json

@@ -5,7 +5,7 @@ import pytest
 from reality_states import ON_PATH, REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
 from jawenv.device.motors import mouthpiece_motion
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import rotation
 

@@ -9,13 +9,13 @@ from point_env import PointVectorEnv
 from stable_baselines3 import SAC
 
 from jawenv.errors import InputError
-from training.algorithms import ALGORITHMS, make_model
-from training.callbacks import FallingNoise
 from training.cli import main
-from training.config import TrainingConfig
-from training.evaluations import read_evaluations
-from training.run import RunFolder
-from training.vec_env import NativeVecEnv
+from training.run.algorithms import ALGORITHMS, make_model
+from training.run.callbacks import FallingNoise
+from training.run.config import TrainingConfig
+from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
+from training.worlds.vec_env import NativeVecEnv
 
 COMMON = """
 steps: 320

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
-from training.comfort import Multiplier, PricedVecEnv
-from training.config import ComfortConfig
-from training.vec_env import NativeVecEnv
+from training.run.comfort import Multiplier, PricedVecEnv
+from training.run.config import ComfortConfig
+from training.worlds.vec_env import NativeVecEnv
 
 CONFIG = ComfortConfig(target_discomfort_s=0.1, initial_multiplier=8.0, rate=0.5, largest_multiplier=1000.0)
 

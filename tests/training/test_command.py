@@ -16,9 +16,9 @@ import torch
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
-from training.callbacks import Interrupt
 from training.cli import main
-from training.train import world_seed
+from training.run.callbacks import Interrupt
+from training.run.train import world_seed
 
 ROOT = Path(__file__).parents[2]
 
@@ -304,7 +304,7 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     def too_large(*given: object) -> None:
         np.empty(2**62, dtype=np.uint8)
 
-    monkeypatch.setattr("training.train.make_worlds", too_large)
+    monkeypatch.setattr("training.run.train.make_worlds", too_large)
     assert train(tiny_config, "--output", tmp_path / "run") == 2
     error = capsys.readouterr().err
     assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")

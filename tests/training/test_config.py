@@ -7,7 +7,7 @@ import pytest
 from agents.residual import Residual
 from jawenv.errors import InputError
 from jawenv.seeds import VALIDATION
-from training.config import DEFAULT_CONFIG, TrainingConfig, config_file
+from training.run.config import DEFAULT_CONFIG, TrainingConfig, config_file
 
 
 def load(tmp_path: Path, text: str) -> TrainingConfig:

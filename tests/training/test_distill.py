@@ -12,12 +12,12 @@ import jawenv
 from agents.replay import Recorder
 from jawenv.errors import InputError
 from training.cli import main
-from training.config import TrainingConfig
-from training.distill import Distillation, Labels, error_on, fit
-from training.evaluations import read_evaluations
-from training.export import export
-from training.run import RunFolder
-from training.train import Session, base_targets, world_seed
+from training.run.config import TrainingConfig
+from training.run.evaluations import read_evaluations
+from training.run.export import export
+from training.run.folder import RunFolder
+from training.run.train import Session, base_targets, world_seed
+from training.search.distill import Distillation, Labels, error_on, fit
 
 CONFIG = """
 algorithm: ppo

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
-from training.evaluate import evaluate
-from training.vec_env import NativeVecEnv
+from training.run.evaluate import evaluate
+from training.worlds.vec_env import NativeVecEnv
 
 
 def worlds(start: float = 1.0) -> NativeVecEnv:

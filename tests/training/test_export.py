@@ -20,10 +20,10 @@ import jawenv
 from agents.card import read_card
 from agents.residual import N_FEATURES
 from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 from training.cli import main
-from training.config import EnvConfig, TrainingConfig
-from training.export import _environment, config_sha256
+from training.run.config import EnvConfig, TrainingConfig
+from training.run.export import _environment, config_sha256
 
 KWARGS = {"control": "trajectory", "episode_s": 5.0, "device": {"cell_force_N": 0.2}}
 

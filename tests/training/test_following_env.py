@@ -6,12 +6,12 @@ import numpy as np
 from agents.following import Following, TargetsLaw
 from agents.residual import BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 from tests.training.counting_worlds import Counting
-from training.config import EnvConfig
-from training.following_env import FollowingVecEnv
-from training.residual_env import ResidualVecEnv
-from training.train import make_worlds, wrapped
+from training.run.config import EnvConfig
+from training.run.train import make_worlds, wrapped
+from training.worlds.following_env import FollowingVecEnv
+from training.worlds.residual_env import ResidualVecEnv
 
 BASE = BaseTargets(Maneuver.named("opening_with_swings"), scale=0.5)
 TARGET = OBSERVATION_LAYOUT["motor_target"]

@@ -10,10 +10,10 @@ import pytest
 import agents
 import jawenv
 from agents.residual import BASE_FILE, ResidualPolicy
-from jawenv.maneuvers import Player
+from jawenv.playing.maneuvers import Player
 from training.cli import main
-from training.evaluations import Evaluations, read_evaluations
-from training.run import RunFolder
+from training.run.evaluations import Evaluations, read_evaluations
+from training.run.folder import RunFolder
 
 CONFIG = """
 algorithm: sac

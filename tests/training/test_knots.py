@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from jawenv.device.channels import FASTEST_TARGET
-from jawenv.maneuvers import Maneuver
-from training.knots import SIZE, STEP_S, Knots, length_s
-from training.optimise import CANDIDATE
+from jawenv.playing.maneuvers import Maneuver
+from training.search.knots import SIZE, STEP_S, Knots, length_s
+from training.search.optimise import CANDIDATE
 
 TIMES = STEP_S * np.arange(1, 11)
 

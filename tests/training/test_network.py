@@ -11,7 +11,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from torch import nn
 
 from jawenv.errors import InputError
-from training.network import network_of
+from training.run.network import network_of
 
 
 class Blank(gym.Env):

@@ -10,11 +10,11 @@ from hypothesis.extra.numpy import arrays
 import jawenv
 from jawenv.device.channels import CHANNELS
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver, Player
-from jawenv.maneuvers.maneuver import FOLDER
+from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers.maneuver import FOLDER
 from training.cli import main
-from training.optimise import CANDIDATE, INFEASIBLE, Design, Judge, Judged, nominal_patient, search
-from training.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, Sines, numbers_of, waves_of
+from training.search.optimise import CANDIDATE, INFEASIBLE, Design, Judge, Judged, nominal_patient, search
+from training.search.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, Sines, numbers_of, waves_of
 
 SHORT = {"horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
 

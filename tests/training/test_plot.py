@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from training.cli import main
-from training.config import TrainingConfig
-from training.plot import _grouped, _stacked, mean_and_interval
+from training.run.config import TrainingConfig
+from training.run.plot import _grouped, _stacked, mean_and_interval
 
 HEADER = "steps,return,worst_sd,worst_sd_10s,discomfort_s"
 

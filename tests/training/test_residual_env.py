@@ -5,9 +5,9 @@ import pytest
 
 from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver
 from tests.training.counting_worlds import Counting
-from training.residual_env import ResidualVecEnv
+from training.worlds.residual_env import ResidualVecEnv
 
 BASE = BaseTargets(Maneuver.named("opening_with_swings"), scale=0.5)
 LENGTHS = (3, 5)

@@ -14,10 +14,10 @@ import jawenv
 from agents.replay import Recorder
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
-from jawenv.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers import Maneuver, Player
 from training.cli import main
-from training.search_log import SearchLog
-from training.sequential import SequentialDesign, _Designer, design_maneuver
+from training.search.log import SearchLog
+from training.search.sequential import SequentialDesign, _Designer, design_maneuver
 
 QUICK = SequentialDesign(horizon_s=2.0, patients=3, look_ahead_s=1.0, candidates=8, rounds=2)
 ABOUT = {"name": "designed", "title": "Designed", "description": "For a test.", "source": "this test"}

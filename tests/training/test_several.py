@@ -6,9 +6,9 @@ import pytest
 
 from jawenv.errors import InputError
 from training.cli import main
-from training.evaluations import read_evaluations
-from training.run import RunFolder
-from training.several import parse_seeds
+from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
+from training.run.several import parse_seeds
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ import pytest
 from optuna.trial import FixedTrial, TrialState
 
 from training.cli import main
-from training.config import TrainingConfig, config_file
-from training.tune import suggest
+from training.run.config import TrainingConfig, config_file
+from training.run.tune import suggest
 
 PPO = {"learning_rate": 1e-3, "gamma": 0.98, "n_epochs": 4, "initial_log_std": -1.5, "scale": 0.3}
 SAC = {"learning_rate": 1e-3, "gamma": 0.98, "gradient_steps": 5, "units": 64, "scale": 0.3}

@@ -8,7 +8,7 @@ import pytest
 import two_condyles
 from bilateral_step import bilateral_step
 
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     BODY_STEP,

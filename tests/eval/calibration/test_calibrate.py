@@ -13,8 +13,8 @@ from agents import load_agent
 from eval.calibration import beliefs, calibrate, summary
 from eval.calibration.filters import OTHERS
 from eval.cli import main
-from jawenv.estimation.recordings.estimate import Estimate
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.recordings.estimate import Estimate
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 SHORT = ["--patients", "3", "--times", "0.5,1", "--control", "force"]
@@ -94,7 +94,7 @@ def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
 
 
 def test_the_environments_own_filter_is_the_same_over_the_record(recording):
-    from jawenv.estimation.online.record_filter import TensionFilter
+    from jawenv.laboratory.record_filter import TensionFilter
 
     for i, record in enumerate(recording.records):
         np.testing.assert_array_equal(TensionFilter().estimate(record).mean, recording.belief_mean[i])

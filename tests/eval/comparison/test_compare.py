@@ -209,7 +209,7 @@ def test_the_filters_mechanics_go_to_the_environment():
 
 
 def test_entries_with_the_same_name_are_told_apart(tmp_path):
-    from jawenv.maneuvers.maneuver import FOLDER
+    from jawenv.playing.maneuvers.maneuver import FOLDER
 
     copy = tmp_path / "other.yaml"
     copy.write_text((FOLDER / "hold_still.yaml").read_text())
@@ -218,7 +218,7 @@ def test_entries_with_the_same_name_are_told_apart(tmp_path):
 
 
 def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
-    from jawenv.maneuvers.maneuver import FOLDER
+    from jawenv.playing.maneuvers.maneuver import FOLDER
 
     text = (FOLDER / "slow_opening.yaml").read_text()
     copy = tmp_path / "slow_opening.yaml"
@@ -251,7 +251,7 @@ def trained_run(tmp_path_factory):
     from stable_baselines3 import PPO
 
     import jawenv  # noqa: F401  (registers the environment)
-    from training.config import TrainingConfig
+    from training.run.config import TrainingConfig
 
     folder = tmp_path_factory.mktemp("runs") / "ppo-test"
     (folder / "checkpoints").mkdir(parents=True)

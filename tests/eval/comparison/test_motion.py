@@ -47,7 +47,7 @@ def test_frames_put_the_mouthpiece_where_it_is_said_to_be(study):
 
 
 def test_watching_changes_no_result(study):
-    from jawenv.rollout import play
+    from jawenv.playing.rollout import play
 
     entry = load_entries(["slow_opening"], Settings(control="targets", episode_s=2.0).env_kwargs)[0]
     plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)

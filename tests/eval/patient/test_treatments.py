@@ -8,7 +8,7 @@ from eval.patient.treatments import Course, first_treatment, next_treatment
 from eval.settings import Settings
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band
-from jawenv.rollout import play
+from jawenv.playing.rollout import play
 
 PATIENTS, TREATMENTS, FIRST_SEED = 16, 5, 5100
 

@@ -120,7 +120,7 @@ def test_what_a_study_cannot_be_is_one_line(changes, said):
 
 
 def test_two_entries_of_one_name_are_refused(tmp_path):
-    from jawenv.maneuvers.maneuver import FOLDER
+    from jawenv.playing.maneuvers.maneuver import FOLDER
 
     copy = tmp_path / "other.yaml"
     copy.write_text((FOLDER / "chirp.yaml").read_text())

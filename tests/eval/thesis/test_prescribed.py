@@ -9,10 +9,10 @@ from scipy.stats import beta, chi2
 from eval.thesis.prescribed import Motion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
-from jawenv.estimation.model.step import propagate
-from jawenv.estimation.recordings.thinning import divided, thinned
-from jawenv.estimation.references.extended_kalman import ExtendedKalman
-from jawenv.estimation.references.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_step import propagate
+from jawenv.laboratory.recordings.thinning import divided, thinned
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 
 def test_keyframes_are_met_at_rest():

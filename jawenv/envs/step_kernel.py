@@ -1,0 +1,248 @@
+"""The world's clock: one control period of every world, estimator included, in one compiled call."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
+from jawenv.device.device import N_MOTORS
+from jawenv.device.motors import command_motors
+from jawenv.envs.information import refresh_information
+from jawenv.envs.kept_ticks import keep_tick
+from jawenv.envs.observation import observation_size, observe_world
+from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
+from jawenv.envs.tracking import LAW_TICKS, aim, follow, move_targets
+from jawenv.filter.cell_trend import mean_force, mean_reading
+from jawenv.filter.encoders import N_MEASUREMENTS, measure
+from jawenv.filter.joint_recursion import (
+    joint_scratch_dtype,
+    move,
+    predict_covariance,
+    update_covariance,
+)
+from jawenv.filter.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.learn import learn
+from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
+from jawenv.kernels.compiled import njit, njit_within, world_kernel
+from jawenv.kernels.noise import fill_normals
+from jawenv.kernels.records import record_dtype
+from jawenv.kernels.vec3 import norm
+from jawenv.mechanics.kinematics import split
+from jawenv.reality import REALITY
+from jawenv.reality.faults import fail
+from jawenv.reality.sensors import biased, play
+from jawenv.reality.tissue import update_tissue
+
+N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
+_CELL, _ENCODERS = 6, 24
+
+
+@cache
+def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of what all worlds of an environment share."""
+    fields = [
+        ("filter", filter_settings_dtype(n_muscles, n_states)),
+        ("trajectory", "u1"),  # whether servos hold the motors, as in trajectory and targets control
+        ("targets", "u1"),  # whether the action is the channels' targets
+        ("bound", "u1"),
+        ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
+        ("record", "u1"),
+        ("reality", REALITY),
+        ("channels", "i8"),  # readings in a tick
+        ("steps", "i8"),
+        ("ticks_per_step", "i8"),
+    ]
+    return record_dtype(fields)
+
+
+@cache
+def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of one thread's working memory."""
+    fields = [
+        ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
+        ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
+        ("action", "f8", N_MOTORS),  # of the motors
+        ("normals", "f8", N_NORMALS),
+        ("measured", "f8", N_MEASUREMENTS),
+        ("unmodelled", "f8", 6),
+        ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
+        ("acted", "f8"),  # what of the governor has acted in this tick
+        ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, as the load cell averages it (``load_cell``)
+        ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
+        ("faults", "f8", 20),
+        ("fractions", "f8", N_LIMITS),
+        ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
+        ("right", "f8", (2 * n_muscles,)),
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def read_load_cell(device, world, scratch):
+    """The load cell's samples: one gain error for the episode, fresh noise for each sample."""
+    for i in range(N_SAMPLES):
+        for k in range(6):
+            noise = device.cell_force if k < 3 else device.cell_moment
+            value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
+            scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
+    biased(world.reality, scratch.samples)
+
+
+@njit
+def sense(device, world, scratch, settings):
+    """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
+    normals = scratch.normals
+    measure(world.jaw, world.state, scratch.joint.rows, scratch.measured)
+    scratch.measured[2] += world.lift[0]
+    scratch.measured[8] += world.lift[1]
+    play(settings.reality, world.reality, scratch.measured)
+    for i in range(3):
+        scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]
+        scratch.measured[3 + i] += device.encoder_angle * normals[_ENCODERS + 3 + i]
+        scratch.measured[6 + i] += device.encoder_velocity * normals[_ENCODERS + 6 + i]
+        scratch.measured[9 + i] += device.encoder_rate * normals[_ENCODERS + 9 + i]
+
+
+@njit_within
+def command(device, model, world, action, settings, scratch):
+    """What the motors are to do in the next tick, into ``scratch.action``: the action, or what follows targets."""
+    if not settings.targets:
+        scratch.action[:] = action
+    elif world.tick % LAW_TICKS == 0:
+        dt = LAW_TICKS * TICK
+        if world.tick % settings.ticks_per_step == 0:
+            aim(world.tracker, action, settings.ticks_per_step * TICK)
+        observe_world(device, model, world, settings, scratch, scratch.observation)
+        parameters = settings.filter.prior_mean.shape[0]
+        follow(device, scratch.observation, parameters, world.tracker, True, True, dt, scratch.action)
+        move_targets(world.tracker, dt)
+
+
+@njit
+def begin_tick(device, model, world, action, settings, scratch):
+    """Draw the tick's noise and let the motors take their command."""
+    command(device, model, world, action, settings, scratch)
+    fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
+    normals = scratch.normals
+    q, u = split(world.state)
+    lift = lift_of(world)
+    command_motors(device, world.jaw, world.motors, q, u, lift, scratch.action, settings.trajectory, TICK)
+    update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
+    for k in range(3):
+        scratch.unmodelled[k] = device.unmodelled_force * normals[k]
+        scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
+    for i in range(scratch.joint.state.shape[0]):
+        scratch.joint.state[i] = true_state(model, world, i)
+
+
+@njit_within
+def advance_bound(model, world, settings, scratch):
+    """The bound's recursion along the true motion; ``scratch.joint.state`` is the true state at the tick's start."""
+    state = scratch.joint.state
+    move(model, world.muscles, state, scratch.wrench, world.belief.trend, 0.0, TICK, scratch.joint)
+    predict_covariance(world.bound, settings.noise_variance, scratch.joint)
+    for i in range(state.shape[0]):
+        state[i] = true_state(model, world, i)
+    update_covariance(
+        model, state, world.bound, settings.filter.measurement_variance, settings.filter.used, scratch.joint
+    )
+
+
+@njit_within
+def end_tick(device, model, world, settings, scratch, ticks):
+    """Load cell, encoders and filter after the motion of a tick; what was read is kept in ``ticks``."""
+    read_load_cell(device, world, scratch)
+    if settings.bound:
+        advance_bound(model, world, settings, scratch)
+    sense(device, world, scratch, settings)
+    fail(
+        settings.reality,
+        world.reality,
+        (world.key[0], world.key[1]),
+        world.tick,
+        scratch.measured,
+        scratch.samples,
+        scratch.faults,
+    )
+    world.tick += 1
+    keep_tick(model, world, settings, scratch, ticks)
+    belief, gated = world.belief, world.belief.gated
+    left_out = filter_tick(
+        model, belief, ticks, world.tick, scratch.measured, scratch.samples, settings.filter, scratch.filter
+    )
+    share = 1.0 / settings.ticks_per_step
+    world.left_out += share * left_out / settings.channels
+    world.gated += share * (belief.gated - gated)
+    for k in range(6):
+        world.reading[k] = mean_reading(scratch.filter.samples, k)
+
+
+@njit_within
+def end_step(world, settings, scratch):
+    """Belief and its information at the end of a control period."""
+    learn(world.belief, settings.filter, scratch.filter.belief)
+    refresh_information(world, settings, scratch.matrix, scratch.right)
+
+
+@njit
+def take_comfort(world, scratch, share):
+    """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
+    q, u = split(world.state)
+    force = norm(mean_force(scratch.wrench))
+    used_fractions(world.jaw, scratch.effective, world.limits, q, u, lift_of(world), force, scratch.fractions)
+    for i in range(N_LIMITS):
+        fraction = scratch.fractions[i]
+        world.fractions[i] = max(world.fractions[i], fraction)
+        world.costs[i] += share * cost_of(fraction, HARD[i])
+        if not fraction <= HARD[i]:
+            world.violated = 1
+
+
+@njit
+def clear_step(world):
+    """Reset the discomfort and governor record of the last step."""
+    for k in range(N_LIMITS):
+        world.fractions[k] = 0.0
+        world.costs[k] = 0.0
+    world.governor = 0.0
+    world.left_out = 0.0
+    world.gated = 0.0
+
+
+@njit_within
+def advance_world(device, model, world, action, settings, scratch, ticks):
+    """Advance one world by one control period."""
+    clear_step(world)
+    share = 1.0 / settings.ticks_per_step
+    for _ in range(settings.ticks_per_step):
+        begin_tick(device, model, world, action, settings, scratch)
+        acted = true_motion(device, world, scratch, settings)
+        end_tick(device, model, world, settings, scratch, ticks)
+        world.governor += share if acted > 0.0 else 0.0
+        take_comfort(world, scratch, share)
+    end_step(world, settings, scratch)
+
+
+@world_kernel(place=2)
+def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, part):
+    """Advance every active world by one control period.
+
+    Args:
+        devices: One record of dtype ``DEVICE``, in an array.
+        models: Jaws as the filter believes them, one for each world, dtype ``jaw_dtype``.
+        worlds: Worlds, dtype ``world_dtype``; changed in place.
+        actions: (N, 4) in [-1, 1], of the motors or, in targets control, the channels.
+        active: (N,) bool; a world that is not active stays as it is.
+        all_settings: One record of dtype ``settings_dtype``, in an array.
+        scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
+        all_ticks: (N, ticks + 1) records of dtype ``tick_dtype``, or (N, 1) where none are kept.
+        part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
+    """
+    first, last, thread = part
+    for i in range(first, last):
+        if active[i]:
+            scratch = scratches[thread]
+            advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratch, all_ticks[i])

@@ -1,1 +1,0 @@
-"""The filter of the environments, its files in the order of the data."""

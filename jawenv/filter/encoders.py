@@ -1,0 +1,79 @@
+"""What the encoders read of a motion, and its derivative by the motion."""
+
+from __future__ import annotations
+
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import add, apply, cross, vector3
+from jawenv.mechanics.bilateral import N_BODY, midline_pose, point_motion, split_body
+from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
+
+N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
+
+
+@njit
+def measure(jaw, state, rows, expected):
+    """Expected measurements (12) and their derivatives by the ten states, into ``rows`` (12, 10)."""
+    q, u = split(state)
+    body_to_head = rotation(q)
+    _, slope, curvature, _ = fossa(jaw, q[0])
+    omega = (u[2], u[3], u[4])
+    mouthpiece = vector3(jaw.mouthpiece)
+    spin = cross(omega, mouthpiece)
+    place = add(contact_point(jaw, q), apply(body_to_head, mouthpiece))
+    velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, spin))
+    for i in range(3):
+        expected[i], expected[3 + i] = place[i], q[2 + i]
+        expected[6 + i], expected[9 + i] = velocity[i], omega[i]
+    for i in range(N_MEASUREMENTS):
+        for j in range(N_STATES):
+            rows[i, j] = 0.0
+    rows[0, 0], rows[2, 0], rows[1, 1] = 1.0, slope, 1.0
+    rows[8, 0] = curvature * u[0]
+    rows[6, 5], rows[8, 5], rows[7, 6] = 1.0, slope, 1.0
+    axes = turning_axes(q)
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for j in range(3):
+        by_angle = apply(body_to_head, cross(axes[j], mouthpiece))
+        velocity_by_angle = apply(body_to_head, cross(axes[j], spin))
+        by_omega = apply(body_to_head, cross(units[j], mouthpiece))
+        for i in range(3):
+            rows[i, 2 + j] = by_angle[i]
+            rows[6 + i, 2 + j] = velocity_by_angle[i]
+            rows[6 + i, 7 + j] = by_omega[i]
+        rows[3 + j, 2 + j] = 1.0
+        rows[9 + j, 7 + j] = 1.0
+
+
+@njit
+def measure_body(jaw, state, rows, expected):
+    """As ``measure``, for the twelve states of a jaw with two condyles: ``rows`` (12, 12)."""
+    q, u = split_body(state)
+    pose = midline_pose(q)
+    body_to_head = rotation(pose)
+    arm = vector3(jaw.mouthpiece)
+    spin = cross((u[3], u[4], u[5]), arm)
+    place, velocity = point_motion(q, u, body_to_head, arm)
+    axes = turning_axes(pose)
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for i in range(N_MEASUREMENTS):
+        for j in range(N_BODY):
+            rows[i, j] = 1.0 if i == j else 0.0
+    for j in range(3):
+        by_angle = apply(body_to_head, cross(axes[j], arm))
+        velocity_by_angle = apply(body_to_head, cross(axes[j], spin))
+        by_omega = apply(body_to_head, cross(units[j], arm))
+        for i in range(3):
+            rows[i, 3 + j] = by_angle[i]
+            rows[6 + i, 3 + j] = velocity_by_angle[i]
+            rows[6 + i, 9 + j] = by_omega[i]
+        expected[j], expected[3 + j], expected[6 + j], expected[9 + j] = place[j], q[3 + j], velocity[j], u[3 + j]
+
+
+@njit
+def expect(jaw, state, rows, expected):
+    """Expected measurements and their derivatives, by the model that ``jaw`` is of."""
+    if jaw.condyles == 2:
+        measure_body(jaw, state, rows, expected)
+    else:
+        measure(jaw, state, rows, expected)

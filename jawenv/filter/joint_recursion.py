@@ -1,0 +1,166 @@
+"""The joint Kalman recursion over motion, log-parameters and load-cell gain: what the bound and the reference share.
+
+State: q and u (10, or 12 for a jaw with two condyles), natural logs of F_o and b per muscle (12 by default), relative
+gain error g of the load cell (1); 23 in all by default. The sizes come with the arrays.
+
+* The force on the jaw is the reading plus g times the recent trend of the readings. If g multiplied the reading itself,
+  the load cell's noise would be correlated with the regressor of g and bias it.
+* g is a considered parameter (Schmidt 1966): its prior variance enters all cross-covariances and is never reduced.
+* g times the departure of the readings from their trend is modelled as additional process noise.
+* Process noise is an unmodelled wrench, constant over one step, plus the noise of the load cell, which also has a
+  linear part.
+
+The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
+bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
+equals the joint update to rounding: all are linearised at the predicted mean. The environments' own filter does not
+carry the parameters in its state (``online.state``).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numba.extending import overload
+
+from jawenv.filter.cell_trend import mean_reading
+from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.joint_body_step import propagate_body
+from jawenv.filter.joint_step import N_NOISE, propagate, sensitivity_fields
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+
+
+def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
+    """Number of the filter's states."""
+    return n_states + 2 * n_muscles + 1
+
+
+@cache
+def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
+    """Dtype of the filter's working memory."""
+    n_filter = filter_size(n_muscles, n_states)
+    n_columns = n_filter + N_NOISE
+    fields = [
+        *sensitivity_fields(n_muscles, n_lines, n_states),
+        ("muscles", "f8", (n_lines, 2)),
+        ("state", "f8", (n_states,)),
+        ("product", "f8", (n_states, n_columns)),
+        ("turned", "f8", (n_columns, n_states)),
+        ("row", "f8", (n_states,)),
+        ("rows", "f8", (N_MEASUREMENTS, n_states)),
+        ("expected", "f8", (N_MEASUREMENTS,)),
+        ("noise_variance", "f8", (N_NOISE,)),
+        ("shift", "f8", (n_filter,)),
+        ("gain", "f8", (n_filter,)),
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def predict_covariance(covariance, noise_variance, scratch):
+    """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
+
+    ``noise_variance`` (12) is W's diagonal. Both products share one pass: [F P, G W] times [F, G]^T.
+    """
+    total, product, turned = scratch.total, scratch.product, scratch.turned
+    size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
+    for i in range(n_states):
+        for j in range(size):
+            product[i, j] = 0.0
+        for k in range(size):
+            factor = total[i, k]
+            for j in range(size):
+                product[i, j] += factor * covariance[k, j]
+        for k in range(columns):
+            turned[k, i] = total[i, k]
+    for i in range(n_states):
+        for j in range(n_states, size):
+            covariance[i, j] = product[i, j]
+            covariance[j, i] = product[i, j]
+        for k in range(N_NOISE):
+            product[i, size + k] = total[i, size + k] * noise_variance[k]
+    for i in range(n_states):
+        for j in range(n_states):
+            scratch.row[j] = 0.0
+        for k in range(columns):
+            factor = product[i, k]
+            for j in range(n_states):
+                scratch.row[j] += factor * turned[k, j]
+        for j in range(i + 1):
+            covariance[i, j] = scratch.row[j]
+            covariance[j, i] = scratch.row[j]
+
+
+@njit
+def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
+    """Process noise: ``wrench_variance`` (12), and the gain error times what departs from the trend."""
+    for k in range(N_WRENCH):
+        fast = mean_reading(samples, k) - trend[k]
+        scratch.noise_variance[k] = wrench_variance[k] + gain_variance * fast * fast
+        scratch.noise_variance[N_WRENCH + k] = wrench_variance[N_WRENCH + k]
+
+
+def propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """``propagate`` or ``propagate_body``, whichever is for as many states as ``scratch`` is made for.
+
+    Chosen at compile time from the types, so that only one is compiled.
+    """
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(propagate_either, inline="always")
+def _choose_model(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    chosen = propagate_body if scratch.typeof("total").shape[0] == N_BODY else propagate
+
+    def call(jaw, muscles, state, samples, trend, gain, dt, scratch):
+        chosen(jaw, muscles, state, samples, trend, gain, dt, scratch)
+
+    return call
+
+
+@njit
+def move(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """Propagate the motion with its derivative, by the model that ``scratch`` is made for."""
+    propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch)
+
+
+@njit
+def innovation_variance(covariance, row, variance, gain):
+    """Variance of the innovation of one scalar measurement; leaves P h in ``gain``."""
+    size = gain.shape[0]
+    for j in range(size):
+        gain[j] = 0.0
+    for k in range(row.shape[0]):
+        factor = row[k]
+        if factor != 0.0:
+            for j in range(size):
+                gain[j] += factor * covariance[k, j]
+    for k in range(row.shape[0]):
+        variance += row[k] * gain[k]
+    return variance
+
+
+@njit
+def reduce_covariance(covariance, gain, variance):
+    """Covariance after a measurement whose innovation has this variance; that of the load cell's gain stays."""
+    size = gain.shape[0]
+    inverse = 1.0 / variance
+    considered = covariance[size - 1, size - 1]
+    for i in range(size):
+        for j in range(size):
+            # The product first: it is the same number for (i, j) and (j, i), so P stays symmetric to the bit.
+            covariance[i, j] -= (gain[i] * gain[j]) * inverse
+    covariance[size - 1, size - 1] = considered
+
+
+@njit
+def update_covariance(jaw, state, covariance, variances, used, scratch):
+    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound."""
+    expect(jaw, state, scratch.rows, scratch.expected)
+    for i in range(N_MEASUREMENTS):
+        if used[i]:
+            variance = innovation_variance(covariance, scratch.rows[i], variances[i], scratch.gain)
+            reduce_covariance(covariance, scratch.gain, variance)

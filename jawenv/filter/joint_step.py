@@ -1,0 +1,236 @@
+"""One step of the filter's model and its exact derivative.
+
+The model is one classical Runge-Kutta step, or a few if the jaw is stiff, under the wrench that the load cell read at
+the start, the middle and the end of the step: a stiff servo changes its force within a step, and with the mean alone
+the predicted motion is off by a quarter of its change. The derivative is the same step applied to the variational
+equation, so that it is the derivative of the numbers that the filter computes, to rounding.
+
+Of the wrench not known there are two sets of columns: constant over the step, and tilting from -1 to 1. The noise of
+three samples, with the weights 1/6, 4/6, 1/6 of Simpson's rule, acts as both do if each has the variance of the mean:
+exactly, where the response is a straight line over the step. A jaw on its teeth swings by 1.9 rad in a step; there they
+leave a tenth of that variance, and the constant one alone leaves up to four fifths.
+"""
+
+from __future__ import annotations
+
+from math import exp
+from typing import Any
+
+from jawenv.kernels.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.functions import sin_cos
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration, plus
+from jawenv.mechanics.kinematics import angle_rates, split
+from jawenv.mechanics.stiffness import fastest_rate, parts_needed
+
+N_SAMPLES = 3  # of the load cell per step
+N_NOISE = 2 * N_WRENCH  # columns of the wrench not known: constant over a step, and tilting
+
+
+def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -> list[Any]:
+    """Working memory of ``propagate``, or of ``propagate_body`` with its 12 states, as fields of a dtype.
+
+    Columns of the derivative: the states of motion, log F_o and log b of each muscle, the load cell's gain, the
+    wrench not known.
+    """
+    n_columns = n_states + 2 * n_muscles + 1 + N_NOISE
+    return [
+        ("by_state", "f8", (n_states // 2, n_states)),
+        ("by_input", "f8", (n_states // 2, 2 * n_muscles + N_WRENCH)),
+        ("stiffness", "f8", (3, 3, 3)),
+        ("pulls", "f8", (n_lines, 7)),
+        ("by_angle", "f8", (3, 5)),
+        ("start", "f8", (n_states, n_columns)),
+        ("stage", "f8", (n_states, n_columns)),
+        ("slope", "f8", (n_states, n_columns)),
+        ("total", "f8", (n_states, n_columns)),
+    ]
+
+
+@njit
+def set_muscles(jaw, log_parameters, offset, muscles):
+    """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
+    for line in range(muscles.shape[0]):
+        place = offset + 2 * jaw.muscle[line]
+        muscles[line, 0] = exp(log_parameters[place])
+        muscles[line, 1] = exp(log_parameters[place + 1])
+
+
+@njit
+def fill_angle_rate_derivatives(q, omega, by_angle):
+    """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
+    tangent = sp / cp
+    across = omega[1] * ca - omega[2] * sa
+    along = omega[1] * sa + omega[2] * ca
+    by_angle[0, 0], by_angle[0, 1] = across * sp / (cp * cp), -along / cp
+    by_angle[0, 2], by_angle[0, 3], by_angle[0, 4] = 0.0, ca / cp, -sa / cp
+    by_angle[1, 0], by_angle[1, 1] = 0.0, across
+    by_angle[1, 2], by_angle[1, 3], by_angle[1, 4] = 0.0, sa, ca
+    by_angle[2, 0], by_angle[2, 1] = -across / (cp * cp), along * tangent
+    by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
+
+
+@njit
+def with_gain(sample, trend, gain):
+    """The wrench that a sample of the load cell stands for, given the gain's error."""
+    return (
+        sample[0] + gain * trend[0],
+        sample[1] + gain * trend[1],
+        sample[2] + gain * trend[2],
+        sample[3] + gain * trend[3],
+        sample[4] + gain * trend[4],
+        sample[5] + gain * trend[5],
+    )
+
+
+@njit_within
+def add_inputs(slope, by_input, trend, tilt):
+    """Add what parameters, gain and wrench do to the accelerations, the lower half of ``slope``.
+
+    ``tilt`` is where in the step, from -1 to 1.
+    """
+    n_states = slope.shape[0]
+    first, wrenches = n_states // 2, slope.shape[1] - N_NOISE
+    parameters = wrenches - 1 - n_states
+    for i in range(first):
+        for j in range(parameters):
+            slope[first + i, n_states + j] += by_input[i, j]
+        for j in range(N_WRENCH):
+            slope[first + i, wrenches + j] += by_input[i, parameters + j]
+            slope[first + i, wrenches + N_WRENCH + j] += tilt * by_input[i, parameters + j]
+            slope[first + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
+
+
+@njit_within
+def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
+    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
+
+    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) the recent trend of the load cell;
+    ``tilt`` is where in the step, from -1 to 1.
+    """
+    wrench = with_gain(sample, trend, gain)
+    acceleration = linearise_acceleration(
+        jaw, muscles, q, u, wrench, scratch.by_state, scratch.by_input, scratch.stiffness, scratch.pulls
+    )
+    omega = (u[2], u[3], u[4])
+    fill_angle_rate_derivatives(q, omega, scratch.by_angle)
+    stage, slope = scratch.stage, scratch.slope
+    by_state, by_input, by_angle = scratch.by_state, scratch.by_input, scratch.by_angle
+    columns = slope.shape[1]
+    for j in range(columns):
+        slope[0, j] = stage[5, j]
+        slope[1, j] = stage[6, j]
+    for i in range(3):
+        a, b = by_angle[i, 0], by_angle[i, 1]
+        c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
+        for j in range(columns):
+            slope[2 + i, j] = a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
+    for i in range(5):
+        # One pass over the columns with all factors in registers: this product is the filter's largest cost.
+        a0, a1, a2, a3, a4 = by_state[i, 0], by_state[i, 1], by_state[i, 2], by_state[i, 3], by_state[i, 4]
+        a5, a6, a7, a8, a9 = by_state[i, 5], by_state[i, 6], by_state[i, 7], by_state[i, 8], by_state[i, 9]
+        for j in range(columns):
+            slope[5 + i, j] = (
+                a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
+            ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
+    add_inputs(slope, by_input, trend, tilt)
+    return angle_rates(q, omega), acceleration
+
+
+@njit
+def set_identity(matrix):
+    """Ones on the diagonal of the leading square block, zeros elsewhere."""
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            matrix[i, j] = 0.0
+        matrix[i, i] = 1.0
+
+
+@njit
+def copy_matrix(target, source):
+    """Target = source for two arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@njit_inlined
+def between_samples(samples, share):
+    """The load cell's wrench at a share of the step, by the parabola through its three samples."""
+    first, middle, last = (1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)
+    return (
+        first * samples[0, 0] + middle * samples[1, 0] + last * samples[2, 0],
+        first * samples[0, 1] + middle * samples[1, 1] + last * samples[2, 1],
+        first * samples[0, 2] + middle * samples[1, 2] + last * samples[2, 2],
+        first * samples[0, 3] + middle * samples[1, 3] + last * samples[2, 3],
+        first * samples[0, 4] + middle * samples[1, 4] + last * samples[2, 4],
+        first * samples[0, 5] + middle * samples[1, 5] + last * samples[2, 5],
+    )
+
+
+@njit_inlined
+def stage_share(part, stage, parts):
+    """Share of the whole step at which a stage of a part is evaluated."""
+    return (part + (0.0 if stage == 0 else (1.0 if stage == 3 else 0.5))) / parts
+
+
+@njit
+def step_parts(jaw, muscles, state, dt):
+    """Into how many parts the step from ``state`` (10) is divided."""
+    q, _ = split(state)
+    return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
+
+
+@njit_within
+def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
+    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
+
+    ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
+    ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``).
+    """
+    propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
+
+
+@njit
+def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
+    """As ``propagate``, with the step divided into ``parts``, whatever the state."""
+    set_identity(scratch.total)
+    h = dt / parts
+    for part in range(parts):
+        copy_matrix(scratch.start, scratch.total)
+        copy_matrix(scratch.stage, scratch.total)
+        start_q, start_u = split(state)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+        for step in range(4):
+            share = stage_share(part, step, parts)
+            sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+            rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+            velocity = (u[0], u[1], rates[0], rates[1], rates[2])
+            weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
+            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
+            accumulate(scratch.total, weight, scratch.slope)
+            if step < 3:
+                reach = h if step == 2 else 0.5 * h
+                q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
+                combine(scratch.stage, scratch.start, reach, scratch.slope)
+        for i in range(5):
+            state[i] = start_q[i] + sum_q[i]
+            state[5 + i] = start_u[i] + sum_u[i]
+
+
+@njit
+def combine(target, start, factor, source):
+    """Target = start + factor * source for three arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = start[i, j] + factor * source[i, j]
+
+
+@njit
+def accumulate(target, factor, source):
+    """Target += factor * source for two arrays of the same shape."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] += factor * source[i, j]

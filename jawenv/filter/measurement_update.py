@@ -1,0 +1,178 @@
+"""Measurement update with the encoders at the end of a tick, and the gate before it.
+
+All twelve readings are taken at once, linearised at the predicted motion. With the innovations' covariance S = H P H^T
++ R = L L^T, everything is a product with the whitened rows W = L^-1 H: the Kalman gain is P W^T L^-1, and the
+information about the tensions grows by W_c^T W_c and the score by W_c^T L^-1 nu, where W_c = W ``by_tension``. A
+reading that is not used has a row of zeros, no innovation and the variance 1.
+
+The gate. The normalised innovation squared (NIS) follows chi-squared if the parameters are at their mean (Bar-Shalom,
+Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the innovation covariance
+S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. One that passes only this test says
+that the parameters are far from their mean, and the belief has to be renewed at once (``tick``). One that fails it too
+adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows the
+readings.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import Any
+
+from jawenv.filter.basis import set_derivatives
+from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
+
+GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
+# What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
+EXPECTED, SURPRISING, REFUSED = 0, 1, 2
+
+
+def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
+    """Fields of the working memory of the measurement update."""
+    columns, parameters = tension_columns(n_muscles), 2 * n_muscles
+    return [
+        ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
+        ("expected", "f8", (N_MEASUREMENTS,)),
+        ("innovation", "f8", (N_MEASUREMENTS,)),
+        ("variance", "f8", (N_MEASUREMENTS,)),  # R
+        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
+        ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
+        ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
+        ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
+        ("gain", "f8", (n_states, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
+        ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
+        ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
+        ("spread", "f8", (N_MEASUREMENTS, parameters)),
+    ]
+
+
+@njit
+def set_innovation(jaw, motion, measured, variances, used, scratch):
+    """Innovations, rows and variances of the readings in use."""
+    expect(jaw, motion, scratch.rows, scratch.expected)
+    for i in range(N_MEASUREMENTS):
+        if used[i]:
+            scratch.innovation[i] = measured[i] - scratch.expected[i]
+            scratch.variance[i] = variances[i]
+        else:
+            scratch.innovation[i], scratch.variance[i] = 0.0, 1.0
+            scratch.rows[i, :] = 0.0
+
+
+@njit
+def set_factor(covariance, scratch):
+    """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
+    rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
+    multiply(rows, covariance, moved)
+    for i in range(N_MEASUREMENTS):
+        for j in range(i + 1):
+            value = scratch.variance[i] if i == j else 0.0
+            for k in range(rows.shape[1]):
+                value += moved[i, k] * rows[j, k]
+            factor[i, j] = value
+
+
+@njit
+def squared_length(scratch):
+    """Innovation whitened by ``factor``, its squared length: NIS, the normalised innovation squared."""
+    total = 0.0
+    for i in range(N_MEASUREMENTS):
+        value = scratch.innovation[i]
+        for k in range(i):
+            value -= scratch.factor[i, k] * scratch.whitened_innovation[k]
+        value *= scratch.factor[i, i]
+        scratch.whitened_innovation[i] = value
+        total += value * value
+    return total
+
+
+@njit
+def normalised_innovation(belief, scratch):
+    """NIS given the parameters' mean; leaves ``factor``. Infinite if S is not positive definite."""
+    set_factor(belief.motion_cov, scratch)
+    if not decompose(scratch.factor):
+        return inf
+    value = squared_length(scratch)
+    return value if isfinite(value) else inf
+
+
+@njit
+def add_muscles(belief, scratch):
+    """Add to S, in the lower half of ``factor``, the innovation covariance due to the parameters' uncertainty."""
+    set_derivatives(belief.basis, belief.mean, scratch.by_log)
+    multiply(scratch.by_tension_rows, scratch.by_log, scratch.by_log_rows)
+    multiply(scratch.by_log_rows, belief.cov, scratch.spread)
+    for i in range(N_MEASUREMENTS):
+        for j in range(i + 1):
+            for k in range(scratch.spread.shape[1]):
+                scratch.factor[i, j] += scratch.spread[i, k] * scratch.by_log_rows[j, k]
+
+
+@njit
+def judge_innovation(belief, start_sd, scratch):
+    """What explains the innovation: ``EXPECTED`` and so on; widens the motion if nothing does. Leaves ``factor``."""
+    nis = normalised_innovation(belief, scratch)
+    if nis <= GATE:
+        return EXPECTED
+    explained = False
+    if nis < inf:
+        set_factor(belief.motion_cov, scratch)
+        add_muscles(belief, scratch)
+        explained = decompose(scratch.factor) and squared_length(scratch) <= GATE
+        if not explained:
+            belief.motion_cov *= nis / N_MEASUREMENTS
+    if not normalised_innovation(belief, scratch) < inf:
+        lose_motion(belief, start_sd)
+        scratch.by_tension_rows[:, :] = 0.0
+        normalised_innovation(belief, scratch)
+        return REFUSED
+    return SURPRISING if explained else REFUSED
+
+
+@njit_within
+def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
+    """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
+
+    Args:
+        jaw: The filter's model.
+        belief: State of the filter, predicted to the time of the readings.
+        measured: (12,).
+        variances: (12,) of the encoders.
+        used: (12,).
+        start_sd: (n,) sds that the motion is reset to where S is not positive definite.
+        scratch: Working memory.
+    """
+    set_innovation(jaw, belief.motion, measured, variances, used, scratch)
+    multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
+    verdict = judge_innovation(belief, start_sd, scratch)
+    correct_motion(belief, scratch)
+    if verdict != REFUSED:
+        add_information(belief, scratch)
+    return verdict
+
+
+@njit
+def correct_motion(belief, scratch):
+    """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
+    whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
+    whiten(scratch.factor, whitened)
+    whiten(scratch.factor, scratch.by_tension_rows)
+    for i in range(gain.shape[0]):
+        for k in range(N_MEASUREMENTS):
+            gain[i, k] = whitened[k, i]
+            belief.motion[i] += whitened[k, i] * innovation[k]
+    subtract_product(gain, whitened, belief.motion_cov)
+    subtract_product(gain, scratch.by_tension_rows, belief.by_tension)
+
+
+@njit
+def add_information(belief, scratch):
+    """Add the innovations' information and score about the tensions."""
+    rows = scratch.by_tension_rows
+    for i in range(N_MEASUREMENTS):
+        innovation = scratch.whitened_innovation[i]
+        for j in range(rows.shape[1]):
+            belief.score[j] += rows[i, j] * innovation
+    add_squares(rows, belief.information)

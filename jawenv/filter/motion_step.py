@@ -1,0 +1,208 @@
+"""One step of the filter's model: the motion by Runge and Kutta, its derivative by the exponential of one Jacobian.
+
+The motion takes one classical Runge-Kutta step, or several where the jaw is stiff, under the wrench that the load cell
+read at the start, the middle and the end of the step. The derivative is that of the linear system that is frozen half
+way, x' = J x + B w with a wrench w constant over the step:
+
+    x(h) = exp(J h) x(0) + (h + J h^2 / 2 + J^2 h^3 / 6 + ...) B w,
+
+both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them), for a part of
+the step, and composed to the whole. It needs one Jacobian where the derivative of the Runge-Kutta step itself
+(``model.step``) needs four for every part; on the discs of two condyles, one for every part.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+
+from jawenv.filter.joint_body_step import body_step_parts
+from jawenv.filter.joint_step import between_samples, fill_angle_rate_derivatives, stage_share, step_parts
+from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.linalg import multiply
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, plus_six, split_body
+from jawenv.mechanics.bilateral_linear import linearise_body
+from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, plus, state_rate
+from jawenv.mechanics.kinematics import angle_rates, split
+
+ORDER = 4  # of the series
+VECTOR = 8  # numbers that the compiler's loops take at once
+
+
+def padded(size: int) -> int:
+    """The next multiple of ``VECTOR``: rows of products are as long, with zeros at their end."""
+    return -(-size // VECTOR) * VECTOR
+
+
+@cache
+def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Working memory of ``move``."""
+    wide = (n_states, n_states + N_WRENCH)
+    fields: list[Any] = [
+        ("muscles", "f8", (n_lines, 2)),  # F_o and b of each line
+        ("by_state", "f8", (n_states // 2, n_states)),  # derivative of the accelerations
+        ("by_wrench", "f8", (n_states // 2, N_WRENCH)),
+        ("by_angle", "f8", (3, 5)),
+        ("stiffness", "f8", (3, 3, 3)),
+        ("pulls", "f8", (n_lines, 7)),
+        ("rates", "f8", wide),  # [J, B] times the length of a part
+        ("power", "f8", wide),
+        ("product", "f8", wide),
+        ("part", "f8", wide),  # derivative of the motion after a part by state and wrench at its start
+        ("total", "f8", wide),  # the same of the whole step
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def set_rates(h, scratch):
+    """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
+    rates, by_state, by_wrench, by_angle = scratch.rates, scratch.by_state, scratch.by_wrench, scratch.by_angle
+    size = rates.shape[0]
+    half = size // 2
+    first = half - 3  # of the angles
+    rates[:, :] = 0.0
+    for i in range(first):
+        rates[i, half + i] = h
+    for i in range(3):
+        rates[first + i, first + 1], rates[first + i, first + 2] = h * by_angle[i, 0], h * by_angle[i, 1]
+        for j in range(3):
+            rates[first + i, half + first + j] = h * by_angle[i, 2 + j]
+    for i in range(half):
+        for j in range(size):
+            rates[half + i, j] = h * by_state[i, j]
+        for k in range(N_WRENCH):
+            rates[half + i, size + k] = h * by_wrench[i, k]
+
+
+@njit
+def set_part(h, scratch):
+    """Into ``part`` (n, n + 6) both series of a part of ``h`` seconds."""
+    rates, power, product, part = scratch.rates, scratch.power, scratch.product, scratch.part
+    size, columns = part.shape
+    set_rates(h, scratch)
+    power[:, :] = rates
+    part[:, :] = rates
+    for i in range(size):
+        part[i, i] += 1.0
+    for order in range(2, ORDER + 1):
+        multiply(rates, power, product)
+        factor = 1.0 / order
+        for i in range(size):
+            for j in range(columns):
+                power[i, j] = factor * product[i, j]
+                part[i, j] += power[i, j]
+
+
+@njit
+def append_part(first, scratch):
+    """``total`` (n, n + 6) becomes the derivative of all parts up to this one, which may be the first."""
+    part, total, product = scratch.part, scratch.total, scratch.product
+    size, columns = part.shape
+    if first:
+        total[:, :] = part
+        return
+    multiply(part, total, product)
+    for i in range(size):
+        for j in range(size):
+            total[i, j] = product[i, j]
+        for j in range(size, columns):
+            total[i, j] = product[i, j] + part[i, j]
+
+
+@njit
+def is_half_way(part, stage, parts):
+    """Whether a stage of Runge and Kutta is the one at the middle of the step: the last where there are two."""
+    return part == parts // 2 and stage == (2 if parts % 2 == 1 else 0)
+
+
+@njit_within
+def midline_step(jaw, motion, samples, dt, scratch):
+    """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
+    muscles = scratch.muscles
+    parts = step_parts(jaw, muscles, motion, dt)
+    h = dt / parts
+    for part in range(parts):
+        start_q, start_u = split(motion)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+        for stage in range(4):
+            sample = between_samples(samples, stage_share(part, stage, parts))
+            if is_half_way(part, stage, parts):
+                acceleration = linearise_acceleration(
+                    jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
+                )
+                omega = (u[2], u[3], u[4])
+                fill_angle_rate_derivatives(q, omega, scratch.by_angle)
+                turning = angle_rates(q, omega)
+                velocity = (u[0], u[1], turning[0], turning[1], turning[2])
+            else:
+                velocity, acceleration = state_rate(jaw, muscles, q, u, sample)
+            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
+            reach = h if stage == 2 else 0.5 * h
+            q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
+        for i in range(5):
+            motion[i] = start_q[i] + sum_q[i]
+            motion[5 + i] = start_u[i] + sum_u[i]
+    set_part(h, scratch)
+    for part in range(parts):
+        append_part(part == 0, scratch)
+
+
+@njit_within
+def body_step(jaw, motion, samples, dt, scratch):
+    """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``.
+
+    On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
+    """
+    muscles = scratch.muscles
+    parts = body_step_parts(jaw, muscles, motion, dt)
+    h = dt / parts
+    for part in range(parts):
+        start_q, start_u = split_body(motion)
+        q, u = start_q, start_u
+        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for stage in range(4):
+            sample = between_samples(samples, stage_share(part, stage, parts))
+            if stage == 2:
+                acceleration = linearise_body(
+                    jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
+                )
+                omega = (u[3], u[4], u[5])
+                fill_angle_rate_derivatives(midline_pose(q), omega, scratch.by_angle)
+                turning = angle_rates(midline_pose(q), omega)
+                velocity = (u[0], u[1], u[2], turning[0], turning[1], turning[2])
+            else:
+                velocity, acceleration = bilateral_rate(jaw, muscles, q, u, sample)
+            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+            sum_q, sum_u = plus_six(sum_q, weight, velocity), plus_six(sum_u, weight, acceleration)
+            reach = h if stage == 2 else 0.5 * h
+            q, u = plus_six(start_q, reach, velocity), plus_six(start_u, reach, acceleration)
+        for i in range(6):
+            motion[i] = start_q[i] + sum_q[i]
+            motion[6 + i] = start_u[i] + sum_u[i]
+        set_part(h, scratch)
+        append_part(part == 0, scratch)
+
+
+def move(jaw, motion, samples, dt, scratch):
+    """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for.
+
+    Chosen at compile time from the types, so that only one is compiled.
+    """
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(move, inline="always")
+def _choose_model(jaw, motion, samples, dt, scratch):
+    chosen = body_step if scratch.typeof("total").shape[0] == N_BODY else midline_step
+
+    def call(jaw, motion, samples, dt, scratch):
+        chosen(jaw, motion, samples, dt, scratch)
+
+    return call

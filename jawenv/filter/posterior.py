@@ -1,0 +1,317 @@
+"""From the information about tension coefficients to a belief about the natural-log parameters.
+
+Given are the prior N(theta_0, P_0) and the record's log-likelihood in the coefficients c of ``tension_basis``,
+quadratic with matrix Lambda and maximum where Lambda (c - c_nominal) = score. The posterior of theta is not normal,
+since c(theta) is curved: where the data fix only sums of tensions, it is a thin curved ridge. The belief is the normal
+one that *posterior linearisation* finds (Garcia-Fernandez, Svensson, Morelande & Sarkka 2015, IEEE Trans. Signal
+Process. 63:5561): c is linearised by statistical regression over the belief itself, and the residual covariance,
+
+    Omega_kl = 1/2 trace(H_k P H_l P)    (H_k second derivatives of c_k by theta, P the belief's covariance),
+
+is a linearisation error common to all data: Lambda becomes (Lambda^-1 + Omega)^-1. Along a ridge the belief is wide,
+Omega is not small, and the covariance includes the ridge's curvature; where all parameters are known well, Omega
+vanishes and the iteration is Newton's method for the mode.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import isfinite, sqrt
+from typing import Any
+
+import numpy as np
+
+from jawenv.filter.basis import N_NODES, expand_coefficients
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+
+LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
+NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
+ROUNDING = 1e-13  # of a diagonal entry, below which a pivot counts as zero
+
+
+@cache
+def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
+    """Working memory of ``update_belief``."""
+    size, parameters, bends = n_muscles * N_NODES, 2 * n_muscles, 3 * n_muscles
+    fields: list[Any] = [
+        ("coefficients", "f8", (n_muscles, N_NODES)),
+        ("by_log_twice", "f8", (n_muscles, N_NODES, 3)),
+        ("known", "f8", (size, size)),
+        ("unexplained", "f8", (size,)),
+        ("residual", "f8", (size,)),
+        ("spread", "f8", (size, bends)),
+        ("bent", "f8", (bends, bends)),
+        ("root", "f8", (bends, bends)),
+        ("omega", "f8", (bends, bends)),
+        ("system", "f8", (bends, bends)),
+        ("pulled", "f8", (bends,)),
+        ("reached", "f8", (bends, parameters + 1)),
+        ("precision", "f8", (parameters, parameters)),
+        ("right", "f8", (parameters,)),
+        ("last_mean", "f8", (parameters,)),
+        ("last_cov", "f8", (parameters, parameters)),
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def without_gain(information, score, gain_variance, scratch):
+    """Information and score about c alone: the load cell's gain error, the last entry, integrated out."""
+    size = scratch.known.shape[0]
+    weight = 1.0 / (information[size, size] + 1.0 / gain_variance) if gain_variance > 0.0 else 0.0
+    for i in range(size):
+        share = weight * information[size, i]
+        for j in range(i + 1):
+            value = information[i, j] - share * information[size, j]
+            scratch.known[i, j] = value
+            scratch.known[j, i] = value
+        scratch.unexplained[i] = score[i] - share * score[size]
+
+
+@njit
+def set_bent(nominal, scratch):
+    """N = T^T Lambda T into ``bent`` (3 m, 3 m), and T^T (score - Lambda (mean c - nominal)) into ``pulled`` (3 m).
+
+    T (m K, 3 m) holds the second derivatives of each muscle's c: by log F_o twice, by both, by log b twice. The first
+    two are the first derivatives too, as c is proportional to F_o.
+    """
+    known, spread, second_derivatives, bent = scratch.known, scratch.spread, scratch.by_log_twice, scratch.bent
+    muscles, nodes = second_derivatives.shape[0], second_derivatives.shape[1]
+    for a in range(known.shape[0]):
+        value = scratch.unexplained[a]
+        for i in range(muscles):
+            first, second, third = 0.0, 0.0, 0.0
+            for k in range(nodes):
+                factor = known[a, i * nodes + k]
+                first += factor * second_derivatives[i, k, 0]
+                second += factor * second_derivatives[i, k, 1]
+                third += factor * second_derivatives[i, k, 2]
+                value -= factor * (scratch.coefficients[i, k] - nominal[i, k])
+            spread[a, 3 * i], spread[a, 3 * i + 1], spread[a, 3 * i + 2] = first, second, third
+        scratch.residual[a] = value
+    for i in range(muscles):
+        for r in range(3):
+            row, value = 3 * i + r, 0.0
+            for column in range(bent.shape[0]):
+                bent[row, column] = 0.0
+            for k in range(nodes):
+                factor = second_derivatives[i, k, r]
+                value += factor * scratch.residual[i * nodes + k]
+                for column in range(bent.shape[0]):
+                    bent[row, column] += factor * spread[i * nodes + k, column]
+            scratch.pulled[row] = value
+
+
+@njit
+def set_omega(covariance, omega):
+    """Omega = T G T^T: G into ``omega`` (3 m, 3 m), from the belief's covariance."""
+    for i in range(omega.shape[0] // 3):
+        for j in range(i + 1):
+            a, b = covariance[2 * i, 2 * j], covariance[2 * i, 2 * j + 1]
+            c, d = covariance[2 * i + 1, 2 * j], covariance[2 * i + 1, 2 * j + 1]
+            block = (
+                (0.5 * a * a, a * b, 0.5 * b * b),
+                (a * c, a * d + b * c, b * d),
+                (0.5 * c * c, c * d, 0.5 * d * d),
+            )
+            for r in range(3):
+                for s in range(3):
+                    omega[3 * i + r, 3 * j + s] = block[r][s]
+                    omega[3 * j + s, 3 * i + r] = block[r][s]
+
+
+@njit
+def set_root(matrix, root):
+    """Lower triangular C with C C^T = ``matrix``, which is positive semidefinite up to rounding."""
+    size = matrix.shape[0]
+    for j in range(size):
+        for i in range(size):
+            root[i, j] = 0.0
+        value = matrix[j, j]
+        for k in range(j):
+            value -= root[j, k] * root[j, k]
+        if value > ROUNDING * matrix[j, j]:
+            root[j, j] = sqrt(value)
+            for i in range(j + 1, size):
+                value = matrix[i, j]
+                for k in range(j):
+                    value -= root[i, k] * root[j, k]
+                root[i, j] = value / root[j, j]
+
+
+@njit
+def set_reached(scratch):
+    """Y with Y^T Y = E^T (N^-1 + G)^-1 E into ``reached`` (3 m, p), where E picks the first derivatives of T.
+
+    With N = C C^T and 1 + C^T G C = M M^T: Y = M^-1 C^T E, positive semidefinite whatever rounding does. The last
+    column receives what of ``pulled`` is left, (1 + N G)^-1 of it. False if M does not exist.
+    """
+    root, omega, system, reached = scratch.root, scratch.omega, scratch.system, scratch.reached
+    size, last = root.shape[0], reached.shape[1] - 1
+    set_root(scratch.bent, root)
+    for i in range(size):
+        for j in range(size):
+            scratch.spread[i, j] = 0.0
+        for k in range(size):
+            factor = omega[i, k]
+            for j in range(k + 1):
+                scratch.spread[i, j] += factor * root[k, j]
+    for i in range(size):
+        for j in range(size):
+            system[i, j] = 1.0 if i == j else 0.0
+    for k in range(size):
+        for i in range(k + 1):
+            factor = root[k, i]
+            for j in range(i + 1):
+                system[i, j] += factor * scratch.spread[k, j]
+    if not factor_positive(system):
+        return False
+    for k in range(size):
+        for i in range(last // 2):
+            reached[k, 2 * i], reached[k, 2 * i + 1] = root[3 * i, k], root[3 * i + 1, k]
+        value = 0.0
+        for i in range(size):
+            value += scratch.spread[i, k] * scratch.pulled[i]
+        reached[k, last] = value
+    for i in range(size):
+        for j in range(last + 1):
+            for k in range(i):
+                reached[i, j] -= system[i, k] * reached[k, j]
+            reached[i, j] /= system[i, i]
+    return True
+
+
+@njit
+def set_precision(mean, prior_mean, prior_sd, scratch):
+    """Precision of the linearised posterior, and in ``right`` the gradient of its logarithm at ``mean``.
+
+    False where rounding leaves no answer.
+    """
+    bent, omega, reached, precision, right = (
+        scratch.bent,
+        scratch.omega,
+        scratch.reached,
+        scratch.precision,
+        scratch.right,
+    )
+    parameters = mean.shape[0]
+    information_loss = 0.0
+    for i in range(bent.shape[0]):
+        for j in range(bent.shape[0]):
+            information_loss += bent[i, j] * omega[i, j]
+    for i in range(parameters):
+        row = 3 * (i // 2) + i % 2
+        for j in range(parameters):
+            precision[i, j] = bent[row, 3 * (j // 2) + j % 2]
+        right[i] = scratch.pulled[row]
+    if not information_loss < NEGLIGIBLE:
+        if not set_reached(scratch):
+            return False
+        for i in range(parameters):
+            for j in range(parameters):
+                precision[i, j] = 0.0
+        for k in range(bent.shape[0]):
+            for i in range(parameters):
+                factor = reached[k, i]
+                right[i] -= factor * reached[k, parameters]
+                for j in range(parameters):
+                    precision[i, j] += factor * reached[k, j]
+    for i in range(parameters):
+        weight = 1.0 / (prior_sd[i] * prior_sd[i])
+        precision[i, i] += weight
+        right[i] += weight * (prior_mean[i] - mean[i])
+    return True
+
+
+@njit
+def factor_positive(matrix):
+    """The lower half of ``matrix`` becomes its Cholesky factor; False if it is not positive definite."""
+    for j in range(matrix.shape[0]):
+        for i in range(j, matrix.shape[0]):
+            value = matrix[i, j]
+            for k in range(j):
+                value -= matrix[i, k] * matrix[j, k]
+            if i == j:
+                if not value > 0.0:
+                    return False
+                matrix[j, j] = sqrt(value)
+            else:
+                matrix[i, j] = value / matrix[j, j]
+    return True
+
+
+@njit
+def invert_positive(matrix, inverse):
+    """Inverse of a symmetric positive definite matrix; False if it is not positive definite.
+
+    The lower half of ``matrix`` is overwritten by the inverse of its Cholesky factor.
+    """
+    size = matrix.shape[0]
+    if not factor_positive(matrix):
+        return False
+    for j in range(size):
+        matrix[j, j] = 1.0 / matrix[j, j]
+        for i in range(j + 1, size):
+            value = 0.0
+            for k in range(j, i):
+                value -= matrix[i, k] * matrix[k, j]
+            matrix[i, j] = value / matrix[i, i]
+    for i in range(size):
+        for j in range(i + 1):
+            value = 0.0
+            for k in range(i, size):
+                value += matrix[k, i] * matrix[k, j]
+            inverse[i, j] = value
+            inverse[j, i] = value
+    return True
+
+
+@njit
+def update_belief(belief, settings, scratch):
+    """Refine the belief about the parameters by one step of the iteration; False where there is no answer.
+
+    Information and score are those gathered so far, the score at ``belief.nominal``. One step is enough, since there is
+    one after every few readings, and each starts at the last belief. That stays where rounding or an overflow leaves no
+    answer.
+
+    Args:
+        belief: See ``state.belief_dtype``; its mean (p) and cov (p, p) change.
+        settings: See ``tick.filter_settings_dtype``.
+        scratch: Record of dtype ``posterior_dtype``.
+    """
+    mean, covariance = belief.mean, belief.cov
+    scratch.last_mean[:] = mean
+    scratch.last_cov[:, :] = covariance
+    without_gain(belief.information, belief.score, settings.gain_variance, scratch)
+    if refine(belief, settings, scratch):
+        return True
+    mean[:] = scratch.last_mean
+    covariance[:, :] = scratch.last_cov
+    return False
+
+
+@njit
+def refine(belief, settings, scratch):
+    """One step of the iteration, within the trust region; False where there is none."""
+    mean, covariance, prior_sd = belief.mean, belief.cov, settings.prior_sd
+    parameters = mean.shape[0]
+    expand_coefficients(belief.basis, mean, covariance, scratch.coefficients, scratch.by_log_twice)
+    set_bent(belief.nominal, scratch)
+    set_omega(covariance, scratch.omega)
+    if not set_precision(mean, settings.prior_mean, prior_sd, scratch):
+        return False
+    if not invert_positive(scratch.precision, covariance):
+        return False
+    furthest, total = 0.0, 0.0
+    for i in range(parameters):
+        step = 0.0
+        for j in range(parameters):
+            step += covariance[i, j] * scratch.right[j]
+        scratch.precision[i, 0] = step
+        furthest = max(furthest, abs(step) / prior_sd[i])
+        total += step
+    share = min(1.0, LONGEST_STEP / furthest) if furthest > 0.0 else 1.0
+    for i in range(parameters):
+        mean[i] += share * scratch.precision[i, 0]
+    return isfinite(total)

@@ -1,0 +1,74 @@
+"""Which readings the filter uses: one that is missing, out of range, or repeats the last to the bit, is left out.
+
+Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
+frozen. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
+"""
+
+from __future__ import annotations
+
+from jawenv.kernels.compiled import njit
+
+# Without usable samples the wrench is held; the sd of its change grows at this rate, up to the limit of the motors.
+FORCE_RATE, LOST_FORCE = 50.0, 3.0
+MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
+
+# Ranges: mouthpiece position (m), angles (rad), velocity (m/s), angular velocity (rad/s), force (N), moment (N m).
+POSITION, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
+FORCE, MOMENT = 200.0, 20.0
+
+
+@njit
+def in_range(value, largest):
+    """Whether ``value`` is a number of at most this magnitude."""
+    return abs(value) <= largest
+
+
+@njit
+def mark_usable(measured, last, allowed, used):
+    """Set ``used`` (12) where ``allowed`` readings are in range and have changed; ``last`` becomes ``measured``.
+
+    Returns how many allowed readings are left out.
+    """
+    left_out = 0
+    ranges = (POSITION, ANGLE, VELOCITY, RATE)
+    for i in range(measured.shape[0]):
+        good = in_range(measured[i], ranges[i // 3]) and measured[i] != last[i]
+        used[i] = 1 if allowed[i] and good else 0
+        if allowed[i] and not good:
+            left_out += 1
+        last[i] = measured[i]
+    return left_out
+
+
+@njit
+def repair_samples(belief, samples, dt, variance, usable):
+    """Copy ``samples`` (3, 6) to ``usable``; a missing or frozen component keeps its last usable value.
+
+    Args:
+        belief: State of the filter: last samples, last usable samples, time since then.
+        samples: The load cell's in a tick.
+        dt: Length of the tick, s.
+        variance: (6,) process noise; grows with the time that a component is held.
+        usable: (3, 6), overwritten.
+
+    Returns:
+        How many components are held.
+    """
+    last, held_sample, lost_for = belief.last_sample, belief.held_sample, belief.lost_for
+    number = 0
+    for k in range(samples.shape[1]):
+        good, previous = True, last[k]
+        for i in range(samples.shape[0]):
+            good = good and in_range(samples[i, k], FORCE if k < 3 else MOMENT) and samples[i, k] != previous
+            previous = samples[i, k]
+        last[k] = previous
+        if good:
+            held_sample[k], lost_for[k] = previous, 0.0
+        else:
+            lost_for[k] += dt
+            sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
+            variance[k] += sd * sd
+            number += 1
+        for i in range(samples.shape[0]):
+            usable[i, k] = samples[i, k] if good else held_sample[k]
+    return number

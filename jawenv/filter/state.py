@@ -1,0 +1,114 @@
+"""State of the online filter, and its initialisation.
+
+Three parts make the bias-separated form of the Kalman filter (Friedland 1969, IEEE Trans. Autom. Control 14:359):
+
+* ``motion`` (q, u) and its covariance ``motion_cov``, given muscles at ``mean``;
+* ``by_tension``, the derivative of that motion by the coefficients c of ``basis`` and by the load cell's gain error;
+* ``information`` and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
+  error, accumulated from the innovations.
+
+Forces are linear in c, so the information of early data, linearised at a poor estimate, is as valid as that of late
+data, and the constant parameters need no process noise. The belief about the natural-log parameters, ``mean`` and
+``cov``, follows from information, score and prior (``posterior``).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from jawenv.filter.basis import N_NODES, basis_dtype, set_coefficients
+from jawenv.filter.encoders import N_MEASUREMENTS
+from jawenv.filter.motion_step import padded
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+def tension_columns(n_muscles: int) -> int:
+    """Columns of ``by_tension``: the coefficients, the gain error, and zeros at the end."""
+    return padded(n_muscles * N_NODES + 1)
+
+
+@cache
+def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of the filter's state."""
+    size, parameters = tension_columns(n_muscles), 2 * n_muscles
+    fields = [
+        ("motion", "f8", (n_states,)),
+        ("motion_cov", "f8", (n_states, n_states)),
+        ("by_tension", "f8", (n_states, size)),
+        ("information", "f8", (size, size)),
+        ("score", "f8", (size,)),
+        ("basis", basis_dtype(n_muscles)),
+        ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
+        ("mean", "f8", (parameters,)),  # natural logs
+        ("cov", "f8", (parameters, parameters)),
+        ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
+        ("trend", "f8", (N_WRENCH,)),  # of the load cell
+        ("readings", "i8"),  # ticks at the end of which an encoder was used
+        ("gated", "i8"),  # ticks whose innovation the gate rejected when they were read
+        ("last_measured", "f8", (N_MEASUREMENTS,)),
+        ("last_sample", "f8", (N_WRENCH,)),
+        ("held_sample", "f8", (N_WRENCH,)),
+        ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was used
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def begin_motion(belief, motion, sd):
+    """Set the mean of the motion (n) before the first reading, and its sds (n)."""
+    belief.motion[:] = motion
+    lose_motion(belief, sd)
+
+
+@njit
+def lose_motion(belief, sd):
+    """Reset the motion's covariance to ``sd`` (n), uncorrelated with the tensions; the mean stays."""
+    belief.motion_cov[:, :] = 0.0
+    for i in range(sd.shape[0]):
+        belief.motion_cov[i, i] = sd[i] * sd[i]
+    belief.by_tension[:, :] = 0.0
+
+
+@njit
+def begin_belief(basis, belief, log_parameters, prior_sd):
+    """Initialise the parameters: mean ``log_parameters`` (p), the prior's sds.
+
+    ``log_parameters`` are the prior's mean, or another linearisation point. The caller sets the motion.
+    """
+    belief.cov[:, :] = 0.0
+    for i in range(log_parameters.shape[0]):
+        belief.mean[i] = log_parameters[i]
+        belief.replayed_at[i] = log_parameters[i]
+        belief.cov[i, i] = prior_sd[i] * prior_sd[i]
+    copy_basis(belief.basis, basis)
+    forget_readings(belief)
+
+
+@njit
+def copy_basis(target, source):
+    """Target = source."""
+    target.middle[:] = source.middle
+    target.width[:] = source.width
+    target.abscissae[:] = source.abscissae
+    target.nodes[:, :] = source.nodes
+    target.centre[:] = source.centre
+    target.polynomials[:, :, :] = source.polynomials
+
+
+@njit
+def forget_readings(belief):
+    """Discard all information and sensor history; motion and belief stay."""
+    belief.by_tension[:, :] = 0.0
+    belief.information[:, :] = 0.0
+    belief.score[:] = 0.0
+    belief.trend[:] = 0.0
+    belief.readings = 0
+    belief.last_measured[:] = np.nan
+    belief.last_sample[:] = np.nan
+    belief.held_sample[:] = 0.0
+    belief.lost_for[:] = 0.0
+    set_coefficients(belief.basis, belief.mean, belief.nominal)

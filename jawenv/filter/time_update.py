@@ -1,0 +1,97 @@
+"""Time update over one tick: the motion, its covariance, and its derivative by the tensions.
+
+The load cell's reading is the input, so its noise and the unmodelled wrench enter alike, as process noise. The relative
+gain error g of the load cell acts as g times the recent trend of the readings: the fast part of a servo's force is
+correlated with the errors of the filtered motion and would bias g.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from jawenv.filter.joint_step import set_muscles
+from jawenv.filter.motion_step import move, step_dtype
+from jawenv.filter.regressors import middle_of, set_line_wrenches
+from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.linalg import multiply
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]:
+    """Fields of the working memory of the time update."""
+    columns, inputs = tension_columns(n_muscles), n_states + N_WRENCH
+    return [
+        ("step", step_dtype(n_lines, n_states)),
+        ("start_motion", "f8", (n_states,)),
+        ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
+        ("total", "f8", (n_states, inputs)),  # [A, G]
+        ("turned", "f8", (inputs, n_states)),  # its transpose
+        ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
+        ("after", "f8", (n_states, columns)),
+        ("moved_cov", "f8", (n_states, n_states)),  # A P
+        ("weighted", "f8", (n_states, inputs)),  # [A P, G W]
+        ("next_cov", "f8", (n_states, n_states)),
+    ]
+
+
+@njit_within
+def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
+    """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
+
+    ``noise_variance`` (6) is the process noise: unmodelled wrench and load-cell noise, constant over a tick and
+    independent between ticks. Where the prediction is not finite, the mean of the motion stays and its covariance
+    becomes that of ``start_sd`` (n).
+    """
+    set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
+    scratch.start_motion[:] = belief.motion
+    move(jaw, belief.motion, samples, dt, scratch.step)
+    if not all_finite(belief.motion):
+        belief.motion[:] = scratch.start_motion
+        lose_motion(belief, start_sd)
+        return
+    scratch.total[:, :] = scratch.step.total
+    predict_cov(belief.motion_cov, noise_variance, scratch)
+    pose, position = middle_of(jaw, scratch.start_motion, belief.motion)
+    set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
+    predict_by_tension(belief.by_tension, scratch)
+
+
+@njit
+def all_finite(values):
+    """Whether all of ``values`` (n) are numbers."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        total += values[i]
+    return isfinite(total)
+
+
+@njit
+def predict_cov(covariance, noise_variance, scratch):
+    """P <- A P A^T + G W G^T."""
+    total, weighted = scratch.total, scratch.weighted
+    size, columns = total.shape
+    multiply(total, covariance, scratch.moved_cov)
+    for i in range(size):
+        for k in range(size):
+            weighted[i, k] = scratch.moved_cov[i, k]
+        for k in range(size, columns):
+            weighted[i, k] = total[i, k] * noise_variance[k - size]
+        for k in range(columns):
+            scratch.turned[k, i] = total[i, k]
+    multiply(weighted, scratch.turned, scratch.next_cov)
+    for i in range(size):
+        for j in range(size):
+            # One of two numbers that differ by rounding, so that P stays symmetric.
+            covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
+
+
+@njit
+def predict_by_tension(by_tension, scratch):
+    """The motion's derivative by the tensions at the end of the tick: A times the last one, and G times the wrench."""
+    size = by_tension.shape[0]
+    scratch.before[:size, :] = by_tension
+    scratch.before[size:, :] = scratch.line_wrench
+    multiply(scratch.total, scratch.before, scratch.after)
+    by_tension[:, :] = scratch.after

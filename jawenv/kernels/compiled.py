@@ -1,0 +1,140 @@
+"""How jawenv compiles its kernels: Numba, kept on disk (``kernel_cache``), and shared out to threads by worlds."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
+from types import FunctionType
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+from filelock import FileLock
+
+from jawenv.kernels.cache import OPTIONS, KernelCache, kernel_folder, prune_cache
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _record_in_symbol(record: Any) -> tuple[str, tuple[object, ...]]:
+    """How a compiled function's symbol names a record that it takes: by its content.
+
+    Numba's own name is a number that counts the types which the process has seen. Two processes that compile one kernel
+    for two models then give both the same symbol; a third, which reads both from the cache, calls one for the other.
+    """
+    return type(record).__name__, (_content_number(record.name),)
+
+
+@cache
+def _content_number(text: str) -> int:
+    return int(hashlib.sha256(text.encode()).hexdigest()[:15], 16)
+
+
+setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
+
+
+def njit(function: Function) -> Function:
+    """Compile a kernel: no Python objects, no fast-math reordering, IEEE division, cached on disk."""
+    return _compile(function)
+
+
+def njit_within(function: Function) -> Function:
+    """The same for a kernel that becomes part of its caller's code, and is not compiled by itself.
+
+    Numba optimises each kernel together with all that it calls, so that a chain of kernels in which each only calls the
+    next takes as many times as long to compile as it is long.
+    """
+    return _compile(function, inline="always")
+
+
+def njit_inlined(function: Function) -> Function:
+    """The same for a small kernel that is optimised with each of its callers: what they share is computed once."""
+    return _compile(function, forceinline=True)
+
+
+WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up
+
+
+class WorldKernel:
+    """A kernel that loops over worlds, shared out to threads where there are many of them.
+
+    Each thread takes the next few worlds when it is done with the last, so that none waits for one whose core is busy.
+    The kernel's last argument, ``part``, says which worlds it is to take, and whose working memory: first, one past the
+    last, number of the thread. ``arguments[place]`` is one that has an entry per world. There are as many threads as
+    ``numba.get_num_threads()`` says.
+    """
+
+    def __init__(self, function: Callable[..., None], place: int) -> None:
+        """Declare the kernel; it is compiled at its first call, or read from the cache."""
+        self._function: Any = function
+        self._place = place
+        self._begun: set[np.dtype[Any]] = set()
+        self._kernel = _compile(function, nogil=True)
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run the kernel on all worlds; says on stderr when it has to be compiled first."""
+        worlds = arguments[self._place]
+        if worlds.dtype not in self._begun:
+            self._begin(worlds.dtype, arguments)
+        threads = min(numba.get_num_threads(), len(worlds) // WORLDS_AT_ONCE)
+        if threads < 2:
+            self._kernel(*arguments, (0, len(worlds), 0))
+            return
+        first_worlds = iter(range(0, len(worlds), WORLDS_AT_ONCE))
+
+        def work(thread: int) -> None:
+            for first in first_worlds:
+                self._kernel(*arguments, (first, min(first + WORLDS_AT_ONCE, len(worlds)), thread))
+
+        shared = [_threads().submit(work, thread) for thread in range(1, threads)]
+        try:
+            work(0)
+        finally:
+            # An interrupt, too, finds no thread at work on the worlds.
+            wait(shared)
+        for future in shared:
+            future.result()
+
+    def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
+        """Compile or read the kernel for this model, by a call that takes no worlds."""
+        folder = kernel_folder(self._function)
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        mark = folder / hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]
+        if mark.exists():
+            self._kernel(*arguments, (0, 0, 0))
+        else:
+            # Of several processes one compiles, and the others read what it has saved.
+            with FileLock(f"{mark}.lock"):
+                self._kernel(*arguments, (0, 0, 0))
+                mark.touch()
+            prune_cache()
+        self._begun.add(dtype)
+
+
+@cache
+def _threads() -> ThreadPoolExecutor:
+    """All but the calling thread, made when first needed."""
+    config: Any = numba.config
+    return ThreadPoolExecutor(max(1, config.NUMBA_NUM_THREADS - 1), thread_name_prefix="jawenv")
+
+
+# A forked process has the executor, and none of its threads.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_threads.cache_clear)
+
+
+def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
+    """Decorator that makes a ``WorldKernel``; ``place`` is the position of an argument with one entry per world."""
+    return lambda function: WorldKernel(function, place)
+
+
+def _compile(function: Function, **options: Any) -> Function:
+    kernel = cast(FunctionType, function)
+    kernel.__dict__[OPTIONS] = repr(sorted(options.items()))
+    compiled: Any = numba.njit(error_model="numpy", **options)(kernel)
+    compiled._cache = KernelCache(kernel)
+    return cast(Function, compiled)

@@ -1,0 +1,83 @@
+"""The motion along which a bound or a sensitivity is computed, as the kernels read it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+from jawenv.filter.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_step import set_muscles
+from jawenv.kernels.records import record_zeros
+from jawenv.laboratory.recordings.record import Record
+
+Array = NDArray[np.float64]
+
+
+class Path(NamedTuple):
+    """A known motion of T ticks, n states and p parameters, with what is known about noise.
+
+    Attributes:
+        jaw: the model, a record of dtype ``jaw_dtype``.
+        muscles: (lines, 2) F_o (N) and b of each line along the motion.
+        states: (T + 1, n) motion at the ticks' ends.
+        wrenches: (T, 3, 6) wrench on the mouthpiece at start, middle and end of each tick.
+        samples: (T, 3, 6) what the load cell read of them; its trend is what the gain error multiplies.
+        used: (T + 1, 12) uint8, which encoder values were read.
+        covariance: (n + p + 1, n + p + 1) before the first measurement: motion, parameters, gain error.
+        measurement_variance: (12,).
+        noise_variance: (12,) of the wrench not known, new in each tick: constant over it, and tilting.
+        dt: s.
+        scratch: working memory of the filter's kernels.
+    """
+
+    jaw: Any
+    muscles: Array
+    states: Array
+    wrenches: Array
+    samples: Array
+    used: NDArray[np.uint8]
+    covariance: Array
+    measurement_variance: Array
+    noise_variance: Array
+    dt: float
+    scratch: Any
+
+
+def path_of(record: Record, parameters: Array | None = None) -> Path:
+    """The path of a record's true motion; of a device's own record, of the motion that was put in for it.
+
+    Args:
+        record: with ``states``. Without ``wrenches`` the load cell's samples stand for them.
+        parameters: (p,) natural-log parameters; None for the record's ``truth``.
+
+    Raises:
+        InputError: the record has no states, or no truth and no parameters are given, or they are not p finite numbers.
+    """
+    if record.states is None:
+        raise InputError("record: states is None, allowed is a record with the true motion, or with an estimate of it")
+    values = record.truth if parameters is None else np.asarray(parameters, dtype=np.float64)
+    size = len(record.parameter_names)
+    if values is None:
+        raise InputError(f"parameters: None given for a record without truth, allowed are {size} log-parameters")
+    if np.shape(values) != (size,) or not np.isfinite(values).all():
+        raise InputError(f"parameters: {values} given, allowed are {size} finite natural-log parameters")
+    jaw, motion = record.jaw, record.states.shape[1]
+    scratch = record_zeros(1, joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
+    muscles = np.zeros((len(jaw["muscle"]), 2))
+    set_muscles(jaw, values, 0, muscles)
+    return Path(
+        jaw=jaw,
+        muscles=muscles,
+        states=np.ascontiguousarray(record.states),
+        wrenches=np.ascontiguousarray(record.samples if record.wrenches is None else record.wrenches),
+        samples=np.ascontiguousarray(record.samples),
+        used=np.isfinite(record.measured).astype(np.uint8),
+        covariance=np.diag(np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]]) ** 2),
+        measurement_variance=record.measurement_sd**2,
+        noise_variance=record.noise_variance,
+        dt=record.dt,
+        scratch=scratch,
+    )

@@ -1,0 +1,116 @@
+"""The environments' own filter, run over a record."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+from jawenv.filter.learn import learn
+from jawenv.filter.state import belief_dtype
+from jawenv.filter.tick import (
+    begin_filter,
+    filter_scratch_dtype,
+    filter_settings_dtype,
+    filter_tick,
+    set_prior,
+    tick_dtype,
+)
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_zeros
+from jawenv.laboratory.recordings.estimate import Estimate
+from jawenv.laboratory.recordings.record import Record
+from jawenv.mechanics.dynamics import N_WRENCH
+
+Array = NDArray[np.float64]
+
+
+class TensionFilter:
+    """The filter of the environments: see ``state``.
+
+    Args:
+        every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
+
+    Raises:
+        InputError: ``every`` is less than 1.
+    """
+
+    name = "tension filter"
+
+    def __init__(self, *, every: int = 5) -> None:
+        """Check the argument."""
+        if every < 1:
+            raise InputError(f"every: {every} given, allowed is 1 or more")
+        self.every = every
+
+    def estimate(self, record: Record) -> Estimate:
+        """The belief at the start and after every ``every`` ticks."""
+        run = FilterRun(record)
+        times, size = record.time[:: self.every], len(record.prior.mean)
+        mean, cov = np.empty((len(times), size)), np.empty((len(times), size, size))
+        filter_record(run.arguments, self.every, mean, cov)
+        return Estimate(self.name, times, mean, cov)
+
+
+class Arguments(NamedTuple):
+    """Arguments of the kernels that filter a record; the dtypes are in ``tick`` and ``state``.
+
+    Attributes:
+        jaw: the model.
+        belief: state of the filter, before the first reading.
+        rows: (T + 1,) the readings.
+        settings: of dtype ``filter_settings_dtype``.
+        scratch: working memory.
+    """
+
+    jaw: Any
+    belief: Any
+    rows: Any
+    settings: Any
+    scratch: Any
+
+
+class FilterRun:
+    """What the kernels need to filter a record: the jaw, and memory as before the first reading.
+
+    Args:
+        record: the record.
+
+    Attributes:
+        arguments: as the kernels take them.
+        last: number of the last row.
+        settings: those among the arguments.
+    """
+
+    def __init__(self, record: Record) -> None:
+        """Make the arrays; the belief is the prior."""
+        states, muscles = len(record.start_mean), len(record.parameter_names) // 2
+        settings = record_zeros(1, filter_settings_dtype(muscles, states))[0]
+        settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
+        settings["measurement_variance"] = record.measurement_sd**2
+        settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
+        settings["used"], settings["start_sd"] = True, record.start_sd
+        set_prior(settings, record.jaw, record.prior)
+        rows: Any = record_zeros(len(record.time), tick_dtype(states))
+        rows["measured"], rows["samples"][1:] = record.measured, record.samples
+        rows["believed"][0] = record.start_mean
+        self.settings, self.last = settings, len(rows) - 1
+        self.belief = record_zeros(1, belief_dtype(muscles, states))[0]
+        scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
+        begin_filter(self.belief, record.start_mean, settings)
+        self.arguments = Arguments(record.jaw, self.belief, rows, settings, scratch)
+
+
+@njit
+def filter_record(run, every, means, covs):
+    """Run the filter over all rows of ``Arguments``; after every ``every`` ticks the belief goes to the arrays."""
+    belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
+    begin_filter(belief, rows[0].believed, settings)
+    for tick in range(rows.shape[0]):
+        filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
+        if tick % every == 0:
+            learn(belief, settings, scratch.belief)
+            means[tick // every] = belief.mean
+            covs[tick // every] = belief.cov

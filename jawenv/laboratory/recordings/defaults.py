@@ -1,0 +1,120 @@
+"""What a recording's file may leave out: noise of the device, geometry, the motion before the first reading."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.device.device import Device
+from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.ladder import MODELS, model_named
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.jaw import build_jaw, gravity_in_head
+
+Array = NDArray[np.float64]
+
+UNMODELLED_TIME = 0.01
+"""s over which ``Device.unmodelled_force_N`` is constant: over a longer tick its mean is smaller."""
+# Prior sds of the motion about the closed jaw at rest, before the first reading.
+POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD = 0.02, 0.5, 0.1, 2.0
+FIT_STEPS = 20
+
+
+def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
+    """The jaw of a model of the ladder, a record of dtype ``jaw_dtype``."""
+    rung = model_named(model)
+    return build_jaw(
+        rung.muscles, free=rung.free, condyles=2 if rung.estimator == "bilateral" else 1, head_tilt_deg=head_tilt_deg
+    )
+
+
+def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
+    """(model, head tilt in degrees) whose ``geometry`` this is, to rounding; None for any other jaw."""
+    tilt = float(np.degrees(np.arctan2(jaw["gravity"][0], -jaw["gravity"][2])))
+    for name in MODELS:
+        candidate = geometry(name)
+        if candidate.dtype != jaw.dtype:
+            continue
+        candidate["gravity"] = gravity_in_head(float(np.linalg.norm(candidate["gravity"])), tilt)
+        if all(np.allclose(candidate[field], jaw[field], rtol=1e-9, atol=1e-12) for field in jaw.dtype.names):
+            return name, tilt
+    return None
+
+
+def measurement_sd(device: Device) -> Array:
+    """(12,) noise of the encoders, SI."""
+    device_record = device.records()[0]
+    names = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
+    return np.repeat([float(device_record[name]) for name in names], 3)
+
+
+def wrench_sd(device: Device, dt: float) -> Array:
+    """(6,) sd of the wrench not known over a tick of ``dt`` seconds: the unmodelled one, and the load cell's noise.
+
+    The unmodelled wrench is new every ``UNMODELLED_TIME``, so its mean over a tick falls as the root of the tick's
+    length. The mean of a tick's readings has half the variance of one: Simpson's weights (1, 4, 1)/6 of three
+    readings, or the two ends' mean where the middle is interpolated.
+    """
+    device_record = device.records()[0]
+    variance = [
+        float(device_record[f"unmodelled_{kind}"]) ** 2 * UNMODELLED_TIME / dt
+        + 0.5 * float(device_record[f"cell_{kind}"]) ** 2
+        for kind in ("force", "moment")
+    ]
+    sd: Array = np.sqrt(np.repeat(variance, 3))
+    return sd
+
+
+def cell_sd(device: Device) -> Array:
+    """(6,) the load cell's part of ``wrench_sd``."""
+    device_record = device.records()[0]
+    sd: Array = np.repeat([float(device_record["cell_force"]), float(device_record["cell_moment"])], 3) / np.sqrt(2.0)
+    return sd
+
+
+def motion_size(jaw: Any) -> int:
+    """Number of states (q, u) of a jaw's model."""
+    return N_BODY if jaw["condyles"] == 2 else N_STATES
+
+
+def start_sd(jaw: Any) -> Array:
+    """(n,) sd of a motion of which nothing is known; 0 where the model holds a coordinate."""
+    if jaw["condyles"] == 2:
+        return np.repeat([POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], 3)
+    turns = float(jaw["inertia_contact_inverse"][2, 2]) > 0.0  # yaw and roll are free both or none
+    places = [float(jaw["free_x"]), float(jaw["free_y"])]
+    free = np.array([*places, 1.0, turns, turns, *places, turns, 1.0, turns])
+    sizes = np.repeat([POSITION_SD, ANGLE_SD, VELOCITY_SD, RATE_SD], [2, 3, 2, 3])
+    sd: Array = free * sizes
+    return sd
+
+
+def motion_of_reading(jaw: Any, measured: Array, sd: Array) -> Array:
+    """The motion that explains one reading of the encoders best, by Gauss-Newton steps from the closed jaw at rest.
+
+    Args:
+        jaw: geometry.
+        measured: (12,), NaN where not read.
+        sd: (12,) noise of the encoders.
+
+    Returns:
+        (n,) motion (q, u). What the reading does not show stays near the closed jaw at rest.
+    """
+    size = motion_size(jaw)
+    rows, expected = np.zeros((N_MEASUREMENTS, size)), np.zeros(N_MEASUREMENTS)
+    spread = start_sd(jaw)
+    free, read = spread > 0.0, np.isfinite(measured)
+    mean = np.zeros(size)
+    for _ in range(FIT_STEPS):
+        expect(jaw, mean, rows, expected)
+        weighted = rows[np.ix_(read, free)] / sd[read, None]
+        innovation = (measured[read] - expected[read]) / sd[read]
+        normal = weighted.T @ weighted + np.diag(spread[free] ** -2.0)
+        step = np.linalg.solve(normal, weighted.T @ innovation - mean[free] / spread[free] ** 2)
+        mean[free] += step
+        if np.abs(step).max() < 1e-12:
+            break
+    return mean

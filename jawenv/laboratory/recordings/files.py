@@ -1,0 +1,299 @@
+"""Recordings as files, CSV or Parquet: of a simulated device or of a test bench.
+
+One row per time, one column per quantity with its unit in the name (``record_columns``; docs/recordings.md). Lines
+``# name: value`` before the header row (CSV), or the file's metadata (Parquet), hold what is not a time series: noise,
+geometry, prior, truth. All of it may be missing; arguments of ``load_record`` come before the file, the file before
+the defaults.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import Prior, cohort
+from jawenv.device.device import Device
+from jawenv.errors import InputError
+from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.laboratory.recordings import defaults
+from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
+from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.recordings.table import Table, checked_path, read_table, write_table
+from jawenv.ladder import MODELS, model_named
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_WRENCH
+
+Array = NDArray[np.float64]
+PathLike = str | os.PathLike[str]
+
+_ABOUT = (
+    "model",
+    "head_tilt_deg",
+    "jaw",
+    "cohort",
+    "prior_mean",
+    "prior_sd",
+    "measurement_sd",
+    "wrench_sd",
+    "cell_sd",
+    "gain_sd",
+    "start_mean",
+    "start_sd",
+    "device",
+    "control",
+    "truth",
+)
+
+
+def save_record(record: Record, path: PathLike) -> None:
+    """Write a record so that ``load_record`` gives it back to rounding.
+
+    Args:
+        record: what a device has measured.
+        path: ending in ``.csv`` or ``.parquet``; an existing file is replaced.
+
+    Raises:
+        InputError: another ending, Parquet without pyarrow, or a folder that cannot be written to.
+    """
+    target = checked_path(path)
+    columns = {TIME: record.time}
+    states = true_motion(len(record.start_mean))
+    for column in (*ENCODERS, *SAMPLES, *(states if record.states is not None else ())):
+        columns[column.name] = _written(record, column)
+    if record.wrenches is not None:
+        columns |= {column.name: _written(record, column) for column in TRUE_WRENCH}
+    write_table(target, columns, _about(record))
+
+
+def load_record(
+    path: PathLike,
+    *,
+    model: str | None = None,
+    head_tilt_deg: float | None = None,
+    jaw: Any | None = None,
+    cohort: str | None = None,
+    prior: Prior | None = None,
+    device: Device | None = None,
+    start_mean: Array | None = None,
+    start_sd: Array | None = None,
+    control: Literal["force", "trajectory", "targets"] | None = None,
+    truth: Array | None = None,
+) -> Record:
+    """Read a recording. What neither the arguments nor the file says has the default named here.
+
+    Args:
+        path: a file as ``save_record`` writes it, or one's own with some of its columns (docs/recordings.md).
+        model: rung of the ladder whose geometry and muscles the estimator believes in; ``"jaw"``.
+        head_tilt_deg: pitch of the head, positive looking down; 0.
+        jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
+        cohort: population whose prior is the belief before the record; ``"trismus"``.
+        prior: a belief of one's own, in natural logs.
+        device: that measured, with its noise of encoders and load cell; the noise of ``jawenv.Device()``.
+        start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
+        start_sd: (n,) its sd; so wide that the first reading decides.
+        control: what the motors were commanded; ``"force"``.
+        truth: (p,) natural-log parameters, if known; None.
+
+    Raises:
+        InputError: a file, column, row or argument that cannot be used.
+    """
+    source = checked_path(path)
+    table = read_table(source, _ABOUT)
+    about = _checked_about(table)
+    rung = model_named(model or about.get("model") or "jaw")
+    muscles = rung.muscles
+    tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
+    jaw = _geometry(jaw, rung, tilt, about if model is None else {}, table.path)
+    size = defaults.motion_size(jaw)
+    time = even_time(table)
+    check_columns(table, size)
+    dt = float(time[1] - time[0])
+    measured = _encoders(table)
+    noise = device or Device()
+    noise_values = about if device is None else {}
+    measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
+    start = start_mean if start_mean is not None else about.get("start_mean")
+    start_spread = start_sd if start_sd is not None else about.get("start_sd")
+    if start is None:
+        start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
+    true_parameters = truth if truth is not None else about.get("truth")
+    commanded = control or about.get("control", "force")
+    return Record(
+        time=time,
+        measured=measured,
+        samples=_samples(table),
+        start_mean=np.array(start, dtype=np.float64),
+        start_sd=np.array(defaults.start_sd(jaw) if start_spread is None else start_spread, dtype=np.float64),
+        measurement_sd=measurement_sd,
+        wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt))),
+        cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise))),
+        gain_sd=float(noise_values.get("gain_sd", noise.cell_gain)),
+        jaw=jaw,
+        prior=_prior(prior, cohort, about, muscles, table.path),
+        parameter_names=muscles.parameter_names,
+        device=_device(device, about.get("device"), table.path),
+        control=commanded,
+        truth=None if true_parameters is None else np.array(true_parameters, dtype=np.float64),
+        states=_stacked(table, true_motion(size)),
+        wrenches=_wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
+    )
+
+
+def _about(record: Record) -> dict[str, Any]:
+    """What the file says besides its columns, SI units, all arrays as lists."""
+    match = defaults.model_of_geometry(record.jaw)
+    names = {model: model_named(model).muscles.parameter_names for model in _matching_models(record)}
+    about: dict[str, Any] = {}
+    if match is not None and match[0] in names:
+        about["model"], about["head_tilt_deg"] = match
+    elif names:
+        about["model"] = next(iter(names))
+        about["jaw"] = {name: np.asarray(record.jaw[name]).tolist() for name in record.jaw.dtype.names}
+    else:
+        raise InputError(
+            f"record: parameter_names are {record.parameter_names}; allowed: those of a model of the ladder"
+        )
+    about |= {"prior_mean": record.prior.mean.tolist(), "prior_sd": record.prior.sd.tolist()}
+    about |= {
+        name: getattr(record, name).tolist()
+        for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
+    }
+    about["gain_sd"] = record.gain_sd
+    about["control"] = record.control
+    if record.device is not None:
+        about["device"] = asdict(record.device)
+    if record.truth is not None:
+        about["truth"] = record.truth.tolist()
+    return about
+
+
+def _checked_about(table: Table) -> dict[str, Any]:
+    """What the file says about itself, with numbers where numbers belong."""
+    texts = {"model", "cohort", "control"}
+    for name, value in table.about.items():
+        if name in ("jaw", "device"):
+            continue
+        try:
+            right = isinstance(value, str) if name in texts else np.isfinite(np.array(value, dtype=np.float64)).all()
+        except (TypeError, ValueError):
+            right = False
+        if not right:
+            allowed = "a name in quotation marks" if name in texts else "a finite number, or a list of them"
+            raise InputError(f"{table.path}: {name} is {str(value)[:40]!r}; allowed: {allowed}")
+    return table.about
+
+
+def _matching_models(record: Record) -> list[str]:
+    """Models with the record's parameters and as many states; the reference first."""
+    condyles = "bilateral" if len(record.start_mean) == N_BODY else "midline"
+    return [
+        model.name
+        for model in MODELS.values()
+        if model.muscles.parameter_names == record.parameter_names and model.estimator == condyles
+    ]
+
+
+def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
+    jaw = defaults.geometry(model)
+    try:
+        for name in jaw.dtype.names:
+            jaw[name] = fields[name]
+    except (KeyError, TypeError, ValueError):
+        raise InputError(
+            f"{path}: jaw lacks {name!r} or has it in another shape; allowed: as save_record wrote it"
+        ) from None
+    return jaw
+
+
+def _geometry(jaw: Any | None, rung: Any, tilt: float, about: dict[str, Any], path: str) -> Any:
+    """The geometry given, or the file's own, or the model's at that tilt of the head."""
+    if jaw is None:
+        stored = about.get("jaw")
+        jaw = defaults.geometry(rung.name, tilt) if stored is None else _stored_jaw(stored, rung.name, path)
+    lines = len(rung.muscles.muscle)
+    if len(jaw["l_o"]) != lines:
+        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {rung.name!r}: {lines}")
+    return jaw
+
+
+def _device(device: Device | None, fields: Any, path: str) -> Device | None:
+    """The device given, or the file's own."""
+    if device is not None or fields is None:
+        return device
+    try:
+        return Device(**fields)
+    except TypeError:
+        raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
+
+
+def _prior(prior: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:
+    if prior is None and name is None and "prior_mean" in about and "prior_sd" in about:
+        prior = Prior(about["prior_mean"], about["prior_sd"])
+    if prior is None:
+        return cohort(name or about.get("cohort", "trismus"), muscles).prior
+    if len(prior.mean) != len(muscles.parameter_names):
+        raise InputError(f"{path}: prior has {len(prior.mean)} parameters; allowed: {len(muscles.parameter_names)}")
+    return prior
+
+
+def _written(record: Record, column: Column) -> Array:
+    """A column of T + 1 numbers; what belongs to a tick stands in the row in which the tick begins."""
+    values = getattr(record, column.field)[(slice(None), *column.index)] * column.scale
+    short = len(record.time) - len(values)
+    return np.concatenate([values, np.full(short, np.nan)])
+
+
+def _column(table: Table, column: Column) -> Array:
+    values = table.columns.get(column.name)
+    return np.full(len(table.lines), np.nan) if values is None else values / column.scale
+
+
+def _encoders(table: Table) -> Array:
+    """(T + 1, 12) readings, of which the first row has at least one."""
+    measured = np.column_stack([_column(table, column) for column in ENCODERS])
+    if not np.isfinite(measured[0]).any():
+        allowed = ", ".join(column.name for column in ENCODERS)
+        raise InputError(
+            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
+        )
+    return measured
+
+
+def _stacked(table: Table, columns: list[Column]) -> Array | None:
+    if columns[0].name not in table.columns:
+        return None
+    return np.column_stack([_column(table, column) for column in columns])
+
+
+def _wrenches(table: Table, columns: tuple[Column, ...]) -> Array:
+    """(T, 3, 6) of three wrenches per tick; the last row begins no tick."""
+    ticks = len(table.lines) - 1
+    wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
+    for column in columns:
+        values = _column(table, column)[:-1]
+        _complete(table, column, values)
+        moment, component = column.index
+        wrenches[:, moment, component] = values
+    return wrenches
+
+
+def _samples(table: Table) -> Array:
+    """(T, 3, 6) load cell at start, middle and end of each tick; the middle of single readings is interpolated."""
+    if has_any(table, SAMPLES):
+        return _wrenches(table, SAMPLES)
+    readings = np.column_stack([_column(table, column) for column in READINGS])
+    for column, values in zip(READINGS, readings.T, strict=True):
+        _complete(table, column, values)
+    return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
+
+
+def _complete(table: Table, column: Column, values: Array) -> None:
+    """A motion cannot be followed without the force that drives it."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        raise table.fail(column.name, int(bad[0]), "empty", "a reading of the load cell in every row")

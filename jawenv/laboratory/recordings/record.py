@@ -1,0 +1,126 @@
+"""What the device measured in one episode, tick by tick: the input of every estimator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import Prior
+from jawenv.device.device import Device
+from jawenv.errors import InputError
+from jawenv.filter.encoders import N_MEASUREMENTS
+from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.mechanics.dynamics import N_WRENCH
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One episode as the device saw it, T ticks long, and what it knew before; SI units, p parameters, n states.
+
+    Tick k leads from ``time[k]`` to ``time[k + 1]``. A value that was not read is NaN.
+
+    Attributes:
+        time: (T + 1,) s; even spacing.
+        measured: (T + 1, 12) encoders at those times: mouthpiece position (m, head axes), Euler angles theta, psi,
+            alpha (rad), mouthpiece velocity (m/s), angular velocity (rad/s, body axes).
+        samples: (T, 3, 6) load cell at start, middle and end of each tick: force (N) and moment (N m) of the device
+            on the mouthpiece, body axes; of the parabola that fits the tick best (``load_cell``).
+        start_mean: (n,) believed motion (q, u) before the first measurement.
+        start_sd: (n,) its sd; 0 for a coordinate that cannot move.
+        measurement_sd: (12,) noise of the encoders.
+        wrench_sd: (6,) sd of the wrench not known, constant over a tick and new in each: what no model explains, and
+            the noise of the mean of a tick's load-cell samples.
+        cell_sd: (6,) sd of the latter alone.
+        gain_sd: sd of the load cell's relative gain error, one value for the record.
+        jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
+        prior: belief about the parameters before the record.
+        parameter_names: p names.
+        device: that measured it, None if unknown; no estimator reads it.
+        control: of its motors, "force", "trajectory" or "targets"; no estimator reads it.
+        truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
+        states: (T + 1, n) true motion; None if unknown. For evaluation only.
+        wrenches: (T, 3, 6) what ``samples`` would be without the load cell's errors; likewise.
+
+    Raises:
+        InputError: an array has the wrong shape, or holds what it must not.
+    """
+
+    time: Array
+    measured: Array
+    samples: Array
+    start_mean: Array
+    start_sd: Array
+    measurement_sd: Array
+    wrench_sd: Array
+    cell_sd: Array
+    gain_sd: float
+    jaw: Any
+    prior: Prior
+    parameter_names: tuple[str, ...]
+    device: Device | None = None
+    control: Literal["force", "trajectory", "targets"] = "force"
+    truth: Array | None = None
+    states: Array | None = None
+    wrenches: Array | None = None
+
+    def __post_init__(self) -> None:
+        """Check shapes, spacing and signs."""
+        ticks, size, parameters = len(self.time) - 1, len(self.start_mean), len(self.parameter_names)
+        shapes = {
+            "measured": (ticks + 1, N_MEASUREMENTS),
+            "samples": (ticks, N_SAMPLES, N_WRENCH),
+            "start_sd": (size,),
+            "measurement_sd": (N_MEASUREMENTS,),
+            "wrench_sd": (N_WRENCH,),
+            "cell_sd": (N_WRENCH,),
+            "truth": (parameters,),
+            "states": (ticks + 1, size),
+            "wrenches": (ticks, N_SAMPLES, N_WRENCH),
+        }
+        for name, shape in shapes.items():
+            value = getattr(self, name)
+            if value is not None and np.shape(value) != shape:
+                raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
+        if self.control not in ("force", "trajectory", "targets"):
+            raise InputError(f"record: control is {self.control!r}, allowed are 'force', 'trajectory' and 'targets'")
+        steps = np.diff(self.time)
+        if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
+            raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")
+        for name in ("measurement_sd", "wrench_sd"):
+            if not (getattr(self, name) > 0.0).all():
+                raise InputError(f"record: {name} is {getattr(self, name)}, allowed are numbers above 0")
+        if not ((self.cell_sd >= 0.0) & (self.cell_sd <= self.wrench_sd)).all():
+            raise InputError(f"record: cell_sd is {self.cell_sd}, allowed are numbers from 0 to wrench_sd")
+
+    @property
+    def dt(self) -> float:
+        """Length of a tick, s."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    @property
+    def noise_variance(self) -> Array:
+        """(12,) variance of the wrench not known, as ``model.step`` has it: constant over a tick, and tilting."""
+        return np.concatenate([self.wrench_sd**2, self.cell_sd**2])
+
+    def until(self, seconds: float) -> Record:
+        """The record of its first ``seconds``.
+
+        Raises:
+            InputError: less than one tick, or more than there is.
+        """
+        ticks = round(seconds / self.dt)
+        if not 1 <= ticks < len(self.time):
+            raise InputError(f"until: {seconds} s given, allowed are {self.dt:g} to {self.time[-1]:g} s")
+        return replace(
+            self,
+            time=self.time[: ticks + 1],
+            measured=self.measured[: ticks + 1],
+            samples=self.samples[:ticks],
+            states=None if self.states is None else self.states[: ticks + 1],
+            wrenches=None if self.wrenches is None else self.wrenches[:ticks],
+        )

@@ -1,0 +1,79 @@
+"""The posterior where readings leave more than one motion possible: a sum of normals, one for each mode.
+
+The moments of the sum are the belief (Alspach & Sorenson 1972, IEEE Trans. Autom. Control 17:439). A mode's weight
+would be its share of the posterior, Laplace's approximation: the density at the mode times the normal's volume. But the
+density integrates the motion out along straight lines, and is off by some nats. Of two modes one of which is near the
+truth, the denser one is it less often than that: the log of the odds is ``TRUST`` times the difference of the
+log-densities (logistic regression; ``docs/appendix.md`` has the table).
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import Any
+
+import numpy as np
+
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+
+MAX_MODES = 9  # from as many starts
+SAME = 0.5  # sds, in every parameter, within which two modes are one
+TRUST = 0.4
+
+
+def modes_dtype(parameters: int) -> np.dtype[np.void]:
+    """Dtype of the modes found: log-density, mean and covariance of each."""
+    fields: list[Any] = [
+        ("number", "i8"),
+        ("density", "f8", (MAX_MODES,)),
+        ("mean", "f8", (MAX_MODES, parameters)),
+        ("cov", "f8", (MAX_MODES, parameters, parameters)),
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def distance(belief, parameters):
+    """The largest distance of a parameter from the belief's mean, in its sds."""
+    furthest = 0.0
+    for i in range(parameters.shape[0]):
+        furthest = max(furthest, abs(belief.mean[i] - parameters[i]) / sqrt(belief.cov[i, i]))
+    return furthest
+
+
+@njit
+def nearest_mode(modes, belief):
+    """The mode that the belief is nearest to, and its ``distance``; -1 if there is none."""
+    nearest, smallest = -1, np.inf
+    for k in range(modes.number):
+        separation = distance(belief, modes.mean[k])
+        if separation < smallest:
+            nearest, smallest = k, separation
+    return nearest, smallest
+
+
+@njit
+def keep_mode(modes, belief, density):
+    """Store the belief as a mode of this log-density: a new one, or in place of a close one of lower density."""
+    k, separation = nearest_mode(modes, belief)
+    if not separation < SAME:
+        k = modes.number
+        modes.number += 1
+    elif not density > modes.density[k]:
+        return
+    modes.density[k] = density
+    modes.mean[k] = belief.mean
+    modes.cov[k] = belief.cov
+
+
+def mixture_moments(modes: Any) -> tuple[Any, Any]:
+    """Mean (p,) and covariance (p, p) of the sum of at least one mode."""
+    number = int(modes["number"])
+    density = modes["density"][:number]
+    weight = np.array([exp(TRUST * (value - density.max())) for value in density])
+    weight /= weight.sum()
+    means, covs = modes["mean"][:number], modes["cov"][:number]
+    mean = weight @ means
+    deviations = means - mean
+    return mean, np.einsum("k,kij->ij", weight, covs) + np.einsum("k,ki,kj->ij", weight, deviations, deviations)

@@ -1,0 +1,167 @@
+"""Plays a maneuver: at each step the targets of its file become an action, within the patient's comfort."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.checks import real_number
+from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
+from jawenv.device.channels import HIGHEST, LOWEST, TRACKER
+from jawenv.device.device import N_MOTORS, Device
+from jawenv.envs.observation import parameters_of
+from jawenv.envs.tracking import follow_all
+from jawenv.errors import InputError, shown
+from jawenv.playing.maneuvers.maneuver import SUFFIXES, Maneuver, Targets
+from jawenv.playing.protocol import Action, Array, Mask, Observation, State
+
+_LOW = np.array(LOWEST)
+
+
+class Memory(NamedTuple):
+    """What the player remembers, one row per world.
+
+    Attributes:
+        step: (N,) control steps since the episode began.
+        trackers: (N,) records of the device's law, dtype ``TRACKER``.
+    """
+
+    step: NDArray[np.int64]
+    trackers: NDArray[np.void]
+
+
+class Player:
+    """A maneuver as an agent, for every control mode.
+
+    In targets control it names the targets, and the device follows them. In the other two it takes the device's law
+    (``jawenv.envs.tracking``) along. It works from the observation alone and keeps one memory per world. The memory is
+    handed out as ``state`` and also kept, so a caller may pass it back or leave it out.
+
+    Args:
+        maneuver: the maneuver, the name of one that comes with jawenv, or the path of a file.
+        control: control mode of the environment, which ``jawenv.play`` takes from here.
+        control_hz: control steps per second of the environment; None for the mode's default.
+        device: of the environment, if not the default one.
+
+    Attributes:
+        maneuver: what is played.
+        name: the maneuver's.
+        control: as given.
+
+    Raises:
+        InputError: an unknown maneuver or control mode, or a rate that is not positive.
+    """
+
+    def __init__(
+        self,
+        maneuver: Maneuver | str | Path,
+        *,
+        control: Control = DEFAULT_CONTROL,
+        control_hz: float | None = None,
+        device: Device | None = None,
+    ) -> None:
+        if control not in CONTROL_HZ:
+            raise InputError(f"control {shown(control)}: allowed are {', '.join(CONTROL_HZ)}")
+        hz = real_number(CONTROL_HZ[control] if control_hz is None else control_hz)
+        if hz is None or not (np.isfinite(hz) and hz > 0):
+            raise InputError(f"control_hz {shown(control_hz)}: must be a positive number")
+        self.maneuver = _maneuver(maneuver)
+        self.name = self.maneuver.name
+        self.control = control
+        self._holds_roll = self.maneuver.channels.roll is not None
+        self._device = (device or Device()).records()
+        self._dt = 1.0 / hz
+        self._memory: Memory | None = None
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Forget all worlds; the next observations are taken as the start of their episodes."""
+        self._memory = None
+
+    def predict(
+        self,
+        observation: Observation,
+        state: State = None,
+        episode_start: Mask | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Action, State]:
+        """See ``jawenv.playing.protocol.Agent.predict``; a maneuver is always deterministic.
+
+        Raises:
+            InputError: an observation of the wrong size or not finite, or of another number of worlds than before.
+        """
+        rows, single, parameters = checked_rows(observation)
+        memory = self._recall(state, len(rows), episode_start)
+        time = self._dt * memory.step.astype(np.float64)
+        if self.control == "targets":
+            # Where the jaw is to be at the end of the step.
+            action = action_of(self.targets(time + self._dt).value)
+        else:
+            action = self._follow(rows, parameters, memory.trackers, self.targets(time))
+        self._memory = Memory(memory.step + 1, memory.trackers)
+        single_precision = action.astype(np.float32)
+        return (single_precision[0] if single else single_precision), self._memory
+
+    def targets(self, time: Array) -> Targets:
+        """Targets of N worlds at times (N,) since their episodes began, s."""
+        return self.maneuver.targets(time)
+
+    def _follow(self, rows: Observation, parameters: int, trackers: NDArray[np.void], targets: Targets) -> Array:
+        trackers["target"], trackers["rate"] = targets.value, targets.rate
+        action = np.zeros((len(rows), N_MOTORS))
+        servo = self.control == "trajectory"
+        follow_all(self._device, rows, parameters, trackers, servo, self._holds_roll, self._dt, action)
+        return action
+
+    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
+        """A copy of the memory to go on from, blank for worlds that begin an episode."""
+        blank = Memory(np.zeros(worlds, int), np.zeros(worlds, dtype=TRACKER))
+        memory = self._memory if state is None else Memory(*state)
+        if memory is None or (episode_start is not None and np.all(episode_start)):
+            return blank
+        if len(memory.step) != worlds:
+            raise InputError(
+                f"observation of {worlds} worlds after {len(memory.step)} worlds: call reset({worlds}) first"
+            )
+        memory = Memory(memory.step.copy(), memory.trackers.copy())
+        if episode_start is not None:
+            starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
+            memory.step[starts], memory.trackers[starts] = 0, blank.trackers[starts]
+        return memory
+
+
+def action_of(targets: Array) -> Array:
+    """Actions (N, 4) of targets control for targets (N, 4) as fractions of the patient's comfort."""
+    actions: Array = 2.0 * (targets - _LOW) / (HIGHEST - _LOW) - 1.0
+    return np.clip(actions, -1.0, 1.0)
+
+
+def goals_of(actions: NDArray[Any]) -> Array:
+    """Targets (..., 4) that actions (..., 4) of targets control ask for, as fractions of the patient's comfort."""
+    goals: Array = _LOW + 0.5 * (HIGHEST - _LOW) * (np.asarray(actions, dtype=np.float64) + 1.0)
+    return goals
+
+
+def checked_rows(observation: Observation) -> tuple[Observation, bool, int]:
+    """N observations (N, size), whether there was one without a leading N, and the number of parameters.
+
+    Raises:
+        InputError: an observation of another size, or one that is not finite.
+    """
+    rows = np.ascontiguousarray(observation, dtype=np.float32)
+    single = rows.ndim == 1
+    rows = rows[None] if single else rows
+    if rows.ndim != 2:
+        raise InputError(f"observation has shape {rows.shape}, allowed are (N, size) and (size,)")
+    parameters = parameters_of(rows.shape[1])
+    if not np.isfinite(rows).all():
+        raise InputError("observation holds a value that is not finite")
+    return rows, single, parameters
+
+
+def _maneuver(given: Maneuver | str | Path) -> Maneuver:
+    if isinstance(given, Maneuver):
+        return given
+    return Maneuver.load(given) if Path(given).suffix in SUFFIXES else Maneuver.named(str(given))

@@ -1,0 +1,381 @@
+"""Play an agent on many patients and keep what is needed to judge it.
+
+One call plays N worlds at once in the native vector environment; world i uses the seed `seed + i` for its
+patient and its noise, so two agents played with the same seed meet the same patients and the same
+disturbances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from jawenv.checks import whole_number
+from jawenv.controls import DEFAULT_CONTROL, control_of
+from jawenv.errors import InputError, shown
+from jawenv.playing.singles import SingleWorlds
+
+if TYPE_CHECKING:
+    from jawenv.anatomy import Patient
+    from jawenv.files import Source
+    from jawenv.laboratory.recordings.record import Record
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
+DEFAULT_ENV = "jawenv/Jaw-v1"
+
+# N worlds, T + 1 times (the reset is time 0), P parameters, L comfort limits.
+_SHAPES: dict[str, tuple[str, ...]] = {
+    "time": ("T",),
+    "belief_mean": ("N", "T", "P"),
+    "belief_cov": ("N", "T", "P", "P"),
+    "truth": ("N", "P"),
+    "prior_mean": ("P",),
+    "prior_sd": ("P",),
+    "bound_sd": ("N", "T", "P"),
+    "information_claimed": ("N", "T"),
+    "information_true": ("N", "T"),
+    "information_bound": ("N", "T"),
+    "cost": ("N", "T"),
+    "comfort": ("N", "T", "L"),
+    "governor": ("N", "T"),
+    "violation": ("N", "T"),
+    "valid": ("N", "T"),
+    "terminated": ("N",),
+}
+_MAY_BE_NAN = {"bound_sd", "information_bound"}
+_TRACKED = (
+    "belief_mean",
+    "belief_cov",
+    "bound_sd",
+    "information_claimed",
+    "information_true",
+    "information_bound",
+    "cost",
+    "governor",
+    "violation",
+)
+_ZERO_AFTER_THE_END = {"cost", "governor"}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """N episodes of one agent, as arrays over worlds (N), times (T + 1) and parameters (P).
+
+    Parameters are natural logs. After a world has ended (`valid` False) its arrays hold their last value, and
+    its cost and governor share are 0.
+
+    Attributes:
+        time: (T+1,) s since the start of the episode; time 0 is the reset.
+        belief_mean: (N, T+1, P) the filter's mean.
+        belief_cov: (N, T+1, P, P) the filter's covariance.
+        truth: (N, P) the patient's parameters.
+        prior_mean: (P,) mean of the filter's prior.
+        prior_sd: (P,) standard deviation of the filter's prior.
+        bound_sd: (N, T+1, P) posterior Cramer-Rao bound, NaN where it was not tracked.
+        information_claimed: (N, T+1) nats, as the environment reports them.
+        information_true: (N, T+1) nats by the log score, as the environment reports them.
+        information_bound: (N, T+1) nats, NaN where it was not tracked.
+        cost: (N, T+1) discomfort in the step that ends at that time, >= 0.
+        comfort: (N, T+1, L) used fraction of each soft limit.
+        governor: (N, T+1) share of the device ticks of that step in which the governor acted.
+        violation: (N, T+1) bool, a hard limit was crossed in that step.
+        valid: (N, T+1) bool, False after the episode has ended.
+        terminated: (N,) bool, the episode ended before its time limit.
+        parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
+        comfort_names: L names of the comfort limits.
+        records: N records of what the devices measured, with `record=True` among the environment's arguments.
+
+    Raises:
+        InputError: an array has the wrong shape, is not finite, or `time` or `valid` is not as described.
+    """
+
+    time: Array
+    belief_mean: Array
+    belief_cov: Array
+    truth: Array
+    prior_mean: Array
+    prior_sd: Array
+    bound_sd: Array
+    information_claimed: Array
+    information_true: Array
+    information_bound: Array
+    cost: Array
+    comfort: Array
+    governor: Array
+    violation: Mask
+    valid: Mask
+    terminated: Mask
+    parameter_names: tuple[str, ...]
+    comfort_names: tuple[str, ...]
+    records: tuple[Record, ...] | None = None
+
+    def __post_init__(self) -> None:
+        """Check every array against the sizes that `truth`, `time` and the names state."""
+        if np.ndim(self.truth) != 2 or np.ndim(self.time) != 1:
+            raise InputError(
+                f"recording: truth has shape {np.shape(self.truth)} and time {np.shape(self.time)}, "
+                "allowed are (N, P) and (T+1,)"
+            )
+        sizes = {
+            "N": len(self.truth),
+            "T": len(self.time),
+            "P": len(self.parameter_names),
+            "L": len(self.comfort_names),
+        }
+        for field, axes in _SHAPES.items():
+            value = getattr(self, field)
+            allowed = tuple(sizes[axis] for axis in axes)
+            if np.shape(value) != allowed:
+                raise InputError(f"recording: {field} has shape {np.shape(value)}, allowed is {allowed}")
+            if field not in _MAY_BE_NAN and not np.isfinite(value).all():
+                raise InputError(f"recording: {field} holds a value that is not finite")
+        if (np.diff(self.time) <= 0.0).any() or len(self.time) < 2:
+            raise InputError("recording: time must hold at least two values and grow")
+        if not self.valid[:, 0].all() or (self.valid[:, 1:] > self.valid[:, :-1]).any():
+            raise InputError("recording: valid must begin True and may change to False once")
+
+    @property
+    def num_worlds(self) -> int:
+        """N, the number of episodes."""
+        return len(self.truth)
+
+    @property
+    def last(self) -> npt.NDArray[np.intp]:
+        """(N,) index of the last valid time of each world."""
+        index: npt.NDArray[np.intp] = self.valid.sum(axis=1) - 1
+        return index
+
+    @property
+    def belief_sd(self) -> Array:
+        """(N, T+1, P) standard deviations that the filter claims (natural log: 0.05 is 5 %)."""
+        return np.sqrt(np.diagonal(self.belief_cov, axis1=-2, axis2=-1))
+
+    def at_end(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Pick each world's value at its last valid time.
+
+        Args:
+            values: (N, T+1, ...).
+
+        Returns:
+            (N, ...).
+        """
+        picked: npt.NDArray[Any] = values[np.arange(self.num_worlds), self.last]
+        return picked
+
+
+def play(
+    agent: Any,
+    *,
+    patients: int | Sequence[Patient | Source | None],
+    seed: int,
+    env_kwargs: Mapping[str, Any] | None = None,
+    env_id: str = DEFAULT_ENV,
+    progress: Callable[[int, int], None] | None = None,
+) -> Recording:
+    """Play one episode of an agent with every patient, all at the same time.
+
+    Args:
+        agent: anything with stable-baselines3's `predict(observation, state, episode_start, deterministic)`;
+            `reset(num_envs, seed)` is called first where the agent has one, and then `attach(env)`
+            (`jawenv.playing.protocol.Planning`).
+        patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
+            patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
+        seed: of patients and noise, 0 to 2**32 - 1.
+        env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, and
+            `control` is that of the agent if it has an attribute of this name.
+        env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
+        progress: called with (steps done, steps of the longest episode) after every control step.
+
+    Returns:
+        The recording of all worlds. A world that ends early stays frozen while the others go on.
+
+    Raises:
+        InputError: an agent without `predict`, no patient, a seed out of range, another `control` than the agent's,
+            or what the environment refuses.
+    """
+    if not callable(getattr(agent, "predict", None)):
+        raise InputError(
+            f"agent: {shown(agent)} given, allowed is an object with "
+            "predict(observation, state, episode_start, deterministic)"
+        )
+    number = _number_of(patients)
+    first = whole_number(seed)
+    if first is None or not 0 <= first <= LARGEST_SEED:
+        raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+    if not isinstance(env_kwargs, Mapping | None):
+        raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
+    kwargs = {"track_bound": True, **(env_kwargs or {})}
+    if (control := control_of(agent, kwargs)) is not None:
+        kwargs["control"] = control
+    env = _worlds(env_id, number, kwargs)
+    try:
+        options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
+        observation, info = env.reset(seed=first, options=options)
+        if hasattr(agent, "reset"):
+            agent.reset(number, first)
+        if hasattr(agent, "attach"):
+            agent.attach(env)
+        recording = _watch(agent, env, observation, info, progress)
+        if not env.unwrapped.configuration.record:
+            return recording
+        return replace(recording, records=tuple(_record(env, i) for i in range(number)))
+    finally:
+        env.close()
+
+
+def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
+    """The native vector form of an environment, or single ones side by side where it has none."""
+    import gymnasium as gym
+
+    module, _, name = env_id.rpartition(":")
+    if module:
+        import_module(module)
+    if gym.spec(name).vector_entry_point is None:
+        return SingleWorlds(env_id, number, kwargs)
+    return gym.make_vec(env_id, num_envs=number, autoreset_mode="disabled", **kwargs)
+
+
+def _record(env: Any, index: int) -> Record:
+    """What the device of one world has measured."""
+    from jawenv.laboratory.recordings.of_simulation import record_of
+
+    if isinstance(env, SingleWorlds):
+        return env.record(index)
+    return record_of(env.unwrapped.simulation, index)
+
+
+def _number_of(patients: object) -> int:
+    """How many patients are asked for, by their number or by themselves."""
+    if isinstance(patients, Sequence) and not isinstance(patients, str):
+        number: int | None = len(patients)
+    else:
+        number = whole_number(patients)
+    if number is None:
+        raise InputError(f"patients: {shown(patients)} given, allowed is a whole number, or a sequence of patients")
+    if number < 1:
+        raise InputError(f"patients: {number} given, allowed is 1 or more")
+    return number
+
+
+def _watch(
+    agent: Any,
+    env: Any,
+    observation: npt.NDArray[np.float32],
+    info: dict[str, Any],
+    progress: Callable[[int, int], None] | None,
+) -> Recording:
+    """Step all worlds to their ends and keep what they tell."""
+    number, configuration = env.num_envs, env.unwrapped.configuration
+    steps = configuration.steps
+    values = {key: np.empty((number, steps + 1, *np.shape(value)[1:])) for key, value in _tracked_values(info).items()}
+    valid = np.zeros((number, steps + 1), dtype=bool)
+    running, terminated = np.ones(number, dtype=bool), np.zeros(number, dtype=bool)
+    starts: Mask = running.copy()
+    state: Any = None
+    _write_step(values, 0, info, running)
+    valid[:, 0] = True
+    for step in range(1, steps + 1):
+        action, state = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
+        observation, _, ended, cut_off, info = env.step(action)
+        starts = np.zeros(number, dtype=bool)
+        # A filter that has diverged has no belief to keep: its episode ended the step before.
+        has_belief = running & np.isfinite(info["belief_cov"]).all(axis=(1, 2))
+        _write_step(values, step, info, has_belief)
+        valid[:, step] = has_belief
+        terminated |= running & ended
+        running &= ~(ended | cut_off)
+        if progress is not None:
+            progress(step, steps)
+        if not running.any():
+            break
+    arrays: dict[str, Any] = {key: value[:, : step + 1] for key, value in values.items()}
+    prior = env.unwrapped.prior
+    return Recording(
+        time=np.arange(step + 1) / configuration.steps_per_s,
+        truth=np.array(info["truth"], dtype=np.float64),
+        prior_mean=np.array(prior.mean, dtype=np.float64),
+        prior_sd=np.array(prior.sd, dtype=np.float64),
+        violation=arrays.pop("violation").astype(bool),
+        valid=valid[:, : step + 1],
+        terminated=terminated,
+        parameter_names=env.unwrapped.parameter_names,
+        comfort_names=_comfort_names(),
+        **arrays,
+    )
+
+
+def _comfort_names() -> tuple[str, ...]:
+    from jawenv.device.comfort import COMFORT_LIMITS
+
+    return COMFORT_LIMITS
+
+
+def _tracked_values(info: dict[str, Any]) -> dict[str, Any]:
+    """What a recording keeps of a vector environment's info, the comfort limits in the last axis."""
+    untracked = {
+        "bound_sd": np.full_like(info["belief_sd"], np.nan),
+        "information_bound": np.full_like(info["nees"], np.nan),
+    }
+    comfort = np.stack([info[f"comfort_{name}"] for name in _comfort_names()], axis=-1)
+    return {key: info[key] if key in info else untracked[key] for key in _TRACKED} | {"comfort": comfort}
+
+
+def _write_step(values: dict[str, Array], step: int, info: dict[str, Any], has_belief: Mask) -> None:
+    """Write one step; a world that has ended keeps its last values, at no cost and with nothing to govern."""
+    for key, value in _tracked_values(info).items():
+        values[key][:, step] = value
+        if step > 0:
+            ended = 0.0 if key in _ZERO_AFTER_THE_END else values[key][~has_belief, step - 1]
+            values[key][~has_belief, step] = ended
+
+
+def information_bound(env_or_jaw: Any, maneuver: Any, patient: Patient, *, seed: int = 0) -> Array:
+    """Lowest standard deviations that any unbiased estimator could reach while a maneuver is played.
+
+    The posterior Cramer-Rao bound (Tichavsky, Muravchik & Nehorai 1998, IEEE Trans. Signal Process. 46:1386),
+    which for Gaussian noise is the filter's own covariance recursion along the true trajectory. The maneuver
+    is played once, closed loop, with the noise of `seed`.
+
+    Args:
+        env_or_jaw: the id of a jawenv environment, its keyword arguments as a mapping, or an environment made
+            by `gymnasium.make` or `make_vec`, of which the settings are taken and which is left untouched.
+        maneuver: an agent (see `play`).
+        patient: whom to play it on.
+        seed: of the noise.
+
+    Returns:
+        (T+1, P) standard deviation of every log-parameter over time; row k is at k / control_hz seconds.
+
+    Raises:
+        InputError: `env_or_jaw` is none of the three, the environment refuses its arguments, or its control is not the
+            maneuver's.
+    """
+    env_id, kwargs = _settings_of(env_or_jaw)
+    kwargs["track_bound"] = True
+    recording = play(maneuver, patients=[patient], seed=seed, env_kwargs=kwargs, env_id=env_id)
+    bound: Array = recording.bound_sd[0]
+    return bound
+
+
+def _settings_of(env: Any) -> tuple[str, dict[str, Any]]:
+    """The id and arguments that make a fresh environment like `env`."""
+    if isinstance(env, str):
+        return env, {}
+    if isinstance(env, Mapping):
+        return DEFAULT_ENV, dict(env)
+    spec = getattr(env, "spec", None)
+    if spec is None:
+        raise InputError(
+            f"env_or_jaw: a {type(env).__name__} given, allowed are an environment id, its keyword arguments "
+            "or an environment made by gymnasium.make"
+        )
+    not_settings = {"num_envs", "autoreset_mode", "render_mode", "vectorization_mode"}
+    kwargs = {key: value for key, value in spec.kwargs.items() if key not in not_settings}
+    return spec.id, {"control": DEFAULT_CONTROL, **kwargs}

@@ -1,0 +1,76 @@
+"""Parallel projection and shading of surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.rendering.canvas import Canvas
+from jawenv.rendering.mesh import Mesh
+from jawenv.rendering.palette import Colour
+
+Array = NDArray[np.float64]
+
+_LIGHT = np.array([-0.35, 0.62, 0.70])  # from the viewer's upper left
+_AMBIENT = 0.20
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Parallel projection of head-frame mm.
+
+    Attributes:
+        right: (3,) direction to the right of the picture.
+        toward: (3,) direction toward the viewer; up is z.
+        origin: place of the head's origin, design units.
+        scale: design units per mm.
+    """
+
+    right: Array
+    toward: Array
+    origin: tuple[float, float]
+    scale: float
+
+    def project(self, points: Array) -> Array:
+        """Project (..., 3) mm to (..., 2) design units."""
+        across = points @ self.right * self.scale + self.origin[0]
+        return np.stack([across, self.origin[1] - points[..., 2] * self.scale], axis=-1)
+
+    def basis(self) -> Array:
+        """Rows right, up, toward (3, 3)."""
+        return np.stack([self.right, np.array([0.0, 0.0, 1.0]), self.toward])
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Rigid motion: rotation (3, 3), then shift (3,) in mm."""
+
+    rotation: Array
+    shift: Array
+
+    def apply(self, points: Array) -> Array:
+        """Move body points (..., 3) into the head frame."""
+        return points @ self.rotation.T + self.shift
+
+
+FIXED = Pose(np.eye(3), np.zeros(3))
+
+
+def draw_mesh(canvas: Canvas, camera: Camera, mesh: Mesh, pose: Pose, ramp: list[Colour], line: Colour) -> None:
+    """Draw a surface, shaded from `ramp`, with a contour around its silhouette.
+
+    The contour is drawn first: the faces then cover its inner half, so no line crosses the surface.
+    """
+    vertices = pose.apply(mesh.vertices)
+    pixels = camera.project(vertices)
+    normals = mesh.normals @ pose.rotation.T @ camera.basis().T
+    facing = normals[:, 2] > 0
+    contour = mesh.edges[facing[mesh.edge_faces[:, 0]] != facing[mesh.edge_faces[:, 1]]]
+    canvas.segments(pixels[contour], line, 2.0)
+    depth = (vertices @ camera.toward)[mesh.faces].mean(axis=1)
+    order = np.flatnonzero(facing)[np.argsort(depth[facing], kind="stable")]
+    shade = np.clip(_AMBIENT + (1 - _AMBIENT) * (normals[order] @ _LIGHT), 0, 1)
+    colours = [ramp[i] for i in (shade * (len(ramp) - 1)).astype(int).tolist()]
+    canvas.polygons(pixels[mesh.faces[order]], colours)

@@ -1,0 +1,139 @@
+"""The panel of posteriors: what is believed about every parameter, and how well it is known."""
+
+from __future__ import annotations
+
+import math
+
+from jawenv.rendering import palette
+from jawenv.rendering.canvas import Box, Canvas
+from jawenv.rendering.joint import draw_joint, draw_truth_ring
+from jawenv.rendering.muscles import symbol
+from jawenv.rendering.palette import FAINT_INK, GRID, INK, SOFT_INK, TRACK
+from jawenv.rendering.posterior_layout import Block, Columns, Layout, Row, lay_out
+from jawenv.rendering.scene import Scene
+
+_SD_LINES = (0.10, 0.05, 0.02)
+_LABEL_ROOM = 16.0
+_PARAMETERS = ("log_F_o", "log_b")
+
+
+def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
+    """Draw headings, scales and legend."""
+    layout = lay_out(box, scene)
+    columns, worst = layout.columns, float(scene.prior_sd.max())
+    heading, end = box[1] + 50, layout.blocks[-1].top + layout.blocks[-1].height
+    quantities = ("force, jaw closed", "exponent") if layout.headed else ("closed, N", "exponent")
+    for column, (name, quantity) in enumerate(zip(_PARAMETERS, quantities, strict=True)):
+        left = columns.value_left[column]
+        used = symbol(canvas, name, (left, heading), 12.5, INK)
+        room = columns.value_width + columns.number_width - used - 4
+        canvas.text(quantity, (left + used + 6, heading), 10.5, SOFT_INK, fit=room)
+    tag = 20 if layout.headed else 16
+    canvas.text("sd, %" if layout.headed else "sd", (columns.sd_left - tag, heading), 12, INK, bold=True)
+    labelled = -math.inf
+    for sd in _SD_LINES:
+        x = columns.sd_x(sd, worst)
+        canvas.line([(x, columns.top - 12), (x, end)], palette.mix(GRID, FAINT_INK, 0.22), 0.8)
+        if x - labelled > _LABEL_ROOM:
+            canvas.text(f"{100 * sd:.0f}", (x, heading), 10.5, SOFT_INK, anchor="centre")
+            labelled = x
+    for block in layout.blocks:
+        _draw_block_names(canvas, box, layout, block)
+    _draw_legend(canvas, box, scene, with_ring=layout.joint is not None)
+
+
+def _draw_block_names(canvas: Canvas, box: Box, layout: Layout, block: Block) -> None:
+    """Name a kind of muscle above its rows, or beside them where there are many."""
+    words = block.kind.replace("_", " ").capitalize() or "All closing muscles of a side"
+    if layout.headed:
+        canvas.text(words, (box[0] + 16, block.top + 8), 12, INK, bold=True)
+    else:
+        lines = words.split(" ")
+        for number, word in enumerate(lines):
+            y = block.top + block.height / 2 + 13 * (number - (len(lines) - 1) / 2)
+            canvas.text(word, (box[0] + 16, y), 11, INK, bold=True, fit=72)
+    for row in block.rows:
+        position = (layout.columns.value_left[0] - (15 if layout.headed else 10), row.bar)
+        canvas.text(row.letter, position, 11, SOFT_INK, bold=True, anchor="centre")
+
+
+def _draw_legend(canvas: Canvas, box: Box, scene: Scene, with_ring: bool) -> None:
+    x, y = box[0] + (20 if with_ring else 38), box[1] + box[3] - 20
+    canvas.rect((x, y - 5, 34, 10), TRACK, radius=3)
+    x += 40 + canvas.text("prior ± 2 sd", (x + 40, y), 10.5, SOFT_INK) + 18
+    canvas.rect((x, y - 4, 22, 8), palette.knowledge(0.05), radius=4)
+    x += 28 + canvas.text("posterior ± 2 sd", (x + 28, y), 10.5, SOFT_INK) + 18
+    if scene.truth is not None:
+        _draw_truth(canvas, x + 4, y + 8)
+        if with_ring:
+            draw_truth_ring(canvas, x + 19, y)
+            x += 16
+        canvas.text("truth, unseen by the filter", (x + 14, y), 10.5, SOFT_INK, fit=box[0] + box[2] - x - 26)
+
+
+def draw_posterior(canvas: Canvas, box: Box, scene: Scene) -> None:
+    """Draw one row per muscle; where there are few, also how their two parameters hang together."""
+    layout = lay_out(box, scene)
+    index = {name: i for i, name in enumerate(scene.parameter_names)}
+    for block in layout.blocks:
+        for row in block.rows:
+            _draw_row(canvas, layout.columns, scene, index, row)
+    if layout.joint is not None:
+        draw_joint(canvas, layout.joint, scene)
+
+
+def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: Row) -> None:
+    for column, parameter in enumerate(_PARAMETERS):
+        i = index[f"{parameter}/{row.muscle}"]
+        _draw_value(canvas, columns, scene, i, column, row)
+        _draw_sd(canvas, columns, scene, i, parameter, row.sd[column])
+
+
+def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: Row) -> None:
+    """Interval of the posterior over the prior's, and the median with its unit."""
+    y = row.bar
+    half = min(4.5, 0.125 * row.height)
+    prior_mean, prior_sd = scene.prior_mean[i], scene.prior_sd[i]
+
+    def place(value: float) -> float:
+        return columns.value_x(column, (value - prior_mean) / prior_sd)
+
+    left, right = columns.value_left[column], columns.value_left[column] + columns.value_width
+    canvas.line([(left, y), (right, y)], GRID, 1.0)
+    prior_left, prior_right = columns.value_x(column, -2), columns.value_x(column, 2)
+    canvas.rect((prior_left, y - half - 1.5, prior_right - prior_left, 2 * half + 3), TRACK, radius=3)
+    mean, sd = float(scene.belief_mean[i]), float(scene.belief_sd[i])
+    low, high = place(mean - 2 * sd), place(mean + 2 * sd)
+    width = max(high - low, 6.0)
+    start = min(max((low + high - width) / 2, left), right - width)
+    canvas.rect((start, y - half, width, 2 * half), palette.knowledge(sd), radius=min(half, width / 2))
+    if width > 9:
+        canvas.line([(place(mean), y - half + 0.5), (place(mean), y + half - 0.5)], palette.CARD, 1.4)
+    if scene.truth is not None:
+        _draw_truth(canvas, place(float(scene.truth[i])), y + 4.5 - half)
+    words = f"{math.exp(mean):#.3g}".rstrip(".")
+    if columns.number_width:
+        canvas.text(words, (right + columns.number_width, y), 10.5, SOFT_INK, anchor="right")
+    else:
+        canvas.text(words + (" N" if column == 0 else ""), (left, row.middle + 11), 11, SOFT_INK)
+
+
+def _draw_truth(canvas: Canvas, x: float, y: float) -> None:
+    canvas.polygon([(x - 4.2, y - 13.5), (x + 4.2, y - 13.5), (x, y - 6.5)], INK)
+    canvas.line([(x, y - 7), (x, y - 4.5)], INK, 1.2)
+
+
+def _draw_sd(canvas: Canvas, columns: Columns, scene: Scene, i: int, parameter: str, y: float) -> None:
+    """Bar that grows to the right as the standard deviation shrinks."""
+    worst, sd = float(scene.prior_sd.max()), float(scene.belief_sd[i])
+    symbol(canvas, parameter, (columns.sd_left - 18, y), 10, SOFT_INK)
+    canvas.rect((columns.sd_left, y - 3.5, columns.sd_width, 7), TRACK, radius=3.5)
+    end = columns.sd_x(sd, worst)
+    length = max(end - columns.sd_left, 4.0)
+    canvas.rect((columns.sd_left, y - 3.5, length, 7), palette.knowledge(sd), radius=3.5)
+    for line in _SD_LINES:
+        x = columns.sd_x(line, worst)
+        canvas.line([(x, y - 3.5), (x, y + 3.5)], palette.CARD, 1.0)
+    right = columns.sd_left + columns.sd_width + 38
+    words = f"{100 * sd:.1f} %" if sd < 0.0995 else f"{100 * sd:.0f} %"
+    canvas.text(words, (right, y), 10.5, INK, anchor="right")

@@ -1,0 +1,101 @@
+"""Hostile actions through the real environment: none of these patients is lost.
+
+Other patients are lost under motors that are held at full commands (docs/calibration.md).
+"""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import jawenv
+from agents.excitation import ACTION_SIZE, EXCITATIONS
+from jawenv.filter.measurement_update import GATE
+from jawenv.metrics.calibration import nees
+
+EACH = 4  # patients for each way to act
+SECONDS = 10.0
+CORNERS = np.array(
+    [[1, 1, 1, 1], [-1, -1, -1, -1], [1, -1, -1, 1], [-1, 1, 1, -1]], dtype=np.float32
+)  # motors at full thrust
+
+
+class Everybody:
+    """All excitations and the corners at once, each for its own worlds."""
+
+    def __init__(self, seed):
+        self.parts = [make(20.0) for make in EXCITATIONS.values()]
+        self.names = [*EXCITATIONS, "corners"]
+        for part in self.parts:
+            part.reset(EACH, seed=seed)
+
+    @property
+    def worlds(self):
+        return EACH * len(self.names)
+
+    def act(self):
+        nothing = np.zeros((EACH, 1))
+        return np.concatenate([*(part.predict(nothing)[0] for part in self.parts), CORNERS])
+
+
+@pytest.mark.parametrize("control", ["force", "trajectory"])
+@pytest.mark.parametrize("cohort", sorted(jawenv.COHORTS))
+def test_nobody_is_lost(cohort, control):
+    """Every number is one all the way, NEES/12 ends at 10 at most, and what the gate refuses is counted."""
+    everybody = Everybody(seed=6000)
+    env = gym.make_vec(
+        "jawenv/Jaw-v1", everybody.worlds, cohort=cohort, control=control, episode_s=SECONDS, autoreset_mode="disabled"
+    )
+    observation, info = env.reset(seed=6000)
+    worlds = env.unwrapped.simulation.worlds
+    refused, active, moved = np.zeros(everybody.worlds), np.ones(everybody.worlds, dtype=bool), 0.0
+    for _ in range(round(20 * SECONDS)):
+        observation, reward, terminated, truncated, info = env.step(everybody.act())
+        refused += np.where(active, 5.0 * worlds["gated"], 0.0)
+        active = ~(terminated | truncated)
+        assert np.isfinite(observation).all() and np.isfinite(reward).all()
+        for name, values in info.items():
+            assert not isinstance(values, np.ndarray) or values.dtype.kind != "f" or np.isfinite(values).all(), name
+        moved = max(moved, np.abs(info["jaw_state"][:, 2]).max())
+    lost = info["nees"] / 12.0 > 10.0
+    assert not lost.any(), dict(zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True))
+    np.testing.assert_allclose(refused, worlds["belief"]["gated"], atol=1e-9)
+    assert (terminated == info["violation"]).all()
+    assert moved > 0.1
+    assert (info["information_claimed"] > 1.0).all(), "and everybody teaches it something"
+    assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
+
+
+def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
+    """Random targets of one second's hold; a step has twenty ticks, in which the belief would not be renewed."""
+    rng = np.random.default_rng(0)
+    env = gym.make_vec("jawenv/Jaw-v1", 32, cohort="one_sided", control="targets", autoreset_mode="disabled")
+    env.reset(seed=6000)
+    for step in range(30):
+        if step % 5 == 0:
+            action = rng.uniform(-1.0, 1.0, (32, 4)).astype(np.float32)
+        info = env.step(action)[-1]
+    assert (info["nees"] / 12.0 < 10.0).all(), info["nees"] / 12.0
+
+
+def test_a_patient_who_rests_aside_is_not_lost_in_the_first_second():
+    """The first tick moves the jaw by 200 sds of a reading: the muscles are not what the prior's mean says."""
+    env = gym.make("jawenv/Jaw-v1", cohort="one_sided", control="targets").unwrapped
+    env.reset(seed=30015)
+    first = [[-0.66, -0.09, 0.0, 0.0], [-0.32, -0.18, 0.0, 0.0], [0.02, -0.27, 0.0, 0.0]]
+    for action in [*first, *[[0.36, -0.36, 0.0, 0.0]] * 5]:
+        info = env.step(np.array(action, dtype=np.float32))[-1]
+        assert info["nees"] < 60.0
+    assert info["belief_sd"].min() < 0.1
+
+
+@pytest.mark.parametrize("name", ["slow_opening", "hold_still"])
+def test_a_wide_prior_loses_nobody_to_a_gentle_maneuver(name):
+    """The belief goes on moving for seconds, and with it the motion about which early readings were linearised."""
+    played = jawenv.play(
+        jawenv.Player(name, control="force"),
+        patients=8,
+        seed=6047,
+        env_kwargs={"cohort": "wide", "episode_s": 15.0, "track_bound": False},
+    )
+    shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
+    assert (shares < 10.0).all(), shares

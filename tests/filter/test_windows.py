@@ -1,0 +1,187 @@
+"""Readings filtered again: when, from where, what it is good for, and that slow or few ones are judged right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recorded import SWINGS, recording, share
+
+import jawenv
+from agents import load_agent
+from jawenv.envs.configuration import configure
+from jawenv.envs.simulation import Simulation
+from jawenv.filter.learn import learn
+from jawenv.filter.measurement_update import SURPRISING
+from jawenv.filter.state import begin_belief, begin_motion
+from jawenv.filter.tick import (
+    LAST_WINDOW,
+    MOVED,
+    ends_window,
+    filter_tick,
+    has_moved,
+    replay,
+    take_readings,
+)
+from jawenv.laboratory.record_filter import FilterRun, TensionFilter
+from jawenv.laboratory.recordings.thinning import divided, thinned
+from jawenv.metrics.calibration import nees, nees_band
+
+
+@pytest.fixture(scope="module")
+def record():
+    return recording().records[0]
+
+
+def test_windows_end_after_so_many_readings(record):
+    """Every other tick's encoders are lost: ticks do not count, readings do."""
+    _, belief, _, _, scratch = FilterRun(record).arguments
+    ends = []
+    for tick in range(3000):
+        scratch["used"] = tick % 2 == 0
+        belief["readings"] += tick % 2 == 0
+        if ends_window(belief, scratch):
+            ends.append(int(belief["readings"]))
+    assert ends == [20, 40, 80, 160, 320, 640, 1280]
+
+
+def test_readings_are_counted_where_an_encoder_is_used(record):
+    measured = record.measured.copy()
+    measured[1::2] = np.nan
+    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    for tick in range(11):
+        take_readings(jaw, belief, rows[tick]["measured"], rows[tick]["samples"], tick, settings, scratch)
+    assert belief["readings"] == 6
+
+
+def test_as_many_ticks_are_kept_as_the_last_window_needs():
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force"})).ticks[0]) == 1 + LAST_WINDOW
+    assert len(Simulation(1, configure({"model": "jaw", "control": "force", "episode_s": 5.0})).ticks[0]) == 1 + 500
+
+
+def filtered_until(record, guess, ticks):
+    """A run whose readings were filtered as if the muscles were a ``guess`` of so many prior sds."""
+    run = FilterRun(record)
+    jaw, belief, rows, settings, scratch = run.arguments
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    begin_belief(settings["basis"], belief, record.prior.mean + guess * record.prior.sd, settings["prior_sd"])
+    for tick in range(ticks):
+        take_readings(jaw, belief, rows[tick]["measured"], rows[tick]["samples"], tick, settings, scratch)
+    learn_wholly(run.arguments)
+    return run
+
+
+def learn_wholly(arguments):
+    """All steps of the linearisation, however far the guess was."""
+    for _ in range(20):
+        learn(arguments.belief, arguments.settings, arguments.scratch["belief"])
+
+
+def test_the_belief_hangs_less_on_the_guess_that_readings_were_filtered_at(record):
+    """Twenty readings filtered at two guesses, a sd apart, then learned from; then filtered again."""
+    before, after = [], []
+    for guess in (-0.5, 0.5):
+        arguments = filtered_until(record, guess, 20).arguments
+        jaw, belief, rows, settings, scratch = arguments
+        before.append(belief["mean"] / np.sqrt(np.diag(belief["cov"])))
+        replay(jaw, belief, rows, 19, settings, scratch)
+        learn_wholly(arguments)
+        after.append(belief["mean"] / np.sqrt(np.diag(belief["cov"])))
+    before, after = np.abs(before[1] - before[0]).max(), np.abs(after[1] - after[0]).max()
+    assert before > 0.02
+    assert after < 0.3 * before
+
+
+def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
+    """As filtering from the first reading at that belief does, to the bit; refused ticks are not counted again."""
+    run = filtered_until(record, 0.0, 40)
+    jaw, belief, rows, settings, scratch = run.arguments
+    mean, cov = belief["mean"].copy(), belief["cov"].copy()
+    rows["measured"][30, 0] += 0.01
+    replay(jaw, belief, rows, 39, settings, scratch)
+    assert belief["gated"] == 0
+    np.testing.assert_array_equal(belief["mean"], mean)
+    np.testing.assert_array_equal(belief["cov"], cov)
+    again = belief.copy()
+    replay(jaw, belief, rows, 39, settings, scratch)
+    for name in ("motion", "motion_cov", "by_tension", "information", "score", "trend", "readings"):
+        np.testing.assert_array_equal(belief[name], again[name])
+    assert belief["readings"] == 40
+
+
+def test_ends_of_windows_and_surprises_renew_the_belief(record):
+    """The others leave it to the end of the control period."""
+    jaw, belief, rows, settings, scratch = FilterRun(record).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    renewed, surprising = [], []
+    for tick in range(100):
+        before = belief["mean"].copy()
+        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        if (belief["mean"] != before).any():
+            renewed.append(tick)
+        if scratch["verdict"] == SURPRISING:
+            surprising.append(tick)
+    assert surprising
+    assert renewed == sorted({19, 39, 79, *surprising})
+
+
+@pytest.mark.parametrize(("moved", "expected"), [(0.99 * MOVED, False), (1.01 * MOVED, True)])
+def test_readings_are_filtered_again_where_a_mean_has_moved(record, moved, expected):
+    belief = FilterRun(record).belief
+    assert not has_moved(belief)
+    belief["mean"][7] -= moved
+    assert has_moved(belief) is expected
+
+
+def test_a_replay_says_where_it_was_made(record):
+    jaw, belief, rows, settings, scratch = filtered_until(record, 0.0, 40).arguments
+    assert has_moved(belief)
+    replay(jaw, belief, rows, 39, settings, scratch)
+    assert not has_moved(belief)
+
+
+def test_slow_recordings_are_judged_right():
+    """Encoders read at 20 Hz; without replays mean NEES/12 was 8."""
+    kwargs = {"record": True, "episode_s": 10.0, "track_bound": False}
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=16, seed=5000, env_kwargs=kwargs)
+    shares = []
+    for record in played.records:
+        estimate = TensionFilter().estimate(divided(thinned(record, 5), 5))
+        shares.append(share(record, estimate.mean[-1], estimate.cov[-1]))
+    low, high = np.array(nees_band(16, 12, 0.999)) / 12.0
+    assert low < np.mean(shares) < high
+
+
+def test_one_point_is_judged_right_in_most():
+    """Of twelve patients eight at least; where more than one motion fits, only ``ModeSearch`` knows."""
+    kwargs = {"sensors": "point", "episode_s": 15.0, "track_bound": False}
+    played = jawenv.play(load_agent(SWINGS, control="force"), patients=12, seed=5000, env_kwargs=kwargs)
+    assert not played.terminated.any()
+    shares = nees(played.belief_mean[:, -1] - played.truth, played.belief_cov[:, -1]) / 12.0
+    assert np.sum(shares < 2.5) >= 8, shares
+
+
+def test_a_record_that_says_nothing_leaves_the_prior(record):
+    blind = replace(record, measured=np.full_like(record.measured, np.nan))
+    estimate = TensionFilter().estimate(blind)
+    np.testing.assert_allclose(estimate.mean[-1], record.prior.mean)
+    np.testing.assert_allclose(estimate.sd[-1], record.prior.sd)
+
+
+def test_refused_ticks_are_counted_once_whatever_is_filtered_again(record):
+    """Hostile readings, and readings that are filtered again behind them: no tick counts for more than one."""
+    measured = record.measured.copy()
+    measured[8:19:2, 0] += 0.02
+    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
+    begin_motion(belief, rows[0]["believed"], settings["start_sd"])
+    counted, replayed = [], []
+    for tick in range(100):
+        before, place = int(belief["gated"]), belief["replayed_at"].copy()
+        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        counted.append(int(belief["gated"]) - before)
+        if (belief["replayed_at"] != place).any():
+            replayed.append((tick, before))
+    assert any(before >= 2 for _, before in replayed), "readings are filtered again after some were refused"
+    assert sum(counted) >= 4 and set(counted) <= {0, 1}

@@ -1,0 +1,136 @@
+"""Kernels from the cache are those of their own types, whichever process compiled them."""
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numba.core.caching import IndexDataCacheFile
+
+import jawenv
+from jawenv.kernels.compiled import njit
+
+# The inner kernel calls itself, and so stays a function of its own, which the outer calls by its symbol.
+KERNELS = """
+import sys
+
+import numpy as np
+
+from jawenv.kernels.compiled import njit
+
+
+@njit
+def total(record, times):
+    if times == 0:
+        return 0.0
+    value = 0.0
+    for i in range(record.values.shape[0]):
+        value += record.values[i]
+    return value + total(record, times - 1)
+
+
+@njit
+def outer(records, times):
+    return total(records[0], times)
+
+
+for size in sys.argv[1:]:
+    records = np.ones(1, dtype=np.dtype([("values", "f8", int(size))]))
+    print(outer(records, 2))
+"""
+
+
+def test_two_processes_may_fill_the_cache_for_a_third(tmp_path: Path) -> None:
+    """Twice the sum of ones, of which a record has as many as its type says."""
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
+
+    def sums(*sizes: str) -> list[float]:
+        command = [sys.executable, str(tmp_path / "kernels.py"), *sizes]
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        return [float(line) for line in ran.stdout.split()]
+
+    assert sums("3") == [6.0]
+    assert sums("5") == [10.0]
+    assert sums("3", "5") == [6.0, 10.0]
+    assert sums("5", "3") == [10.0, 6.0]
+
+
+def test_processes_that_save_at_once_keep_all_that_they_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba's own file, with no lock, gives both the same name here: the slow writing makes sure that they meet."""
+
+    @njit
+    def kernel() -> None:
+        pass
+
+    write: Any = IndexDataCacheFile._save_index
+
+    def write_slowly(file: IndexDataCacheFile, entries: dict[str, str]) -> None:
+        time.sleep(0.2)
+        write(file, entries)
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_index", write_slowly)
+    shared: Any = type(kernel._cache._cache_file)  # type: ignore[attr-defined]
+
+    def kept(kind: Any, folder: Path) -> list[object]:
+        folder.mkdir()
+        files = [kind(str(folder), "kernel", "stamp") for _ in range(4)]
+        with ThreadPoolExecutor(4) as threads:
+            list(threads.map(lambda i: files[i].save(f"model {i}", i), range(4)))
+        return [files[0].load(f"model {i}") for i in range(4)]
+
+    assert kept(shared, tmp_path / "shared") == [0, 1, 2, 3]
+    assert kept(IndexDataCacheFile, tmp_path / "alone") != [0, 1, 2, 3]
+
+
+CONSTANT = """
+from jawenv.kernels.compiled import njit
+
+FACTOR = 2.0
+
+
+@njit
+def inner(x):
+    return FACTOR * x
+
+
+@njit
+def outer(x):
+    return inner(x) + 1.0
+
+
+print(outer(1.0))
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "compiles"),
+    [
+        ("@njit", "# a remark\n@njit", False),
+        ("def outer(x):", 'def outer(x):\n    """Says what it is."""', False),
+        ("FACTOR = 2.0", "FACTOR = 3.0", True),
+        ("FACTOR * x", "FACTOR + x", True),
+    ],
+)
+def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
+    tmp_path: Path, old: str, new: str, compiles: bool
+) -> None:
+    """In another folder, as in another clone: what says that it compiles is stderr."""
+    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
+
+    def run(folder: str, text: str) -> tuple[float, bool]:
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "kernels.py").write_text(text)
+        command = [sys.executable, str(tmp_path / folder / "kernels.py")]
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        return float(ran.stdout), "compiling" in ran.stderr
+
+    assert run("first", CONSTANT) == (3.0, True)
+    assert run("second", CONSTANT) == (3.0, False)
+    value, compiled = run("third", CONSTANT.replace(old, new))
+    assert compiled == compiles
+    assert value == {"FACTOR = 3.0": 4.0, "FACTOR + x": 4.0}.get(new, 3.0)

@@ -1,0 +1,128 @@
+"""Maneuver files: those that come along, the README's example, and what a wrong one is told."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from agents.registry import load_agent, names
+from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.errors import InputError
+from jawenv.playing.maneuvers.maneuver import FOLDER, Maneuver
+
+README = Path(__file__).parents[2] / "agents" / "README.md"
+SPEEDS_MM = np.array([25.0, 6.0])  # opening and side range of a typical patient
+
+
+def example() -> dict:
+    """The example of the README, as a user would copy it."""
+    found = re.search(r"```yaml\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    assert found is not None
+    return yaml.safe_load(found.group(1))
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_file_loads_under_its_own_name(name: str) -> None:
+    maneuver = Maneuver.load(FOLDER / f"{name}.yaml")
+    assert maneuver.name == name and maneuver.title and maneuver.description and maneuver.source
+    t = np.arange(0.0, 60.0, 0.05)
+    targets = maneuver.targets(t)
+    assert targets.value.shape == targets.rate.shape == (len(t), 4)
+    low, high = np.array(LOWEST), HIGHEST
+    assert (targets.value >= low - 1e-9).all() and (targets.value <= high + 1e-9).all()
+    np.testing.assert_allclose(targets.value[0], 0.0, atol=1e-12)
+    between = maneuver.targets(t[:-1] + 0.025).rate
+    np.testing.assert_allclose(np.diff(targets.value, axis=0) / 0.05, between, atol=0.15)
+    speed = np.linalg.norm(between[:, :2] * SPEEDS_MM, axis=1)
+    assert speed.max() < 30.0, "mm/s, below the soft limit of 40"
+
+
+def test_the_maneuvers_that_come_along() -> None:
+    assert set(names()) == {
+        "chirp",
+        "designed",
+        "designed_one_sided",
+        "hold_still",
+        "information_optimal",
+        "multisine",
+        "opening_with_swings",
+        "opening_with_swings_and_fore_aft",
+        "prbs",
+        "refined",
+        "refined_force",
+        "refined_one_sided",
+        "slow_opening",
+        "small_amplitude",
+    }
+
+
+def test_small_amplitude_stays_below_ten_degrees() -> None:
+    """Ten degrees of opening are 16 mm at incisors 91 mm before the condyles; a jaw may rest 6 mm open."""
+    _, high = Maneuver.load(FOLDER / "small_amplitude.yaml").channels.opening.bounds()
+    assert high * 25.0 + 6.0 < 16.0
+
+
+def test_only_the_fore_aft_maneuver_adds_a_force_to_the_swings() -> None:
+    plain = Maneuver.load(FOLDER / "opening_with_swings.yaml").channels
+    pushed = Maneuver.load(FOLDER / "opening_with_swings_and_fore_aft.yaml").channels
+    assert plain.opening == pushed.opening and plain.side == pushed.side
+    assert plain.signal("fore_aft").bounds() == (0.0, 0.0) and pushed.signal("fore_aft").bounds()[1] > 0.1
+
+
+def test_readme_example_plays(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(example()), encoding="utf-8")
+    agent = load_agent(str(path), control="trajectory")
+    assert agent.name == example()["name"]
+
+
+def refusal(tmp_path: Path, text: str) -> str:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_agent(path)
+    message = str(caught.value)
+    assert message.startswith(str(path)) and "\n" not in message
+    return message
+
+
+def changed(place: str, value: object) -> str:
+    """The example with one entry replaced, or removed where the value is None."""
+    content = example()
+    *parents, last = place.split(".")
+    node = content
+    for key in parents:
+        node = node[key]
+    if value is None:
+        del node[last]
+    else:
+        node[last] = value
+    return yaml.safe_dump(content)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "expected"),
+    [
+        ("title", None, "title is missing"),
+        ("channels.opening", None, "channels.opening is missing"),
+        ("channels.side.kind", None, "channels.side"),
+        ("name", "My maneuver", "name = 'My maneuver'"),
+        ("channels.sideways", {"kind": "keyframes", "points": []}, "unknown key 'channels.sideways'"),
+        ("channels.side.harmonics", [{"amplitude": float("nan"), "period_s": 4}], "amplitude = nan must be a finite"),
+        ("channels.side.harmonics", [{"amplitude": 1.5, "period_s": 4}], "side runs from -1.5 to 1.5, allowed is -1"),
+        ("channels.opening.points", [{"t_s": 0, "value": -0.2}], "opening runs from -0.2 to -0.2, allowed is 0 to 1"),
+        ("channels.side.harmonics", [{"amplitude": "big", "period_s": 4}], "amplitude = 'big' must be a number"),
+        ("fade_in_s", 0, "fade_in_s = 0"),
+    ],
+)
+def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, place: str, value: object, expected: str) -> None:
+    assert expected in refusal(tmp_path, changed(place, value))
+
+
+def test_what_is_no_maneuver_is_named(tmp_path: Path) -> None:
+    assert "damaged YAML" in refusal(tmp_path, "name: [unclosed")
+    assert "mapping" in refusal(tmp_path, "- just\n- a list\n")
+    with pytest.raises(InputError, match="missing.yaml: no such file"):
+        load_agent(tmp_path / "missing.yaml")

@@ -1,0 +1,99 @@
+"""Every maneuver on real jaws of the default cohort, in both control modes."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+import gymnasium as gym
+import numba
+import numpy as np
+import pytest
+
+import jawenv  # noqa: F401  (registers the environment)
+from agents import load_agent, names
+from jawenv.envs.observation import OBSERVATION_LAYOUT, POSE_SCALE
+from jawenv.playing.maneuvers.player import Player
+
+PATIENTS, SEED, CONTROL_HZ = 6, 10_000, 20
+CONTROLS = ("trajectory", "force")
+# Allowed RMS of target less place: opening, side (the unmodelled force alone shakes it by 0.07 to 0.1), and force.
+TOLERANCE = {"trajectory": (0.015, 0.12, 0.06), "force": (0.06, 0.16, 0.02)}
+# What was searched uses the comfort that there is: its targets turn at once, which motors of 12 N/s cannot.
+SEARCHED = ("designed", "designed_one_sided", "refined", "refined_one_sided", "refined_force", "information_optimal")
+TOLERANCE_SEARCHED = {"trajectory": (0.03, 0.2, 0.12), "force": (0.1, 0.25, 0.05)}
+
+
+class Episode(NamedTuple):
+    """Fractions over time: (T, N, 3) opening, side, force; (T, N, 4) actions; (T, N); (N,)."""
+
+    wanted: np.ndarray
+    place: np.ndarray
+    action: np.ndarray
+    size: np.ndarray
+    governor: np.ndarray
+    violation: np.ndarray
+    information: np.ndarray
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Six worlds are too few to share among threads that wait for each other."""
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    yield
+    numba.set_num_threads(threads)
+
+
+@cache
+def play(name: str, control: str) -> Episode:
+    env = gym.make_vec("jawenv/Jaw-v1", num_envs=PATIENTS, control=control, track_bound=True, autoreset_mode="disabled")
+    agent = load_agent(name, control=control, control_hz=CONTROL_HZ)
+    assert isinstance(agent, Player)
+    observation, info = env.reset(seed=SEED)
+    agent.reset(PATIENTS, SEED)
+    rows = []
+    for step in range(30 * CONTROL_HZ):
+        action, state = agent.predict(observation)
+        observation, _, _, _, info = env.step(action)
+        part = {name: observation[:, where].astype(float) for name, where in OBSERVATION_LAYOUT.items()}
+        pitch, force = part["pose"][:, 2] * POSE_SCALE[2], part["force"]
+        place = np.column_stack([part["jaw"][:, :2], np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2]])
+        target = agent.maneuver.targets(np.array([(step + 1) / CONTROL_HZ])).value[0, :3]
+        size = state.trackers["size"]
+        rows.append((target * size[:, :3], place, action, size, info["governor"], info["violation"]))
+    env.close()
+    return Episode(*(np.array(column) for column in zip(*rows, strict=True)), info["information_bound"])
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+@pytest.mark.parametrize("name", names())
+def test_targets_are_reached_in_comfort(name: str, control: str) -> None:
+    episode = play(name, control)
+    assert not episode.violation.any()
+    quick = name in SEARCHED
+    # In force control the governor has to hold back more often what was refined for servos.
+    foreign = control == "force" and name in ("refined", "refined_one_sided")
+    assert episode.governor.mean() < ((0.1 if foreign else 0.04) if quick else 0.005)
+    error = np.sqrt(np.mean((episode.place - episode.wanted)[CONTROL_HZ:] ** 2, axis=(0, 1)))
+    assert (error < (TOLERANCE_SEARCHED if quick else TOLERANCE)[control]).all(), error
+    assert np.abs(np.diff(episode.action, axis=0)).mean() < (0.06 if quick else 0.025)
+    assert episode.size[..., :2].mean() > ((0.5 if foreign else 0.6) if quick else 0.8), (
+        "the targets themselves fit the typical patient"
+    )
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_the_order_of_information_is_that_of_the_motions(control: str) -> None:
+    """Swings tell left from right, a fore-aft force tells muscles that pull alike; little motion tells little."""
+    order = ("hold_still", "small_amplitude", "slow_opening", "multisine", "opening_with_swings")
+    best = "opening_with_swings_and_fore_aft"
+    nats = [play(name, control).information.mean() for name in (*order, best)]
+    assert nats == sorted(nats), dict(zip((*order, best), np.round(nats, 1), strict=True))
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_what_was_searched_teaches_more_than_all_that_was_made_by_hand(control: str) -> None:
+    """On patients that the search has not seen, and in a control mode that it has not seen either."""
+    best_by_hand = max(play(name, control).information.mean() for name in names() if name not in SEARCHED)
+    for name in SEARCHED:
+        assert play(name, control).information.mean() > best_by_hand + 0.3, name

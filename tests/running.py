@@ -1,0 +1,126 @@
+"""The environments' filter along a record, step by step, and what its kernels compute in plain NumPy."""
+
+from dataclasses import replace
+
+import newton_euler as twin
+import numpy as np
+import two_condyles
+
+from jawenv.filter.cell_trend import follow_trend
+from jawenv.filter.encoders import expect
+from jawenv.filter.measurement_update import update_motion
+from jawenv.filter.state import begin_belief, begin_motion
+from jawenv.filter.time_update import predict_motion
+from jawenv.laboratory.record_filter import FilterRun
+from jawenv.mechanics.dynamics import N_WRENCH
+
+ALL = np.ones(12, dtype=np.uint8)
+
+
+class Running:
+    """The filter's motion and information along a record, at a belief that stays ``log_parameters``."""
+
+    def __init__(self, record, log_parameters=None):
+        self.record, self.size = record, len(record.start_mean)
+        run = FilterRun(record)
+        _, self.belief, _, self.settings, self.scratch = run.arguments
+        theta = record.prior.mean.copy() if log_parameters is None else log_parameters
+        begin_belief(self.settings["basis"], self.belief, theta, record.prior.sd.copy())
+        begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())
+        self.columns = self.belief["nominal"].size + 1  # of the coefficients and the gain error; the rest is zero
+
+    def predict(self, k):
+        record = self.record
+        noise, start_sd = record.noise_variance[:N_WRENCH].copy(), record.start_sd
+        predict_motion(record.jaw, self.belief, record.samples[k], record.dt, noise, start_sd, self.scratch["time"])
+        follow_trend(self.belief["trend"], record.samples[k], record.dt)
+
+    def update(self, k, used=ALL):
+        """What explains the readings of row ``k``."""
+        return self.take(self.record.measured[k], used)
+
+    def take(self, measured, used=ALL):
+        record = self.record
+        variances, start_sd = self.settings["measurement_variance"], record.start_sd
+        return update_motion(record.jaw, self.belief, measured, variances, used, start_sd, self.scratch["update"])
+
+    def expected(self):
+        """(12,) readings to expect."""
+        expect(
+            self.record.jaw, self.belief["motion"], self.scratch["update"]["rows"], self.scratch["update"]["expected"]
+        )
+        return self.scratch["update"]["expected"].copy()
+
+    def foresee(self, ticks):
+        """The record with readings that this filter expects to the last bit: without innovations."""
+        measured = self.record.measured.copy()
+        self.record = replace(self.record, measured=measured)
+        for k in range(ticks + 1):
+            if k > 0:
+                self.predict(k - 1)
+            measured[k] = self.expected()
+            self.update(k)
+        return self.record
+
+    def run(self, ticks):
+        self.update(0)
+        return self.run_on(0, ticks)
+
+    def run_on(self, first, last):
+        """From the end of tick ``first`` to that of ``last``."""
+        for k in range(first, last):
+            self.predict(k)
+            self.update(k + 1)
+        return self
+
+    @property
+    def information(self):
+        return self.belief["information"][: self.columns, : self.columns].copy()
+
+    @property
+    def score(self):
+        return self.belief["score"][: self.columns].copy()
+
+    @property
+    def by_tension(self):
+        return self.belief["by_tension"][:, : self.columns].copy()
+
+
+def line_wrenches(jaw, basis, place, R, trend):
+    """(6, mK + 1) at the mouthpiece, body axes, of unit coefficients and of the gain error."""
+    n, K = basis["nodes"].shape
+    wrenches = np.zeros((6, n * K + 1))
+    for line in range(len(jaw["l_o"])):
+        insertion = place + R @ jaw["insertion"][line]
+        reach, muscle = jaw["origin"][line] - insertion, jaw["muscle"][line]
+        strain = np.linalg.norm(reach) / jaw["l_o"][line] - 1.0 - basis["centre"][muscle]
+        force = reach / np.linalg.norm(reach)
+        moment = np.cross(insertion - (place + R @ jaw["mouthpiece"]), force)
+        wrench = np.concatenate([R.T @ force, R.T @ moment])
+        for k in range(K):
+            wrenches[:, muscle * K + k] += np.exp(basis["nodes"][muscle, k] * strain) * wrench
+    wrenches[:, -1] = trend
+    return wrenches
+
+
+def half_way(jaw, before, after):
+    """The reference point's place and the rotation half way between two states."""
+    q = 0.5 * (before + after)
+    if len(q) == 12:
+        return q[:3], twin.rotation(two_condyles.five(q[:6]))
+    return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
+
+
+def rows_of(jaw, state):
+    """(12, n) derivative of the readings by the state, by the complex step."""
+    if len(state) == 10:
+        return twin.derivative(lambda s: twin.measurement(jaw, s), state)
+    return twin.derivative(lambda s: body_measurement(jaw, s), state)
+
+
+def body_measurement(jaw, state):
+    """The readings of a jaw with two condyles, whose reference point has three coordinates of its own."""
+    q, u = state[:6], state[6:]
+    R = twin.rotation(two_condyles.five(q))
+    arm = jaw["mouthpiece"]
+    return np.concatenate([q[:3] + R @ arm, q[3:], u[:3] + R @ np.cross(u[3:], arm), u[3:]])

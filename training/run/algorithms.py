@@ -1,0 +1,115 @@
+"""The untrained models of each algorithm, as its section of the configuration describes them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from sb3_contrib import TQC, RecurrentPPO
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.utils import LinearSchedule
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv
+
+from jawenv.errors import InputError
+from training.run.algorithm_configs import LSTMNetworkConfig, NetworkConfig, PPOConfig, SACConfig, TQCConfig
+from training.run.config import TrainingConfig
+
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "recurrent_ppo": RecurrentPPO, "sac": SAC, "tqc": TQC}
+ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
+
+
+def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
+    """The untrained model that the configuration describes.
+
+    Raises:
+        InputError: the device does not exist.
+    """
+    section = config.section
+    specific = _on_policy(section) if isinstance(section, PPOConfig) else _off_policy(section)
+    algorithm: Any = ALGORITHMS[config.algorithm]
+    model: BaseAlgorithm = algorithm(
+        "MlpLstmPolicy" if config.algorithm == "recurrent_ppo" else "MlpPolicy",
+        worlds,
+        learning_rate=LinearSchedule(section.learning_rate.initial, section.learning_rate.final, 1.0),
+        batch_size=section.batch_size,
+        gamma=section.gamma,
+        stats_window_size=worlds.num_envs,
+        device=_device(config.device),
+        seed=config.seed,
+        **specific,
+    )
+    _scale_last_layer(model, section.network.initial_action_scale)
+    return model
+
+
+def is_off_policy(config: TrainingConfig) -> bool:
+    """Whether the algorithm learns from a replay buffer."""
+    return isinstance(config.section, SACConfig)
+
+
+def _on_policy(ppo: PPOConfig) -> dict[str, Any]:
+    """Arguments that PPO has of its own, with or without memory."""
+    return {
+        "n_steps": ppo.n_steps,
+        "n_epochs": ppo.n_epochs,
+        "gae_lambda": ppo.gae_lambda,
+        "clip_range": ppo.clip_range,
+        "ent_coef": ppo.ent_coef,
+        "vf_coef": ppo.vf_coef,
+        "max_grad_norm": ppo.max_grad_norm,
+        "target_kl": ppo.target_kl,
+        "policy_kwargs": _network(ppo.network),
+    }
+
+
+def _network(network: NetworkConfig) -> dict[str, Any]:
+    arguments: dict[str, Any] = {
+        "net_arch": {"pi": list(network.policy), "vf": list(network.value)},
+        "activation_fn": ACTIVATIONS[network.activation],
+        "log_std_init": network.initial_log_std,
+    }
+    if isinstance(network, LSTMNetworkConfig):
+        arguments["lstm_hidden_size"] = network.lstm_units
+    return arguments
+
+
+def _off_policy(sac: SACConfig) -> dict[str, Any]:
+    """Arguments that SAC and TQC have of their own."""
+    policy: dict[str, Any] = {
+        "net_arch": list(sac.network.units),
+        "activation_fn": ACTIVATIONS[sac.network.activation],
+    }
+    arguments: dict[str, Any] = {
+        "buffer_size": sac.buffer_size,
+        "learning_starts": sac.learning_starts,
+        "train_freq": 1,
+        "gradient_steps": sac.gradient_steps,
+        "tau": sac.tau,
+        "ent_coef": sac.ent_coef,
+    }
+    if isinstance(sac, TQCConfig):
+        policy |= {"n_critics": sac.n_critics, "n_quantiles": sac.n_quantiles}
+        arguments["top_quantiles_to_drop_per_net"] = sac.dropped_quantiles
+    return arguments | {"policy_kwargs": policy}
+
+
+def _scale_last_layer(model: BaseAlgorithm, scale: float) -> None:
+    """Make the first actions smaller, so that a residual begins as its maneuver."""
+    if scale == 1.0:
+        return
+    policy: Any = model.policy
+    layer = policy.actor.mu if isinstance(model, SAC | TQC) else policy.action_net
+    with torch.no_grad():
+        layer.weight.mul_(scale)
+        layer.bias.zero_()
+
+
+def _device(name: str) -> torch.device:
+    try:
+        device = torch.device(name)
+        torch.zeros(1, device=device)
+    except (RuntimeError, AssertionError, NotImplementedError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(f"device {name!r} cannot be used: {reason}; 'cpu' always can") from error
+    return device

@@ -1,0 +1,212 @@
+"""The folder that a training run leaves behind: all that is needed to use, repeat or continue the run.
+
+::
+
+    runs/<name>/config.yaml        every setting, defaults included
+                repeat.json        command lines, versions, git commit, seeds
+                env.json           specification of the environment
+                base_maneuver.json the maneuver that the policy corrects, if it is a residual
+                distillation.yaml  whose decisions were learnt, if it was distilled from a planner
+                labels/            round_<number>.npz, what the planner would do
+                best_model.zip     policy with the best evaluation
+                final_model.zip    policy at the end
+                checkpoints/       step_<steps>.zip, the latest few
+                evaluations.csv    every evaluation on the validation cohort
+                tensorboard/       learning curves
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from agents.residual import BASE_FILE
+from jawenv.errors import InputError
+from jawenv.files import atomic_write, write_json
+from jawenv.playing.maneuvers import Maneuver
+from training.run.config import TrainingConfig
+
+if TYPE_CHECKING:
+    from stable_baselines3.common.base_class import BaseAlgorithm
+
+PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "sb3-contrib", "torch")
+_CHECKPOINT = re.compile(r"step_(\d+)\.zip")
+
+
+class RunFolder:
+    """Paths and files of one run."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.config_file = path / "config.yaml"
+        self.repeat_file = path / "repeat.json"
+        self.env_file = path / "env.json"
+        self.best_model = path / "best_model.zip"
+        self.final_model = path / "final_model.zip"
+        self.checkpoints = path / "checkpoints"
+        self.evaluations = path / "evaluations.csv"
+        self.tensorboard = path / "tensorboard"
+        self.distillation_file = path / "distillation.yaml"
+        self.labels = path / "labels"
+
+    def exists(self) -> bool:
+        """Whether the folder holds a run."""
+        return self.config_file.exists()
+
+    def check_settings(self, wanted: TrainingConfig) -> None:
+        """Make sure that the run in this folder has the settings wanted, its number of steps aside.
+
+        Raises:
+            InputError: it has others; the message names them.
+        """
+        present = self.open()
+        fields = [name for name in TrainingConfig.model_fields if name != "steps"]
+        other = [name for name in fields if getattr(present, name) != getattr(wanted, name)]
+        if other:
+            raise InputError(
+                f"the run in {self.path} has other settings ({', '.join(other)}); "
+                f"continue it as it is with --resume {self.path}, or replace it with --overwrite"
+            )
+
+    def check_free(self, overwrite: bool) -> None:
+        """Make sure that a new run may be written here.
+
+        Raises:
+            InputError: it holds a run and ``overwrite`` is False, or it holds something that is not a run.
+        """
+        if not self.path.exists():
+            return
+        if not self.path.is_dir():
+            raise InputError(f"output {self.path} is a file; name a folder")
+        if any(self.path.iterdir()) and not self.exists():
+            raise InputError(f"output {self.path} is a folder that holds something other than a run; name another one")
+        if self.exists() and not overwrite:
+            raise InputError(
+                f"{self.path} already holds a run; continue it with --resume {self.path}, "
+                "or replace it with --overwrite"
+            )
+
+    def create(self, config: TrainingConfig, env_spec: str, world_seed: int) -> None:
+        """Write the files that say what this run is, in place of an older run's.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        try:
+            if self.path.exists():
+                shutil.rmtree(self.path)
+            self.checkpoints.mkdir(parents=True)
+        except OSError as error:
+            raise InputError(f"output {self.path}: {error.strerror}") from None
+        config.save(self.config_file)
+        _write_text(self.env_file, env_spec + "\n")
+        repeat = {"sessions": [_session(0, world_seed)], "git": _git_state(), "versions": _versions()}
+        repeat["seeds"] = {
+            "training": config.seed,
+            "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
+        }
+        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+
+    def save_base(self, maneuver: Maneuver) -> None:
+        """Keep a copy of the maneuver that the policy corrects: its file may change or go."""
+        write_json(self.path / BASE_FILE, maneuver)
+
+    def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:
+        """Note that the run was resumed, and with which number of steps as its new end."""
+        config.save(self.config_file)
+        try:
+            repeat = json.loads(self.repeat_file.read_text(encoding="utf-8"))
+            repeat["sessions"].append(_session(from_step, world_seed))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
+        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+
+    def open(self) -> TrainingConfig:
+        """The configuration of the run that this folder holds.
+
+        Raises:
+            InputError: there is no run here, or its configuration is damaged.
+        """
+        if not self.exists():
+            raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
+        return TrainingConfig.load(self.config_file)
+
+    def save_model(self, model: BaseAlgorithm, path: Path) -> None:
+        """Save the model with its optimiser; a crash while saving leaves the older file whole."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as unfinished, unfinished.open("wb") as file:
+            model.save(file)
+
+    def save_checkpoint(self, model: BaseAlgorithm, keep: int) -> Path:
+        """Save the model under its number of steps, and drop all but the latest ``keep`` checkpoints."""
+        path = self.checkpoints / f"step_{model.num_timesteps:010d}.zip"
+        self.save_model(model, path)
+        for old in self._checkpoint_files()[:-keep]:
+            old.unlink()
+        return path
+
+    def latest_checkpoint(self) -> Path | None:
+        """The checkpoint with the most steps, or None."""
+        files = self._checkpoint_files()
+        return files[-1] if files else None
+
+    def _checkpoint_files(self) -> list[Path]:
+        if not self.checkpoints.is_dir():
+            return []
+        return sorted(
+            (path for path in self.checkpoints.iterdir() if _CHECKPOINT.fullmatch(path.name)),
+            key=lambda path: int(path.stem.removeprefix("step_")),
+        )
+
+
+def _write_text(path: Path, text: str) -> None:
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def _session(from_step: int, world_seed: int) -> dict[str, Any]:
+    return {
+        "command": shlex.join(["python", "-m", "training", *sys.argv[1:]]),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "from_step": from_step,
+        "world_seed": world_seed,
+    }
+
+
+def _versions() -> dict[str, str]:
+    versions = {
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "cpus": str(os.cpu_count()),
+    }
+    for package in PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            versions[package] = "not installed as a package"
+    return versions
+
+
+def _git_state() -> Mapping[str, object] | None:
+    """The commit that runs and whether files differ from it; None outside a git clone."""
+    here = Path(__file__).parent
+
+    def git(*arguments: str) -> str:
+        done = subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=True, timeout=30)
+        return done.stdout.strip()
+
+    try:
+        return {"commit": git("rev-parse", "HEAD"), "changed": bool(git("status", "--porcelain"))}
+    except (OSError, subprocess.SubprocessError):
+        return None

@@ -1,0 +1,113 @@
+"""Learning curves of finished or running trainings, averaged over seeds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+from jawenv.extras import needs
+from jawenv.files import atomic_write
+from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PANELS = (
+    ("worst_sd_10s", "worst sd at 10 s, %", 100.0),
+    ("worst_sd", "worst sd at the end, %", 100.0),
+    ("discomfort_s", "discomfort, s per 30 s", 1.0),
+)
+"""Column of ``evaluations.csv``, label and factor of each panel."""
+CONFIDENCE = 0.95
+_SEED = re.compile(r"-seed\d+$")
+
+
+def draw(runs: Sequence[Path], output: Path) -> Path:
+    """Draw the curves of some runs; those that differ in ``-seedK`` alone become one, with its mean and interval.
+
+    Args:
+        runs: run folders.
+        output: the picture, a .png.
+
+    Returns:
+        Where it lies.
+
+    Raises:
+        InputError: a folder holds no run or no evaluations, matplotlib is missing, or the file cannot be written.
+    """
+    if output.suffix.lower() != ".png":
+        raise InputError(f"output {output}: must end in .png")
+    groups = _grouped(runs)
+    with needs("python -m training plot", "matplotlib", "train"):
+        from matplotlib.figure import Figure
+    figure = Figure(figsize=(12.0, 3.6), layout="constrained")
+    panels: Any = figure.subplots(1, len(PANELS))
+    for axes, (column, label, factor) in zip(panels, PANELS, strict=True):
+        for name, tables in groups.items():
+            _curve(axes, name, *_stacked(tables, column, factor))
+        axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, None))
+        axes.grid(alpha=0.3)
+    panels[0].legend(fontsize="small")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(output) as unfinished:
+        figure.savefig(unfinished, format="png", dpi=150)
+    return output
+
+
+def mean_and_interval(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean (T,) of curves (S, T) over seeds and the half width (T,) of Student's 95 % interval of it; NaN for S = 1."""
+    from scipy.stats import t
+
+    seeds = len(values)
+    mean: NDArray[np.float64] = values.mean(axis=0)
+    if seeds < 2:
+        return mean, np.full_like(mean, np.nan)
+    error = values.std(axis=0, ddof=1) / np.sqrt(seeds)
+    return mean, error * float(t.ppf(0.5 + 0.5 * CONFIDENCE, seeds - 1))
+
+
+def _grouped(runs: Sequence[Path]) -> dict[str, list[list[dict[str, float]]]]:
+    """Tables of evaluations by the runs' names without their seeds."""
+    groups: dict[str, list[list[dict[str, float]]]] = {}
+    for path in dict.fromkeys(run.resolve() for run in runs):
+        run = RunFolder(path)
+        if not run.exists():
+            raise InputError(f"{path} holds no run: there is no {run.config_file.name} in it")
+        table = read_evaluations(run)
+        if not table:
+            raise InputError(f"{path} holds no evaluations yet")
+        for column, _, _ in PANELS:
+            if column not in table[0]:
+                raise InputError(f"{run.evaluations} has no column {column!r}")
+        groups.setdefault(_SEED.sub("", path.name), []).append(table)
+    return groups
+
+
+def _stacked(
+    tables: list[list[dict[str, float]]], column: str, factor: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Steps (T,) and values (S, T) at the evaluations of the first seed, as far as all seeds have come.
+
+    Between two evaluations of another seed its value is interpolated.
+    """
+    end = min(table[-1]["steps"] for table in tables)
+    steps = np.array([row["steps"] for row in tables[0] if row["steps"] <= end])
+    curves = [
+        np.interp(steps, [row["steps"] for row in table], [factor * row[column] for row in table]) for table in tables
+    ]
+    return steps, np.stack(curves)
+
+
+def _curve(axes: Axes, name: str, steps: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    mean, half_width = mean_and_interval(values)
+    label = name if len(values) == 1 else f"{name} ({len(values)} seeds)"
+    (line,) = axes.plot(steps, mean, label=label)
+    if len(values) > 1:
+        axes.fill_between(steps, mean - half_width, mean + half_width, color=line.get_color(), alpha=0.2, linewidth=0.0)

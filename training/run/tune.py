@@ -1,0 +1,161 @@
+"""A search for an algorithm's settings with Optuna, judged on the validation patients."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import optuna
+from optuna.exceptions import StorageInternalError, TrialPruned
+from optuna.trial import Trial, TrialState
+from rich.console import Console
+from sqlalchemy.exc import SQLAlchemyError
+
+from jawenv.errors import InputError
+from training.run import train
+from training.run.algorithm_configs import PPOConfig
+from training.run.config import TrainingConfig
+from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
+
+WARM_UP_TRIALS = 5
+"""Trials that are neither guided nor pruned."""
+EXCESS_PRICE = 100.0
+"""Nats per s of discomfort above the limit, where there is a limit."""
+
+
+def search(config: TrainingConfig, name: str, trials: int, storage: str, folder: Path, console: Console) -> int:
+    """Go on with a study until it has so many trials; the same command again continues one that was stopped.
+
+    Args:
+        config: what the trials have in common.
+        name: of the study in the database.
+        trials: finished ones that the study shall have in the end.
+        storage: URL of the database. Several processes may share one on a server.
+        folder: each trial's run goes into ``trial-NUMBER`` in it.
+        console: where to report.
+
+    Returns:
+        The exit code: 0, or that of an interrupted trial.
+
+    Raises:
+        InputError: fewer than one trial, or a database that is locked, damaged or out of reach.
+    """
+    if trials < 1:
+        raise InputError(f"trials = {trials} must be 1 or more")
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    with _database(storage):
+        study = _study(name, storage)
+        while len(_finished(study)) < trials:
+            trial = study.ask()
+            code = _run_trial(study, trial, config, folder, console)
+            if code:
+                return code
+        _report(study, console)
+    return 0
+
+
+def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
+    """The configuration of a trial; the reward and the price of discomfort are never searched.
+
+    PPO: initial learning rate 1e-4 to 2e-3 (log), gamma 0.97 to 0.995, epochs 3 to 10, initial log sd -2 to -0.5.
+    SAC and TQC: learning rate 2e-4 to 2e-3 (log), gamma 0.95 to 0.99, gradient steps 5, 10 or 20, units 64, 128 or 256.
+    All as residual: scale 0.2 to 0.8.
+
+    Raises:
+        InputError: the configuration refuses a value.
+    """
+    section = config.section.model_dump(mode="json")
+    if isinstance(config.section, PPOConfig):
+        section["learning_rate"]["initial"] = trial.suggest_float("learning_rate", 1e-4, 2e-3, log=True)
+        section["gamma"] = trial.suggest_float("gamma", 0.97, 0.995)
+        section["n_epochs"] = trial.suggest_int("n_epochs", 3, 10)
+        section["network"]["initial_log_std"] = trial.suggest_float("initial_log_std", -2.0, -0.5)
+    else:
+        rate = trial.suggest_float("learning_rate", 2e-4, 2e-3, log=True)
+        section["learning_rate"] = {"initial": rate, "final": rate}
+        section["gamma"] = trial.suggest_float("gamma", 0.95, 0.99)
+        section["gradient_steps"] = trial.suggest_categorical("gradient_steps", [5, 10, 20])
+        section["network"]["units"] = [trial.suggest_categorical("units", [64, 128, 256])] * 2
+    changes: dict[str, Any] = {config.algorithm: section, "seed": config.seed + trial.number}
+    if config.residual is not None:
+        scale = trial.suggest_float("scale", 0.2, 0.8)
+        changes["residual"] = {"maneuver": config.residual.maneuver, "scale": scale}
+    return config.changed(**changes)
+
+
+def _study(name: str, storage: str) -> optuna.Study:
+    path = storage.removeprefix("sqlite:///")
+    if path != storage:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+    return optuna.create_study(
+        study_name=name,
+        storage=storage,
+        load_if_exists=True,
+        direction="maximize",
+        # No seed: a study that goes on, or a second process, would try the same settings again.
+        sampler=optuna.samplers.TPESampler(n_startup_trials=WARM_UP_TRIALS),
+        pruner=optuna.pruners.MedianPruner(n_startup_trials=WARM_UP_TRIALS, n_warmup_steps=1),
+    )
+
+
+def _run_trial(study: optuna.Study, trial: Trial, config: TrainingConfig, folder: Path, console: Console) -> int:
+    """Train one trial and tell the study its last result on the validation patients."""
+    wanted = suggest(trial, config)
+    run = RunFolder(folder / f"trial-{trial.number:04d}")
+    console.print(f"trial {trial.number}: {trial.params}", soft_wrap=True)
+
+    def report(steps: int, row: dict[str, float]) -> None:
+        trial.report(_value(wanted, row), steps)
+        if trial.should_prune():
+            raise TrialPruned
+
+    try:
+        code = train.start(wanted, run, console, overwrite=True, report=report)
+    except TrialPruned:
+        study.tell(trial, state=TrialState.PRUNED)
+        console.print(f"trial {trial.number} pruned: below the median")
+        return 0
+    if code:
+        study.tell(trial, state=TrialState.FAIL)
+        return code
+    study.tell(trial, _value(wanted, read_evaluations(run)[-1]))
+    return 0
+
+
+def _value(config: TrainingConfig, row: dict[str, float]) -> float:
+    """How good an evaluation is: its mean return, less the price of discomfort above the limit if there is one."""
+    if config.comfort is None:
+        return row["return"]
+    excess = max(0.0, row["discomfort_s"] - config.comfort.target_discomfort_s)
+    return row["return"] - EXCESS_PRICE * excess
+
+
+def _finished(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
+    return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
+
+
+def _report(study: optuna.Study, console: Console) -> None:
+    if not study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
+        console.print("no trial was finished")
+        return
+    best = study.best_trial
+    console.print(f"best of {len(_finished(study))} trials: {best.number}, value {best.value:.4g}, {best.params}")
+
+
+@contextmanager
+def _database(storage: str) -> Iterator[None]:
+    """Turns what a database raises into one line."""
+    try:
+        yield
+    except (StorageInternalError, SQLAlchemyError, ImportError, OSError) as error:
+        cause = error.__cause__ or error
+        reason = " ".join(str(getattr(cause, "orig", None) or cause).split())[:200]
+        raise InputError(f"storage {_without_password(storage)}: cannot be used: {reason}") from error
+
+
+def _without_password(storage: str) -> str:
+    scheme, separator, rest = storage.partition("://")
+    return f"{scheme}{separator}{rest.rpartition('@')[2]}"

@@ -1,0 +1,1 @@
+"""Searches for maneuvers, and what a planner decides as a policy."""

@@ -1,0 +1,1 @@
+"""Worlds as stable-baselines3 trains on them."""
