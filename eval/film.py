@@ -14,6 +14,7 @@ from rich.console import Console
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 from jawenv.progress import Progress
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def write(film: Film, path: Path, console: Console) -> str:
         What the episode came to, in a sentence.
 
     Raises:
-        InputError: another ending, a folder that cannot be written to, or what the environment refuses.
+        InputError: another ending, a folder that cannot be written to, a file in use, or what the environment refuses.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"video: {path} given, allowed is a file that ends in {' or '.join(FORMATS)}")
@@ -139,7 +140,7 @@ def write(film: Film, path: Path, console: Console) -> str:
         raise InputError(f"video: {path} given, allowed is a file in a folder that exists")
     episode = Episode(film, "rgb_array", console)
     try:
-        with atomic_write(path) as unfinished:
+        with alone(path), atomic_write(path) as unfinished:
             (_write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, episode, film.width)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 from training.evaluations import read_evaluations
 from training.run import RunFolder
 
@@ -55,8 +56,7 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
         axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, None))
         axes.grid(alpha=0.3)
     panels[0].legend(fontsize="small")
-    output.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(output) as unfinished:
+    with alone(output), atomic_write(output) as unfinished:
         figure.savefig(unfinished, format="png", dpi=150)
     return output
 

@@ -121,7 +121,7 @@ class JawEnv(gym.Env[Observation, Action]):
         """Check the arguments and allocate one world.
 
         Raises:
-            InputError: an argument is unknown or has a value that is not allowed.
+            InputError: an argument is unknown or has a value that is not allowed, or there is no display for "human".
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             modes = ", ".join(self.metadata["render_modes"])
@@ -142,6 +142,10 @@ class JawEnv(gym.Env[Observation, Action]):
             "estimator": estimator,
         }
         self.configuration = configure(arguments | unknown)
+        if render_mode == "human":
+            from jawenv.envs.rendering.display import check_display
+
+            check_display("render_mode: 'human'", "use 'rgb_array'")
         self.render_mode = render_mode
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
