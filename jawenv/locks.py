@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,13 +23,15 @@ def alone(output: Path) -> Iterator[None]:
     when the process ends, whatever ends it.
 
     Args:
-        output: a file or a folder, which need not exist. The folder that it is to lie in is made where it is missing.
+        output: a file or a folder, which need not exist. The folder that it is to lie in is made where it is missing,
+            and goes again if nothing was written.
 
     Raises:
         InputError: another process is at work there, or that folder cannot be made or written.
     """
     place = output.resolve()
     path = place.with_name(f".{place.name}.lock")
+    made = [folder for folder in place.parents if not folder.exists()]
     lock = FileLock(path, timeout=0)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -35,10 +39,14 @@ def alone(output: Path) -> Iterator[None]:
     except Timeout:
         raise InputError(f"{output}: in use by another process; wait for it, or name another output") from None
     except OSError as error:
-        raise InputError(f"{output}: cannot be written: {error.strerror}") from None
+        reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
+        raise InputError(f"output {output}: cannot be {'written' if place.exists() else 'made'}: {reason}") from None
     try:
         yield
     finally:
         with contextlib.suppress(OSError):  # Windows removes no file that is open
             path.unlink()
         lock.release()
+        with contextlib.suppress(OSError):
+            for folder in made:
+                folder.rmdir()

@@ -38,12 +38,20 @@ def test_another_process_is_refused_until_the_first_ends(tmp_path: Path, name: s
     assert not list(tmp_path.iterdir()), "no lock is left behind"
 
 
-def test_it_is_free_after_an_error_and_the_folder_above_is_made(tmp_path: Path) -> None:
-    output = tmp_path / "new" / "run"
+def test_it_is_free_after_an_error(tmp_path: Path) -> None:
     for _ in range(2):
-        with pytest.raises(KeyboardInterrupt), alone(output):
+        with pytest.raises(KeyboardInterrupt), alone(tmp_path / "run"):
             raise KeyboardInterrupt
-    assert output.parent.is_dir() and not output.exists()
+
+
+def test_the_folder_above_is_made_and_stays_if_something_was_written(tmp_path: Path) -> None:
+    output = tmp_path / "new" / "runs" / "run"
+    with alone(output):
+        assert output.parent.is_dir() and not output.exists()
+    assert not list(tmp_path.iterdir())
+    with alone(output):
+        output.write_text("whole")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [output]
 
 
 def test_a_link_to_an_output_is_that_output(tmp_path: Path) -> None:
@@ -54,5 +62,5 @@ def test_a_link_to_an_output_is_that_output(tmp_path: Path) -> None:
 
 def test_an_output_below_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="run: cannot be written: File exists"), alone(tmp_path / "file" / "run"):
+    with pytest.raises(InputError, match="run: cannot be made: Not a directory"), alone(tmp_path / "file" / "run"):
         pass

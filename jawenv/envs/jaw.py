@@ -155,6 +155,8 @@ class JawEnv(gym.Env[Observation, Action]):
         self._potential = 0.0
         self._end: tuple[bool, bool] | None = None
         self._renderer: Any = None
+        self.picture_title: str | None = None
+        """What stands above the pictures; model, cohort and control mode where it is None."""
 
     @property
     def prior(self) -> Prior:
@@ -229,7 +231,7 @@ class JawEnv(gym.Env[Observation, Action]):
             return None
         if not self._seeded:
             raise gym.error.ResetNeeded("call reset() before render()")
-        renderer, scene = self._renderer_made(), build_scene(self.simulation)
+        renderer, scene = self._renderer_made(), build_scene(self.simulation, self.picture_title)
         return renderer.draw(scene) if self.render_mode == "rgb_array" else renderer.show(scene)
 
     def _renderer_made(self) -> Any:
