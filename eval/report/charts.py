@@ -22,6 +22,7 @@ Chart = dict[str, Any]
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 _ROW_PX, _MARGIN_PX = 34, 70
+_BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _POINTS = 120
 _LEAST_DISCOMFORT = 1e-3  # s per 30 s: what is shown of less, on a log axis
 _NEES_TICKS: Chart = {"tickvals": [mantissa * 10**k for k in range(-1, 7) for mantissa in (1, 1.5, 2, 3, 5, 7)]}
@@ -73,12 +74,13 @@ def information(ranking: Ranking) -> Chart:
             point |= {"mode": "markers+text", "text": [words.number(true.value, 0)], "textposition": "middle right"}
             point["marker"] |= {"symbol": "triangle-left", "size": 13}
             del point["error_x"]
-        traces.append(point)
-        shape = {"symbol": "diamond-open", "size": 10, "color": drawing.colours(ranking)[row.entry]}
-        traces.append(_marks(i, row.information_claimed.value, i, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
         if has_bound(ranking) and np.isfinite(row.information_bound.value):
-            tick = {"symbol": "line-ns-open", "size": 16, "line": {"width": 2}}
+            tick = {"symbol": "line-ns-open", "size": 20, "line": {"width": 2}}
             traces.append(_marks(i, row.information_bound.value, i, tick, f"{name}<br>bound %{{x:.1f}} nats"))
+        traces.append(point)
+        shape = {"symbol": "diamond-open", "size": 8, "color": drawing.colours(ranking)[row.entry]}
+        claimed = row.information_claimed.value
+        traces.append(_marks(i, claimed, i + _BELOW, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
     return _down(ranking, traces, {"title": "information, nats (more is better)", "zeroline": True})
 
 
@@ -163,9 +165,8 @@ def discomfort(ranking: Ranking) -> Chart:
             f"{words.label(row.entry)}<br>discomfort {row.discomfort_rate:.3g} s per 30 s<br>"
             f"hard limit crossed in {words.percent(row.violated.value)} % of the episodes"
         )
-        marker = {"size": 21, "color": drawing.colours(ranking)[row.entry]}
-        point = _marks(i, x, row.information_true.value, marker, hover)
-        traces.append(point | {"mode": "markers+text", "text": [ranking.mark(row)], "textposition": "middle center"})
+        marker = {"size": 11, "opacity": 0.8, "color": drawing.colours(ranking)[row.entry]}
+        traces.append(_marks(i, x, row.information_true.value, marker, hover))
     highest = max(row.discomfort_rate for row in ranking.rows)
     ticks = [_LEAST_DISCOMFORT, 0.01, 0.1, 1.0, 10.0, 100.0]
     allowed = max(ranking.admission.discomfort_s, _LEAST_DISCOMFORT)
@@ -188,7 +189,7 @@ def discomfort(ranking: Ranking) -> Chart:
     }
     if min(true) < floor < max(true):
         layout["yaxis"]["range"] = [1.3 * floor, 1.1 * max(true)]
-    return {"data": traces, "layout": layout, "labels": False, "inside": True}
+    return {"data": traces, "layout": layout, "labels": False, "places": True}
 
 
 def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
