@@ -96,7 +96,7 @@ def worst_sd(study: Results, ranking: Ranking) -> Chart:
         table = study.of(row.entry)
         traces.append(_cloud(ranking, i, table["worst_sd"].to_numpy(), table["seed"].to_numpy(), "%{x:.1%}"))
         hover = f"{words.label(row.entry)}<br>median {words.percent(row.worst_sd_median.value)} %"
-        traces.append(_point(ranking, i, row.worst_sd_median.value, i, row.worst_sd_median, hover))
+        traces.append(_point(ranking, i, row.worst_sd_median.value, i + _BELOW, row.worst_sd_median, hover))
     return _down(ranking, traces, _sd_axis(f"worst of the {ranking.n_parameters} sd at the end (less is better)"))
 
 
@@ -113,7 +113,7 @@ def differences(study: Results, ranking: Ranking) -> Chart:
         low, high = min(low, float(gained.min())), max(high, float(gained.max()))
         traces.append(_cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
         hover = f"{words.label(row.entry)}<br>mean difference {_said(row.difference)} nats"
-        traces.append(_point(ranking, i, row.difference.value, i, row.difference, hover))
+        traces.append(_point(ranking, i, row.difference.value, i + _BELOW, row.difference, hover))
     title = f"true information minus that of {words.label(ranking.reference)}, nats"
     return _down(
         ranking,
@@ -282,8 +282,8 @@ def _marks(i: int, x: float, y: float, marker: Chart, hover: str) -> Chart:
 
 
 def _cloud(ranking: Ranking, i: int, values: Array, seeds: Array, unit: str) -> Chart:
-    """A small dot per patient, spread across the row so that none hides another."""
-    across = i + np.random.default_rng(0).uniform(-0.28, 0.28, len(values))
+    """A small dot per patient, spread across the upper part of the row so that none hides another."""
+    across = i + np.random.default_rng(0).uniform(-0.36, 0.04, len(values))
     name, colour = words.label(ranking.rows[i].entry), drawing.colours(ranking)[ranking.rows[i].entry]
     return {
         "x": _plain(values),
