@@ -2,7 +2,10 @@
 
 import sys
 
-from eval.cli import main
+from training.extra import installed
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with installed("python -m eval", "eval"):
+        from eval.cli import main
+
+        sys.exit(main())

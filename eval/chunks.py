@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from filelock import FileLock, Timeout
 from joblib import Parallel, delayed
 from rich.console import Console
 
 from jawenv.errors import InputError
+from jawenv.locks import alone
 from jawenv.progress import Progress
 
 Backend = Literal["loky", "ray"]
@@ -76,7 +76,7 @@ def finish(
         console: where progress is shown; nowhere by default.
 
     Raises:
-        InputError: another run is at work on the same files, the package of the backend is not installed, or the
+        InputError: another process is at work in the same folder, the package of the backend is not installed, or the
             cluster cannot be reached.
     """
     missing = [replace(chunk, files=chunk.files if fresh else _missing_files(chunk)) for chunk in chunks]
@@ -84,7 +84,9 @@ def finish(
     total, left = _items(chunks), _items(missing)
     parallel = _parallel(backend, workers, max(len(missing), 1))
     progress = Progress(total, unit, console or Console(quiet=True))
-    with _alone(missing), warnings.catch_warnings(), progress:
+    with ExitStack() as locks, warnings.catch_warnings(), progress:
+        for folder in sorted({path.parent for chunk in missing for _, path in chunk.files}):
+            locks.enter_context(alone(folder))
         progress.say(f"making {total} {unit}")
         if left < total:
             progress.skip(total - left)
@@ -93,22 +95,6 @@ def finish(
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         for chunk in parallel(delayed(_worked)(work, chunk) for chunk in missing):
             progress.advance_to(progress.done + _items([chunk]), chunk.key)
-
-
-@contextmanager
-def _alone(chunks: Sequence[Chunk]) -> Iterator[None]:
-    """No other run works in the folders of the chunks; the system frees them when a process ends, whatever ends it."""
-    with ExitStack() as locks:
-        for folder in sorted({path.parent for chunk in chunks for _, path in chunk.files}):
-            try:
-                locks.enter_context(FileLock(folder / ".lock", timeout=0))
-            except Timeout:
-                raise InputError(
-                    f"{folder}: another run is at work there; wait for it, or name another folder"
-                ) from None
-            except OSError as error:
-                raise InputError(f"{folder}: cannot be written: {error.strerror}") from None
-        yield
 
 
 def _parallel(backend: Backend, workers: int | None, most: int) -> Parallel:

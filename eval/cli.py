@@ -67,6 +67,10 @@ def play_command(
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
 ) -> None:
     """Show one episode in a window, or write it as a film."""
+    if video is None:
+        from jawenv.rendering.display import check_display
+
+        check_display("a window", "use --video FILE, which writes a film")
     from eval import film
     from eval.entries import env_of_runs, load_entries
     from eval.settings import Settings

@@ -12,8 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from eval.report import words
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.ladder import model_of_env
+from jawenv.locks import alone
 from jawenv.progress import Progress
 
 if TYPE_CHECKING:
@@ -21,7 +24,6 @@ if TYPE_CHECKING:
 
 FORMATS = (".mp4", ".gif")
 FULL_WIDTH, FULL_HEIGHT = 1280, 720
-GIF_COLOURS = 64
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ class Episode:
         console: where progress is shown.
 
     Attributes:
+        title: above every picture.
         rate: pictures per second.
         outcome: what the episode came to, in a sentence; empty before its end.
     """
@@ -76,6 +79,7 @@ class Episode:
         made: Any = gym.make(film.entry.env_id, render_mode=mode, **film.entry.env_kwargs)
         self._env = made.unwrapped
         self._steps_per_s: float = self._env.configuration.steps_per_s
+        self.title = self._env.picture_title = _title(film)
         self.rate = self._steps_per_s / film.every
         self.outcome = ""
         if film.start_s >= film.entry.env_kwargs["episode_s"]:
@@ -131,7 +135,7 @@ def write(film: Film, path: Path, console: Console) -> str:
         What the episode came to, in a sentence.
 
     Raises:
-        InputError: another ending, a folder that cannot be written to, or what the environment refuses.
+        InputError: another ending, a folder that cannot be written to, a file in use, or what the environment refuses.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"video: {path} given, allowed is a file that ends in {' or '.join(FORMATS)}")
@@ -139,7 +143,7 @@ def write(film: Film, path: Path, console: Console) -> str:
         raise InputError(f"video: {path} given, allowed is a file in a folder that exists")
     episode = Episode(film, "rgb_array", console)
     try:
-        with atomic_write(path) as unfinished:
+        with alone(path), atomic_write(path) as unfinished:
             (_write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, episode, film.width)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
@@ -161,14 +165,10 @@ def _write_mp4(path: Path, episode: Episode, width: int) -> None:
 
 
 def _write_gif(path: Path, episode: Episode, width: int) -> None:
-    """All pictures have the colours of the first, so that only what moves is stored."""
-    from PIL import Image
+    """All pictures have the colours of the whole film: most come with knowledge, of which the first shows none."""
+    from eval.gif import write_gif
 
-    pictures = (Image.fromarray(_scaled(picture, width)) for picture in episode.pictures())
-    first = next(pictures).quantize(GIF_COLOURS, dither=Image.Dither.NONE)
-    rest = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
-    duration = round(1e3 / episode.rate)
-    first.save(path, format="GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=True)
+    write_gif(path, (_scaled(picture, width) for picture in episode.pictures()), episode.rate)
 
 
 def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
@@ -179,6 +179,13 @@ def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
 
     size = (width, width * FULL_HEIGHT // FULL_WIDTH)
     return np.asarray(Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS))
+
+
+def _title(film: Film) -> str:
+    """What a picture says of the film: maneuver, model, patient and control mode."""
+    name, model, kwargs = words.label(film.entry.label), model_of_env(film.entry.env_id).title, film.entry.env_kwargs
+    patient = f"{kwargs['cohort']} patient" if film.patient is None else f"patient {film.patient.stem}"
+    return f"{name}: {model}, {patient}, seed {film.seed}, {kwargs['control']} control"
 
 
 def _sentence(label: str, info: dict[str, Any], parameter_names: tuple[str, ...]) -> str:

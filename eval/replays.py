@@ -13,6 +13,7 @@ from eval.entries import Entry, fingerprint, load_entries
 from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError, shown
+from jawenv.locks import alone
 from jawenv.progress import Progress
 from jawenv.seeds import REPLAYS
 
@@ -27,11 +28,11 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
         console: where progress is shown; nowhere by default.
 
     Raises:
-        InputError: an entry that does not, or a file that cannot be written.
+        InputError: an entry that does not, or a file that cannot be written or that another process writes.
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
-    with Progress(settings.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
+    with alone(path), Progress(settings.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
         progress.say(f"averaging the targets of {words.label(entry.label)}")
         maneuver, yoked = replays_of(
             entry.agent,
@@ -41,9 +42,8 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
             env_id=entry.env_id,
             progress=lambda step, steps: progress.advance_to(settings.episode_s * step / steps),
         )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    yoked.save(path.with_suffix(".npz"))
-    return save_maneuver(maneuver, path)
+        yoked.save(path.with_suffix(".npz"))
+        return save_maneuver(maneuver, path)
 
 
 def add_replays(

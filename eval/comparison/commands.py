@@ -30,6 +30,7 @@ from eval.options import (
 from eval.terminal import terminal
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
+from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
 
 if TYPE_CHECKING:
@@ -135,7 +136,8 @@ def card_command(
     from jawenv.files import write_json
 
     reached = card_results(results.load(folder), entry)
-    write_json(output, reached)
+    with alone(output):
+        write_json(output, reached)
     for result in reached.results:
         kind, value = ("mean", result.mean) if result.median is None else ("median", result.median)
         print(f"{result.metric}: {kind} {value:g} ({result.low:g} … {result.high:g})")
@@ -178,7 +180,7 @@ def _present(study: Results, output: Path, reference: str | None, admission: Adm
     table.show_adaptations(adaptations(study), console)
     if not console.is_terminal:
         console.print("drawing the report")
-    with console.status("drawing the report"):
+    with alone(output), console.status("drawing the report"):
         written = page.write(study, ranking, output / "report.html")
     console.print(
         f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from eval.report import words
 from eval.settings import Settings
 from eval.tables import made_with
 from jawenv.errors import InputError
+from jawenv.locks import alone
 from jawenv.playing.rollout import play
 from jawenv.progress import Progress
 
@@ -66,8 +68,8 @@ def compare(
         The tables of the study, as saved.
 
     Raises:
-        InputError: no entry, or one of another environment than the settings'; the output folder cannot be used, or a
-            kept file is damaged.
+        InputError: no entry, or one of another environment than the settings'; the output folder cannot be used or
+            another process uses it, or a kept file is damaged.
     """
     if not entries:
         raise InputError("nothing to compare: name a maneuver or a training run, or use --all-maneuvers")
@@ -76,13 +78,16 @@ def compare(
             raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.env}")
     folder = None if output is None else folder_for(output, "entries")
     parts = []
-    with Progress(len(entries), "entries", console or Console(quiet=True)) as progress:
+    with (
+        nullcontext() if output is None else alone(output),
+        Progress(len(entries), "entries", console or Console(quiet=True)) as progress,
+    ):
         progress.say(f"playing {len(entries)} entries")
         for entry in entries:
             parts.append(_results_of(entry, settings, folder, fresh, progress))
-    study = results.join(parts, made_with(command, settings=asdict(settings), entries=[e.about() for e in entries]))
-    if output is not None:
-        results.save(study, output)
+        study = results.join(parts, made_with(command, settings=asdict(settings), entries=[e.about() for e in entries]))
+        if output is not None:
+            results.save(study, output)
     return study
 
 

@@ -18,6 +18,7 @@ from eval.patient.treatments import Course, Treatment, first_treatment, next_tre
 from jawenv.anatomy import Patient
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 from jawenv.progress import Progress
 
 MOMENTS = 40
@@ -86,10 +87,11 @@ def play_courses(
         The treatments of each patient, at some of their times.
 
     Raises:
-        InputError: the folder cannot be used, a kept file is damaged, or what the environment refuses.
+        InputError: the folder cannot be used or is in use, a kept file is damaged, or what the environment refuses.
     """
     folder = folder_for(output, "treatments")
-    with Progress(len(people) * course.number, "treatments", console or Console(quiet=True)) as progress:
+    progress = Progress(len(people) * course.number, "treatments", console or Console(quiet=True))
+    with alone(folder), progress:
         progress.say(f"playing {int(progress.total)} treatments")
         return [_play_course(entry, course, person, folder, fresh, progress) for person in people]
 

@@ -22,6 +22,7 @@ Chart = dict[str, Any]
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 _ROW_PX, _MARGIN_PX = 34, 70
+_BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _POINTS = 120
 _LEAST_DISCOMFORT = 1e-3  # s per 30 s: what is shown of less, on a log axis
 _NEES_TICKS: Chart = {"tickvals": [mantissa * 10**k for k in range(-1, 7) for mantissa in (1, 1.5, 2, 3, 5, 7)]}
@@ -73,12 +74,13 @@ def information(ranking: Ranking) -> Chart:
             point |= {"mode": "markers+text", "text": [words.number(true.value, 0)], "textposition": "middle right"}
             point["marker"] |= {"symbol": "triangle-left", "size": 13}
             del point["error_x"]
-        traces.append(point)
-        shape = {"symbol": "diamond-open", "size": 10, "color": drawing.colours(ranking)[row.entry]}
-        traces.append(_marks(i, row.information_claimed.value, i, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
         if has_bound(ranking) and np.isfinite(row.information_bound.value):
-            tick = {"symbol": "line-ns-open", "size": 16, "line": {"width": 2}}
+            tick = {"symbol": "line-ns-open", "size": 20, "line": {"width": 2}}
             traces.append(_marks(i, row.information_bound.value, i, tick, f"{name}<br>bound %{{x:.1f}} nats"))
+        traces.append(point)
+        shape = {"symbol": "diamond-open", "size": 8, "color": drawing.colours(ranking)[row.entry]}
+        claimed = row.information_claimed.value
+        traces.append(_marks(i, claimed, i + _BELOW, shape, f"{name}<br>claimed %{{x:.1f}} nats"))
     return _down(ranking, traces, {"title": "information, nats (more is better)", "zeroline": True})
 
 
@@ -94,7 +96,7 @@ def worst_sd(study: Results, ranking: Ranking) -> Chart:
         table = study.of(row.entry)
         traces.append(_cloud(ranking, i, table["worst_sd"].to_numpy(), table["seed"].to_numpy(), "%{x:.1%}"))
         hover = f"{words.label(row.entry)}<br>median {words.percent(row.worst_sd_median.value)} %"
-        traces.append(_point(ranking, i, row.worst_sd_median.value, i, row.worst_sd_median, hover))
+        traces.append(_point(ranking, i, row.worst_sd_median.value, i + _BELOW, row.worst_sd_median, hover))
     return _down(ranking, traces, _sd_axis(f"worst of the {ranking.n_parameters} sd at the end (less is better)"))
 
 
@@ -111,7 +113,7 @@ def differences(study: Results, ranking: Ranking) -> Chart:
         low, high = min(low, float(gained.min())), max(high, float(gained.max()))
         traces.append(_cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
         hover = f"{words.label(row.entry)}<br>mean difference {_said(row.difference)} nats"
-        traces.append(_point(ranking, i, row.difference.value, i, row.difference, hover))
+        traces.append(_point(ranking, i, row.difference.value, i + _BELOW, row.difference, hover))
     title = f"true information minus that of {words.label(ranking.reference)}, nats"
     return _down(
         ranking,
@@ -163,9 +165,8 @@ def discomfort(ranking: Ranking) -> Chart:
             f"{words.label(row.entry)}<br>discomfort {row.discomfort_rate:.3g} s per 30 s<br>"
             f"hard limit crossed in {words.percent(row.violated.value)} % of the episodes"
         )
-        marker = {"size": 21, "color": drawing.colours(ranking)[row.entry]}
-        point = _marks(i, x, row.information_true.value, marker, hover)
-        traces.append(point | {"mode": "markers+text", "text": [ranking.mark(row)], "textposition": "middle center"})
+        marker = {"size": 11, "opacity": 0.8, "color": drawing.colours(ranking)[row.entry]}
+        traces.append(_marks(i, x, row.information_true.value, marker, hover))
     highest = max(row.discomfort_rate for row in ranking.rows)
     ticks = [_LEAST_DISCOMFORT, 0.01, 0.1, 1.0, 10.0, 100.0]
     allowed = max(ranking.admission.discomfort_s, _LEAST_DISCOMFORT)
@@ -188,7 +189,7 @@ def discomfort(ranking: Ranking) -> Chart:
     }
     if min(true) < floor < max(true):
         layout["yaxis"]["range"] = [1.3 * floor, 1.1 * max(true)]
-    return {"data": traces, "layout": layout, "labels": False, "inside": True}
+    return {"data": traces, "layout": layout, "labels": False, "places": True}
 
 
 def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
@@ -281,8 +282,8 @@ def _marks(i: int, x: float, y: float, marker: Chart, hover: str) -> Chart:
 
 
 def _cloud(ranking: Ranking, i: int, values: Array, seeds: Array, unit: str) -> Chart:
-    """A small dot per patient, spread across the row so that none hides another."""
-    across = i + np.random.default_rng(0).uniform(-0.28, 0.28, len(values))
+    """A small dot per patient, spread across the upper part of the row so that none hides another."""
+    across = i + np.random.default_rng(0).uniform(-0.36, 0.04, len(values))
     name, colour = words.label(ranking.rows[i].entry), drawing.colours(ranking)[ranking.rows[i].entry]
     return {
         "x": _plain(values),

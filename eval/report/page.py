@@ -14,7 +14,7 @@ import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.adaptation import adaptations
-from eval.comparison.ranking import Ranking
+from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
 from eval.report import charts, panels, template, verdict, words
 from eval.report.learning import learning_charts
@@ -64,6 +64,7 @@ def render(study: Results, ranking: Ranking) -> str:
         ranking=ranking,
         adaptations=adaptations(study),
         early_s=EARLY_S,
+        sigmas=SIGMAS,
         about=study.about,
         headline=verdict.headline(ranking),
         remarks=verdict.remarks(ranking),

@@ -124,7 +124,7 @@ class JawEnv(gym.Env[Observation, Action]):
 
         Raises:
             UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``.
-            InputError: an argument has a value that is not allowed.
+            InputError: an argument has a value that is not allowed, or there is no display for "human".
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             modes = ", ".join(self.metadata["render_modes"])
@@ -145,6 +145,10 @@ class JawEnv(gym.Env[Observation, Action]):
             "estimator": estimator,
         }
         self.configuration = configure(arguments | unknown, type(self))
+        if render_mode == "human":
+            from jawenv.rendering.display import check_display
+
+            check_display("render_mode: 'human'", "use 'rgb_array'")
         self.render_mode = render_mode
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])
@@ -154,6 +158,8 @@ class JawEnv(gym.Env[Observation, Action]):
         self._potential = 0.0
         self._end: tuple[bool, bool] | None = None
         self._renderer: Any = None
+        self.picture_title: str | None = None
+        """What stands above the pictures; model, cohort and control mode where it is None."""
 
     @property
     def prior(self) -> Prior:
@@ -234,7 +240,7 @@ class JawEnv(gym.Env[Observation, Action]):
             return None
         if not self._begun:
             raise gym.error.ResetNeeded("call reset() before render()")
-        renderer, scene = self._renderer_made(), build_scene(self.simulation)
+        renderer, scene = self._renderer_made(), build_scene(self.simulation, self.picture_title)
         return renderer.draw(scene) if self.render_mode == "rgb_array" else renderer.show(scene)
 
     def _renderer_made(self) -> Any:

@@ -14,8 +14,8 @@ from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 
 
-def build_scene(simulation: Simulation) -> Any:
-    """Scene of the first world, for the renderer."""
+def build_scene(simulation: Simulation, title: str | None = None) -> Any:
+    """Scene of the first world, for the renderer; model, cohort and control mode are its title by default."""
     from jawenv.rendering.scene import Scene
 
     world, configuration = simulation.worlds[0], simulation.configuration
@@ -59,7 +59,7 @@ def build_scene(simulation: Simulation) -> Any:
         excursion_mm=1e3 * np.array([side, fore_aft]),
         excursion_soft_mm=1e3 * np.array([limits["side"], limits["fore_aft"]]),
         information_nats=info["information_claimed"],
-        title=f"{simulation.model.title}, {simulation.cohort.name} patient, {configuration.control} control",
+        title=title or f"{simulation.model.title}, {simulation.cohort.name} patient, {configuration.control} control",
     )
 
 

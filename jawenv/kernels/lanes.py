@@ -219,7 +219,8 @@ def _is_rows(array: Any, index: Any) -> Any:
     """The ``AllLines`` of an index [i] of a vector or [i, column] of a matrix."""
     if not isinstance(array, types.Array):
         return None
-    parts: list[Any] = [*index.types] if isinstance(index, types.BaseTuple) else [index]
+    several: Any = types.BaseTuple
+    parts = [*index] if isinstance(index, several) else [index]
     whole = all(isinstance(column, types.Integer) for column in parts[1:])
     return parts[0] if isinstance(parts[0], AllLines) and len(parts) == array.ndim <= 2 and whole else None
 

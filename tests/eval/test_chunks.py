@@ -10,12 +10,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 from rich.console import Console
 
 from eval.chunks import Chunk, finish, folder_for
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 
 ROOT = Path(__file__).parents[2]
 
@@ -107,8 +107,8 @@ def test_an_output_that_is_a_file_is_named(tmp_path):
 def test_two_runs_do_not_work_in_one_folder(tmp_path):
     """The second says so; what is done already asks for no lock."""
     chunks = chunks_in(tmp_path, 2)
-    with FileLock(tmp_path / ".lock"), pytest.raises(InputError, match="another run is at work there"):
+    with alone(tmp_path), pytest.raises(InputError, match="in use by another process"):
         finish(chunks, write_process, "items", workers=1)
     finish(chunks, write_process, "items", workers=1)
-    with FileLock(tmp_path / ".lock"):
+    with alone(tmp_path):
         finish(chunks, write_process, "items", workers=1)

@@ -1,11 +1,19 @@
 """Films of episodes: what is in them, what is said, and what is refused."""
 
+from pathlib import Path
+
 import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
+from rich.console import Console
 
 from eval.cli import main
+from eval.entries import load_entries
+from eval.film import Episode, Film
+from eval.gif import write_gif
+from eval.settings import Settings
+from jawenv.rendering.palette import knowledge
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]
 FORCE = ["--control", "force"]  # 20 steps per second
@@ -29,6 +37,51 @@ def test_a_gif_moves_and_begins_where_asked(tmp_path):
         film.seek(10)
         assert (np.asarray(film.convert("RGB")) != first).any()
     assert path.stat().st_size < 400_000
+
+
+def test_every_picture_has_the_colours_of_the_whole_film(tmp_path):
+    """Nothing is known at first: blue, teal and green come later, and fill few pixels."""
+    rng = np.random.default_rng(0)
+    films = [
+        np.full((180, 320, 3), 243, dtype=np.uint8) + rng.integers(0, 12, (180, 320, 3), dtype=np.uint8)
+        for _ in range(30)
+    ]
+    for number, picture in enumerate(films):
+        picture[40:44, 20:100] = knowledge(0.5 * 0.87**number)
+    path = tmp_path / "film.gif"
+    write_gif(path, films, 20.0)
+    with Image.open(path) as film:
+        for number in (0, 12, 20, 29):
+            film.seek(number)
+            shown = np.asarray(film.convert("RGB"))[42, 60].astype(int)
+            assert np.abs(shown - knowledge(0.5 * 0.87**number)).max() < 25, number
+
+
+def test_a_films_muscles_turn_blue(tmp_path):
+    path = tmp_path / "film.gif"
+    command = ["play", "refined", "--episode-s", "4", "--control", "targets", "--width", "480", "--every", "2"]
+    assert main([*command, "--video", str(path)]) == 0
+    with Image.open(path) as film:
+        blue = []
+        for number in (0, film.n_frames - 1):
+            film.seek(number)
+            picture = np.asarray(film.convert("RGB")).astype(int)
+            blue.append(int((np.abs(picture - knowledge(0.02)).max(axis=-1) < 30).sum()))
+    assert blue[1] > 400 > 4 * blue[0], blue  # the scale of colours is always there
+
+
+def test_pictures_name_maneuver_patient_and_control(tmp_path):
+    entry = load_entries(
+        ["chirp"], Settings(1, "severe", 5000, "force", "pose", 1.0, "Jaw").env_kwargs, "jawenv/Jaw-v1"
+    )[0]
+    console = Console(quiet=True)
+    own = Episode(Film(entry, seed=5000), "rgb_array", console)
+    assert own.title == "chirp: Jaw, severe patient, seed 5000, force control"
+    named = Episode(Film(entry, seed=5000, patient=Path("aunt.json")), "rgb_array", console)
+    assert named.title == "chirp: Jaw, patient aunt, seed 5000, force control"
+    other = Episode(Film(entry, seed=5001), "rgb_array", console)
+    pictures = [next(episode.pictures()) for episode in (own, other)]
+    assert (pictures[0][:50] != pictures[1][:50]).any()
 
 
 @pytest.mark.parametrize(

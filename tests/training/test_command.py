@@ -299,7 +299,7 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
 ) -> None:
     (tmp_path / "file").write_text("")
     assert train(tiny_config, "--output", tmp_path / "file" / "run") == 2
-    assert capsys.readouterr().err == f"error: output {tmp_path / 'file' / 'run'}: Not a directory\n"
+    assert capsys.readouterr().err == f"error: output {tmp_path / 'file' / 'run'}: cannot be made: Not a directory\n"
 
     def too_large(*given: object) -> None:
         np.empty(2**62, dtype=np.uint8)

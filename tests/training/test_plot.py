@@ -1,15 +1,17 @@
 """Learning curves."""
 
 import builtins
+import itertools
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from training.cli import main
 from training.run.config import TrainingConfig
-from training.run.plot import _grouped, _stacked, mean_and_interval
+from training.run.plot import _grouped, _stacked, figure, mean_and_interval
 
 HEADER = "steps,return,worst_sd,worst_sd_10s,discomfort_s"
 
@@ -29,6 +31,22 @@ def test_picture_is_written(runs: list[Path], tmp_path: Path, capsys: pytest.Cap
     output = tmp_path / "figures" / "curves.png"
     assert main(["plot", *map(str, runs), "--output", str(output)]) == 0
     assert output.read_bytes().startswith(b"\x89PNG") and str(output) in capsys.readouterr().out
+
+
+def test_nothing_lies_on_an_axis_under_the_legend_or_on_another_label() -> None:
+    """Curves that hardly change are as high as all else: they stand below the upper axis, and the legend above it."""
+    names = ("ppo", "recurrent_ppo_residual_on_refined", "sac", "tqc")
+    table = [{"steps": 9600.0 * i, "worst_sd": 0.0124, "worst_sd_10s": 0.022, "discomfort_s": 0.0} for i in range(13)]
+    picture = figure({name: [table] for name in names})
+    canvas: Any = FigureCanvasAgg(picture)
+    canvas.draw()
+    (legend,) = picture.legends
+    assert [text.get_text() for text in legend.get_texts()] == list(names)
+    for axes in picture.axes:
+        assert not axes.get_legend() and not legend.get_window_extent().overlaps(axes.get_window_extent())
+        assert axes.dataLim.ymax < 0.95 * axes.get_ylim()[1]
+        labels = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
+        assert all(left.x1 < right.x0 for left, right in itertools.pairwise(labels))
 
 
 def test_seeds_of_a_run_are_one_curve_as_far_as_all_have_come(runs: list[Path]) -> None:

@@ -32,6 +32,7 @@ from jawenv.envs.configuration import Configuration, configure
 from jawenv.errors import InputError
 from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json
 from jawenv.ladder import model_of_env
+from jawenv.locks import alone
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.folder import RunFolder
 from training.run.network import Network, network_of
@@ -67,21 +68,22 @@ def export(
 
     Raises:
         InputError: no run or no policy in it, a policy that is no multilayer perceptron, damaged results, or a folder
-            that is taken or cannot be written.
+            that is taken, in use or cannot be written.
     """
     config = run.open()
     environment = _environment(config.env)
     reached = () if results is None else read_model(results, ResultsFile).results
-    _check_free(output, overwrite)
-    loaded = load_policy(run.path)
-    trained = loaded.policy if isinstance(loaded, ResidualPolicy) else loaded
-    assert isinstance(trained, TrainedPolicy)
-    network = network_of(trained.policy, str(trained.path))
-    weights = save(network.weights)
-    card = _card(run, config, environment, network, trained, weights, reached, licence, command)
-    _check_same_actions(ExportedPolicy(output.name, card, network.weights), trained.policy, str(trained.path))
-    _write(output, weights, card)
-    return card
+    with alone(output):
+        _check_free(output, overwrite)
+        loaded = load_policy(run.path)
+        trained = loaded.policy if isinstance(loaded, ResidualPolicy) else loaded
+        assert isinstance(trained, TrainedPolicy)
+        network = network_of(trained.policy, str(trained.path))
+        weights = save(network.weights)
+        card = _card(run, config, environment, network, trained, weights, reached, licence, command)
+        _check_same_actions(ExportedPolicy(output.name, card, network.weights), trained.policy, str(trained.path))
+        _write(output, weights, card)
+        return card
 
 
 def _card(

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 from training.run.evaluations import read_evaluations
 from training.run.folder import RunFolder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PANELS = (
     ("worst_sd_10s", "worst sd at 10 s, %", 100.0),
@@ -26,6 +28,10 @@ PANELS = (
 )
 """Column of ``evaluations.csv``, label and factor of each panel."""
 CONFIDENCE = 0.95
+Table = list[dict[str, float]]
+"""Evaluations of one run, a row each."""
+_HEADROOM = 1.12  # of the highest value: no curve lies on the upper axis
+_LEGEND_COLUMNS = 3
 _SEED = re.compile(r"-seed\d+$")
 
 
@@ -46,19 +52,35 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
         raise InputError(f"output {output}: must end in .png")
     groups = _grouped(runs)
     with needs("python -m training plot", "matplotlib", "train"):
-        from matplotlib.figure import Figure
-    figure = Figure(figsize=(12.0, 3.6), layout="constrained")
-    panels: Any = figure.subplots(1, len(PANELS))
+        picture = figure(groups)
+    with alone(output), atomic_write(output) as unfinished:
+        picture.savefig(unfinished, format="png", dpi=150)
+    return output
+
+
+def figure(groups: dict[str, list[Table]]) -> Figure:
+    """The curves of groups of runs, with the legend above the panels.
+
+    Args:
+        groups: tables of evaluations, one for each seed, by what the legend calls them.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import EngFormatter, MaxNLocator
+
+    lines = -(-len(groups) // _LEGEND_COLUMNS)
+    picture = Figure(figsize=(12.0, 3.6 + 0.22 * lines), layout="constrained")
+    panels: Any = picture.subplots(1, len(PANELS))
     for axes, (column, label, factor) in zip(panels, PANELS, strict=True):
         for name, tables in groups.items():
             _curve(axes, name, *_stacked(tables, column, factor))
-        axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, None))
+        highest = max(axes.dataLim.ymax, 0.0)
+        axes.set(xlabel="environment steps", ylabel=label, ylim=(0.0, _HEADROOM * highest if highest > 0.0 else 1.0))
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
         axes.grid(alpha=0.3)
-    panels[0].legend(fontsize="small")
-    output.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(output) as unfinished:
-        figure.savefig(unfinished, format="png", dpi=150)
-    return output
+    curves, names = panels[0].get_legend_handles_labels()
+    picture.legend(curves, names, loc="outside upper center", ncols=_LEGEND_COLUMNS, frameon=False)
+    return picture
 
 
 def mean_and_interval(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -73,9 +95,9 @@ def mean_and_interval(values: NDArray[np.float64]) -> tuple[NDArray[np.float64],
     return mean, error * float(t.ppf(0.5 + 0.5 * CONFIDENCE, seeds - 1))
 
 
-def _grouped(runs: Sequence[Path]) -> dict[str, list[list[dict[str, float]]]]:
+def _grouped(runs: Sequence[Path]) -> dict[str, list[Table]]:
     """Tables of evaluations by the runs' names without their seeds."""
-    groups: dict[str, list[list[dict[str, float]]]] = {}
+    groups: dict[str, list[Table]] = {}
     for path in dict.fromkeys(run.resolve() for run in runs):
         run = RunFolder(path)
         if not run.exists():
@@ -90,9 +112,7 @@ def _grouped(runs: Sequence[Path]) -> dict[str, list[list[dict[str, float]]]]:
     return groups
 
 
-def _stacked(
-    tables: list[list[dict[str, float]]], column: str, factor: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _stacked(tables: list[Table], column: str, factor: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Steps (T,) and values (S, T) at the evaluations of the first seed, as far as all seeds have come.
 
     Between two evaluations of another seed its value is interpolated.

@@ -26,6 +26,7 @@ from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
+from jawenv.locks import alone
 from jawenv.progress import Progress
 from jawenv.seeds import TRAINING
 from training.run.algorithm_configs import PPOConfig, SACConfig
@@ -67,15 +68,16 @@ def start(
         The exit code: 0, or `INTERRUPTED`.
 
     Raises:
-        InputError: the folder is taken, there is no such maneuver, or the environment refuses its arguments.
+        InputError: the folder is taken or in use, there is no such maneuver, or the environment refuses its arguments.
     """
-    run.check_free(overwrite)
-    base = base_targets(config)
-    with Session(config, console, 0, base) as session:
-        run.create(config, session.env_spec, session.world_seed)
-        if base is not None:
-            run.save_base(base.maneuver)
-        return session.learn(run, report)
+    with alone(run.path):
+        run.check_free(overwrite)
+        base = base_targets(config)
+        with Session(config, console, 0, base) as session:
+            run.create(config, session.env_spec, session.world_seed)
+            if base is not None:
+                run.save_base(base.maneuver)
+            return session.learn(run, report)
 
 
 def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
@@ -93,22 +95,23 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
         The exit code: 0, or `INTERRUPTED`.
 
     Raises:
-        InputError: there is no run, or its latest checkpoint is damaged.
+        InputError: there is no run, it is in use, or its latest checkpoint is damaged.
     """
     config = run.open().changed(steps=steps)
-    checkpoint = run.latest_checkpoint()
-    from_step = 0 if checkpoint is None else int(_saved(checkpoint)["num_timesteps"])
-    if from_step >= config.steps and run.final_model.exists():
-        console.print(
-            f"{run.path} already has {from_step:,} of {config.steps:,} steps; nothing to do "
-            "(--steps with a larger number goes on)"
-        )
-        return 0
-    with Session(config, console, from_step, base_targets(config, run.path)) as session:
-        if checkpoint is not None:
-            session.restore(checkpoint)
-        run.add_session(config, from_step, session.world_seed)
-        return session.learn(run)
+    with alone(run.path):
+        checkpoint = run.latest_checkpoint()
+        from_step = 0 if checkpoint is None else int(_saved(checkpoint)["num_timesteps"])
+        if from_step >= config.steps and run.final_model.exists():
+            console.print(
+                f"{run.path} already has {from_step:,} of {config.steps:,} steps; nothing to do "
+                "(--steps with a larger number goes on)"
+            )
+            return 0
+        with Session(config, console, from_step, base_targets(config, run.path)) as session:
+            if checkpoint is not None:
+                session.restore(checkpoint)
+            run.add_session(config, from_step, session.world_seed)
+            return session.learn(run)
 
 
 def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTargets | None:

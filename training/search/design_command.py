@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from jawenv.locks import alone
 from jawenv.progress import Progress
 from training.search.optimise_command import (
     Output,
@@ -62,23 +63,24 @@ def design(
         "source": "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search",
     }
     console = Console(highlight=False, markup=False, stderr=True)
-    log = search_log(output, overwrite)
-    try:
-        with Progress(wanted.steps, "steps of the maneuver", console) as progress:
+    with alone(output):
+        log = search_log(output, overwrite)
+        try:
+            with Progress(wanted.steps, "steps of the maneuver", console) as progress:
 
-            def report(done: int, planned_now: bool) -> None:
-                if planned_now:
-                    progress.advance_to(done)
-                else:
-                    progress.skip(1)
+                def report(done: int, planned_now: bool) -> None:
+                    if planned_now:
+                        progress.advance_to(done)
+                    else:
+                        progress.skip(1)
 
-            maneuver, plans_made = design_maneuver(wanted, about, log, report)
-    except KeyboardInterrupt:
-        console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
-        return 130
-    if plans_made == 0 and output.exists():
-        console.print(already_done(output, log), soft_wrap=True)
+                maneuver, plans_made = design_maneuver(wanted, about, log, report)
+        except KeyboardInterrupt:
+            console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
+            return 130
+        if plans_made == 0 and output.exists():
+            console.print(already_done(output, log), soft_wrap=True)
+            return 0
+        write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", wanted)
+        console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
         return 0
-    write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", wanted)
-    console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
-    return 0

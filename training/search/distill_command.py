@@ -11,6 +11,7 @@ from rich.console import Console
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, read_model, validate
+from jawenv.locks import alone
 from jawenv.progress import Progress
 from training.options import Cohort, Config, Output, Overwrite, ResidualOn, Reward, Seed, configured
 
@@ -39,8 +40,7 @@ def distill(
     the same command is given again. The run's folder is like any other: compare, export, or `train --resume` it.
     """
     from training.run.folder import RunFolder
-    from training.run.train import Session, base_targets
-    from training.search.distill import Distillation, check_distillable, distill, finished_rounds, seconds_of
+    from training.search.distill import Distillation, check_distillable
 
     wanted, stem = configured(config, None, residual_on)
     wanted = wanted.changed(seed=seed).with_env_kwargs(cohort=cohort, reward=reward)
@@ -49,6 +49,16 @@ def distill(
     settings = validate(Distillation, given, "command line")
     run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
     console = Console(highlight=False, markup=False, stderr=True)
+    with alone(run.path):
+        return _learn(wanted, settings, run, console, overwrite)
+
+
+def _learn(wanted: TrainingConfig, settings: Distillation, run: RunFolder, console: Console, overwrite: bool) -> int:
+    """Gather labels and learn from them, round by round; the exit code."""
+    from training.run.train import Session, base_targets
+    from training.search.distill import distill, finished_rounds, seconds_of
+
+    rounds = settings.rounds
     begun = not overwrite and _is_begun(run, wanted, settings)
     if begun and run.final_model.exists() and len(finished_rounds(run, rounds)) == rounds:
         console.print(f"{run.path} has all of its {rounds} rounds; nothing to do (--overwrite begins anew)")
@@ -62,7 +72,7 @@ def distill(
             run.save_base(base.maneuver)
         _save(settings, run.distillation_file)
         try:
-            total = rounds * patients * seconds_of(wanted)
+            total = rounds * settings.patients * seconds_of(wanted)
             with Progress(total, "seconds of patients", console) as progress:
                 distill(session, settings, run, progress)
         except KeyboardInterrupt:

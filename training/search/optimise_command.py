@@ -13,6 +13,7 @@ from rich.console import Console
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.locks import alone
 from jawenv.progress import Progress
 
 Output = Annotated[Path, typer.Option(metavar="FILE", help="Maneuver file to write; its stem is the maneuver's name.")]
@@ -67,31 +68,32 @@ def optimise(
         "seed": seed,
     }
     design = Design(**settings)
-    log = search_log(output, overwrite)
-    console = Console(highlight=False, markup=False, stderr=True)
-    try:
-        with Progress(generations, "generations", console) as progress:
+    with alone(output):
+        log = search_log(output, overwrite)
+        console = Console(highlight=False, markup=False, stderr=True)
+        try:
+            with Progress(generations, "generations", console) as progress:
 
-            def report(done: int, found: Any) -> None:
-                progress.note("best", f"best loss {found.judged.loss:.3f}")
-                progress.advance_to(done)
+                def report(done: int, found: Any) -> None:
+                    progress.note("best", f"best loss {found.judged.loss:.3f}")
+                    progress.advance_to(done)
 
-            found = search(design, log, report)
-    except KeyboardInterrupt:
-        console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
-        return 130
-    if progress.done == 0 and output.exists():
-        console.print(already_done(output, log), soft_wrap=True)
+                found = search(design, log, report)
+        except KeyboardInterrupt:
+            console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
+            return 130
+        if progress.done == 0 and output.exists():
+            console.print(already_done(output, log), soft_wrap=True)
+            return 0
+        _write(output, design, found)
+        judged = found.judged
+        console.print(
+            f"{output}: largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
+            f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
+            f"hard limits crossed by {judged.violated:.0%}" + ("" if judged.feasible else "; NOT within comfort"),
+            soft_wrap=True,
+        )
         return 0
-    _write(output, design, found)
-    judged = found.judged
-    console.print(
-        f"{output}: largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
-        f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
-        f"hard limits crossed by {judged.violated:.0%}" + ("" if judged.feasible else "; NOT within comfort"),
-        soft_wrap=True,
-    )
-    return 0
 
 
 def _write(output: Path, design: Any, found: Any) -> None:

@@ -5,6 +5,8 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
 (() => {
   const NARROW_PX = 560;
   const LABEL_PX = 14;
+  const LEAST_MARGIN_PX = 12;
+  const TOOLBAR_PX = 34; // above the data, so that the toolbar covers none
   const root = document.documentElement;
   const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -21,13 +23,15 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
 
   function layoutOf(chart, width) {
     const narrow = width < NARROW_PX;
+    const top = chart.layout.heading || !narrow ? TOOLBAR_PX : LEAST_MARGIN_PX;
     const room = !chart.labels ? 12 : narrow ? 26 : 175;
     return {
       ...chart.layout,
+      height: chart.layout.height + top - LEAST_MARGIN_PX,
       xaxis: axis(chart.layout.xaxis, width / 9),
       yaxis: axis(chart.layout.yaxis, 60),
       title: { text: chart.layout.heading ?? "", font: { size: 12.5 }, x: 0, xref: "paper", y: 0.97, yanchor: "top" },
-      margin: { l: 8, r: room, t: chart.layout.heading ? 34 : 12, b: 8 },
+      margin: { l: 8, r: room, t: top, b: 8 },
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
       font: { family: colour("--font"), size: 12, color: colour("--text") },
@@ -42,8 +46,9 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
   const traces = (chart) =>
     chart.data.map((trace) => {
       const shown = { ...trace, visible: !report.hidden.has(trace.meta) };
-      if (trace.mode === "markers+text") shown.textfont = { size: 12, color: chart.inside ? "#ffffff" : colour("--text") };
+      if (trace.mode === "markers+text") shown.textfont = { size: 12, color: colour("--text") };
       if (trace.marker && !trace.marker.color) shown.marker = { ...trace.marker, color: colour("--muted") };
+      if (chart.places) shown.marker = { ...trace.marker, line: { width: 1, color: colour("--panel") } };
       if (trace.ink) shown.line = { ...trace.line, color: colour("--text") };
       return shown;
     });
@@ -75,6 +80,27 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     Plotly.relayout(box, { annotations });
   }
 
+  // The places of entries beside their dots, each where it is farthest from all dots and from the other places.
+  function labelDots(box, chart) {
+    const inner = box._fullLayout;
+    if (!chart.places || !inner?._size) return;
+    const dots = box._fullData.filter((trace) => trace.visible === true).map((trace) => ({ i: trace.meta, trace, x: inner.xaxis.d2p(trace.x[0]), y: inner.yaxis.d2p(trace.y[0]) }));
+    const ways = [...Array(12).keys()].map((k) => (k * Math.PI) / 6 - Math.PI / 2);
+    const taken = [...dots];
+    const annotations = dots.map((dot) => {
+      const spots = [16, 26, 38].flatMap((far) => ways.map((way) => ({ x: dot.x + far * Math.cos(way), y: dot.y + far * Math.sin(way), far })));
+      const inside = spots.filter(({ x, y }) => x > 8 && x < inner._size.w - 8 && y > 8 && y < inner._size.h - 8);
+      const free = (spot) => Math.min(18, ...taken.filter((other) => other !== dot).map((other) => Math.hypot(spot.x - other.x, spot.y - other.y)));
+      const best = (inside.length ? inside : spots).reduce((a, b) => (free(b) - 0.2 * b.far > free(a) - 0.2 * a.far ? b : a));
+      taken.push(best);
+      const at = { x: dot.trace.x[0], y: dot.trace.y[0], ax: best.x - dot.x, ay: best.y - dot.y };
+      if (inner.xaxis.type === "log") at.x = Math.log10(at.x);
+      const arrow = { showarrow: true, arrowhead: 0, arrowwidth: 1, arrowcolor: colour("--muted"), standoff: 6 };
+      return { ...at, ...arrow, text: report.data.entries[dot.i].place, font: { size: 12, color: colour("--text") }, captureevents: false };
+    });
+    Plotly.relayout(box, { annotations });
+  }
+
   function draw(id) {
     const box = document.getElementById(id);
     const chart = report.charts.get(id);
@@ -82,9 +108,14 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     const config = { displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], displayModeBar: width >= NARROW_PX ? "hover" : false };
     Plotly.react(box, traces(chart), layoutOf(chart, width), config);
     labelEnds(box, chart);
+    labelDots(box, chart);
     if (!box.dataset.ready) {
       box.dataset.ready = "1";
-      box.on("plotly_relayout", (change) => { if (Object.keys(change).some((key) => key.includes("axis"))) labelEnds(box, report.charts.get(id)); });
+      box.on("plotly_relayout", (change) => {
+        if (!Object.keys(change).some((key) => key.includes("axis"))) return;
+        labelEnds(box, report.charts.get(id));
+        labelDots(box, report.charts.get(id));
+      });
     }
   }
 

@@ -1,20 +1,26 @@
 "use strict";
 // Tables that are sorted by a click on a heading, within what is ranked and within the rest, and filtered by a text.
+// The first click on a heading puts the best first: the least, the most where data-best is "most", or what is nearest
+// to data-best where that is a number. What has no value stays last.
 (() => {
   const value = (row, column) => {
     const cell = row.cells[column];
-    const number = Number(cell.dataset.v);
-    return cell.dataset.v === undefined || Number.isNaN(number) ? cell.textContent.trim().toLowerCase() : number;
+    return cell.dataset.v === undefined ? cell.textContent.trim().toLowerCase() : Number(cell.dataset.v);
   };
+  // How far a value is from the best of its column, on the scale of the column.
+  const rank = (found, best) => (typeof found === "string" || !best ? found : best === "most" ? -found : Math.abs(found - Number(best)));
 
   function sort(table, heading, column) {
-    const up = heading.getAttribute("aria-sort") !== "ascending";
+    const best = heading.dataset.best;
+    const first = best === "most" ? "descending" : "ascending";
+    const turned = heading.getAttribute("aria-sort") === first;
     for (const other of table.tHead.querySelectorAll("[aria-sort]")) other.setAttribute("aria-sort", "none");
-    heading.setAttribute("aria-sort", up ? "ascending" : "descending");
+    heading.setAttribute("aria-sort", turned === (first === "descending") ? "ascending" : "descending");
     for (const body of table.tBodies) {
       const rows = [...body.rows].sort((a, b) => {
-        const [x, y] = [value(a, column), value(b, column)];
-        return (x < y ? -1 : x > y ? 1 : 0) * (up ? 1 : -1);
+        const [x, y] = [rank(value(a, column), best), rank(value(b, column), best)];
+        if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);
+        return (x < y ? -1 : x > y ? 1 : 0) * (turned ? -1 : 1);
       });
       body.append(...rows);
     }

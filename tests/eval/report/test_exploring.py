@@ -1,5 +1,7 @@
 """The report in a browser: what is drawn, sorted, hidden, played back and pressed."""
 
+import itertools
+
 import pytest
 
 from eval.cli import main
@@ -41,6 +43,19 @@ def test_it_is_drawn_without_a_complaint_or_the_network(path, width, scheme):
         assert page.eval_on_selector_all(".chart svg text", smallest) >= 11.0
 
 
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
+def test_no_mark_hides_another(path, width, scheme):
+    with opened(path, width, scheme) as page:
+        places = page.locator("#discomfort .annotation-text")
+        assert sorted(places.all_text_contents()) == sorted(page.evaluate("report.data.entries.map(e => e.place)"))
+        boxes = [place.bounding_box() for place in places.all()]
+        for one, other in itertools.combinations(boxes, 2):
+            beside = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
+            assert beside or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
+        marks = page.evaluate("report.data.charts.information.data.filter(t => t.marker.symbol === 'diamond-open')")
+        assert all(abs(mark["y"][0] - mark["meta"]) > 0.2 for mark in marks) and len(marks) == len(boxes)
+
+
 def test_no_element_breaks_an_accessibility_rule_seriously(page):
     from axe_playwright_python.sync_playwright import Axe
 
@@ -58,6 +73,57 @@ def test_a_heading_sorts_up_and_down(page):
     assert page.get_attribute("#ranking-table th.text", "aria-sort") == "descending"
     page.locator("#ranking-table thead tr:last-child button").first.click()
     assert names(page) == before
+
+
+# Headings whose largest value is the best, and those with a value that is; of all others the least is.
+MOST = ("share", "mean", "against", "known", "claimed nats", "true nats", "bound nats", "sensitivity", "specificity")
+NEAREST = {"NEES": 12.0, "claimed − true": 0.0, "RMSE": 1.0, "within 1": 0.6827, "within 2": 0.9545, "within 3": 0.9973}
+
+
+def cells_of(column):
+    return f"""table => [...table.tBodies[0].rows].map(row => row.cells[{column}])
+        .map(cell => cell.dataset.v ?? cell.textContent.trim())"""
+
+
+def badness(heading, cell):
+    """How far a value is from the best of its column; a text as it stands."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return cell
+    if any(heading.startswith(name) for name in MOST):
+        return -value
+    return next((abs(value - best) for name, best in NEAREST.items() if heading.startswith(name)), value)
+
+
+def test_the_first_click_on_any_heading_puts_the_best_first_and_the_second_last(page):
+    seen = set()
+    for table in page.locator("table.sortable").all():
+        headings = table.locator("thead tr:last-child th")
+        for column in range(headings.count()):
+            button = headings.nth(column).locator("button")
+            heading = " ".join(button.inner_text().split())
+            headings.nth((column + 1) % headings.count()).locator("button").click()
+            button.click()
+            order = [badness(heading, cell) for cell in table.evaluate(cells_of(column))]
+            known = [value for value in order if value == value]
+            assert known == sorted(known), heading
+            assert order[: len(known)] == known, f"{heading}: what has no value is last"
+            button.click()
+            order = [badness(heading, cell) for cell in table.evaluate(cells_of(column))]
+            assert [value for value in order if value == value] == sorted(known, reverse=True), heading
+            seen.add(heading)
+    assert {name for name in (*MOST, *NEAREST) if not any(each.startswith(name) for each in seen)} == set()
+    page.locator("#ranking-table thead tr:last-child button").first.click()
+
+
+def test_the_toolbar_covers_no_data(page):
+    for chart in ("information", "worst_sd", "nees_over_time", "discomfort"):
+        box = page.locator(f"#{chart}")
+        box.scroll_into_view_if_needed()
+        box.hover()
+        toolbar, data = box.locator(".modebar").bounding_box(), box.locator(".nsewdrag").first.bounding_box()
+        assert toolbar["y"] + toolbar["height"] <= data["y"], chart
 
 
 def test_the_filter_hides_rows_and_says_so(page):

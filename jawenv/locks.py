@@ -1,0 +1,52 @@
+"""An output belongs to one process at a time."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from jawenv.errors import InputError
+
+__all__ = ["alone"]
+
+
+@contextlib.contextmanager
+def alone(output: Path) -> Iterator[None]:
+    """No other process writes this file, or into this folder, within the block.
+
+    The lock is the file ``.NAME.lock`` beside the output, which is removed at the end of the block. The system frees it
+    when the process ends, whatever ends it.
+
+    Args:
+        output: a file or a folder, which need not exist. The folder that it is to lie in is made where it is missing,
+            and goes again if nothing was written.
+
+    Raises:
+        InputError: another process is at work there, or that folder cannot be made or written.
+    """
+    place = output.resolve()
+    path = place.with_name(f".{place.name}.lock")
+    made = [folder for folder in place.parents if not folder.exists()]
+    lock = FileLock(path, timeout=0)
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout:
+        raise InputError(f"{output}: in use by another process; wait for it, or name another output") from None
+    except OSError as error:
+        reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
+        raise InputError(f"output {output}: cannot be {'written' if place.exists() else 'made'}: {reason}") from None
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):  # Windows removes no file that is open
+            path.unlink()
+        lock.release()
+        with contextlib.suppress(OSError):
+            for folder in made:
+                folder.rmdir()

@@ -1,0 +1,45 @@
+"""Outputs of ``python -m eval`` belong to one process at a time."""
+
+import pytest
+
+from eval.cli import main
+from eval.comparison import results
+from jawenv.locks import alone
+from tests.eval.studies import GOOD, study
+
+SHORT = ["--episode-s", "1", "--seed", "5000"]
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "output"),
+    [
+        (["play", "hold_still", *SHORT], "--video", "film.gif"),
+        (["compare", "hold_still", *SHORT, "--patients", "2"], "--output", "compare"),
+        (["diagnose", "hold_still", *SHORT, "--patients", "2"], "--output", "diagnose"),
+        (["replay", "designed", *SHORT, "--patients", "2"], "--output", "replay.yaml"),
+    ],
+)
+def test_an_output_in_use_is_refused_in_one_line(tmp_path, capsys, command, option, output):
+    path = tmp_path / output
+    with alone(path):
+        assert main([*command, option, str(path)]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error == f"error: {path}: in use by another process; wait for it, or name another output"
+    assert not [file for file in tmp_path.rglob("*") if file.is_file()]
+
+
+def test_courses_of_a_patient_in_use_are_refused(tmp_path, capsys):
+    with alone(tmp_path / "treatments"):
+        assert main(["patient", "hold_still", *SHORT, "--output", str(tmp_path)]) == 2
+    assert "treatments: in use by another process" in capsys.readouterr().err
+
+
+def test_a_comparison_at_work_is_not_reported_on(tmp_path, capsys):
+    folder, card = tmp_path / "compare", tmp_path / "results.json"
+    results.save(study(patients=3), folder)
+    with alone(folder):
+        assert main(["report", str(folder)]) == 2
+    assert "compare: in use by another process" in capsys.readouterr().err
+    with alone(card):
+        assert main(["card", str(folder), GOOD, "--output", str(card)]) == 2
+    assert "results.json: in use by another process" in capsys.readouterr().err

@@ -1,0 +1,30 @@
+"""What a command says when the packages of its extra are missing. It imports nothing that has to be installed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+OWN = ("jawenv", "agents", "training", "eval")
+
+
+@contextmanager
+def installed(command: str, extra: str) -> Iterator[None]:
+    """Around a command: where a package is missing, one line says how to install it, and the exit code is 2.
+
+    Args:
+        command: as the message names it.
+        extra: of the project's installation, with all that the command needs.
+
+    Raises:
+        ModuleNotFoundError: a module of the project itself is missing.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").split(".")[0]
+        if not package or package in OWN:
+            raise
+        print(f'error: {command} needs {package}: pip install -e ".[{extra}]", or .ci/setup {extra}', file=sys.stderr)
+        raise SystemExit(2) from None
