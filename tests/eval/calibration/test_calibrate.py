@@ -177,7 +177,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--times", "10,x"], "times: 'x' given, allowed are seconds"),
         (["hold_still", "--times", "2,1"], "times: 2,1 given, allowed are growing"),
         (["hold_still", "--times", "0,1"], "times: 0,1 given, allowed are growing"),
-        (["hold_still", "--times", "0.51"], "times: 0.51 given, allowed are multiples of the control step, 0.05 s"),
+        (["hold_still", "--times", "0.51"], "times: 0.51 given, allowed are multiples of the control step, 0.2 s"),
         (["hold_still", "--patients", "0"], "patients: 0 given"),
         (["hold_still", "--reality", "creep=much"], "reality: 'creep=much' given"),
         (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
@@ -193,13 +193,13 @@ def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):
 
 
 def test_a_damaged_file_and_an_unusable_folder_say_what_to_do(tmp_path, plays, capsys):
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05") == 0
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2") == 0
     (chunk,) = (tmp_path / "chunks").glob("*.parquet")
     chunk.write_text("no parquet")
     capsys.readouterr()
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05") == 2
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2") == 2
     error = capsys.readouterr().err
     assert "is damaged" in error and "--fresh" in error and error.count("\n") == 1
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.05", "--fresh") == 0
+    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2", "--fresh") == 0
     (tmp_path / "file").write_text("")
     assert run(tmp_path / "file", "hold_still", *SHORT) == 2
