@@ -82,8 +82,9 @@ def train(
     evaluations.csv, a TensorBoard log, and all that is needed to repeat the run. Options given here win over
     the settings file.
     """
+    from training.run import several
     from training.run import train as training
-    from training.run.folder import RunFolder, several
+    from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
     changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}

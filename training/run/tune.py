@@ -14,10 +14,10 @@ from rich.console import Console
 from sqlalchemy.exc import SQLAlchemyError
 
 from jawenv.errors import InputError
+from training.run import train
 from training.run.algorithm_configs import PPOConfig
 from training.run.config import TrainingConfig
 from training.run.evaluations import read_evaluations
-from training.run.folder import RunFolder, train
 
 WARM_UP_TRIALS = 5
 """Trials that are neither guided nor pruned."""
