@@ -52,7 +52,7 @@ def play_command(
         Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
     ] = None,
     env: Annotated[
-        str | None, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+        str | None, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = None,
     cohort: Cohort = "trismus",
     patient: Annotated[

@@ -46,7 +46,7 @@ class Model:
     @property
     def env_id(self) -> str:
         """Gymnasium's id."""
-        return f"jawenv/{self.title}-v1"
+        return f"jawenv/{self.title}-v2"
 
     @property
     def estimator(self) -> Estimator:
@@ -147,7 +147,7 @@ def model_of_env(env: str) -> Model:
         InputError: none of these; the message lists the ids.
     """
     for model in MODELS.values():
-        if env in (model.env_id, model.title, model.name):
+        if env in (model.env_id, f"jawenv/{model.title}-v1", model.title, model.name):
             return model
     ids = ", ".join(model.env_id for model in MODELS.values())
     raise InputError(f"env {shown(env)}: unknown; allowed: {ids}, also as JawSides or sides")

@@ -6,7 +6,7 @@ import numpy as np
 from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
 from matplotlib.figure import Figure
 
-from jawenv.envs import beginning
+from jawenv.envs import reset_kernel
 from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.equilibrium import settle
@@ -59,9 +59,9 @@ def first_fold(values: np.ndarray) -> int:
 def painless_end(branch: np.ndarray) -> int:
     """Number of the last pose of the painless range."""
     x, opening, force = branch.T
-    furthest = opening[0] + min(beginning.PAINLESS_RANGE, beginning.LARGEST_OPENING - opening[0])
-    condyle = beginning.CREST_SHARE * build_jaw()["crest"] - beginning.CONDYLE_FREE
-    return int(np.flatnonzero((force > beginning.PAINLESS_FORCE) | (opening > furthest) | (x > condyle))[0]) - 1
+    furthest = opening[0] + min(reset_kernel.PAINLESS_RANGE, reset_kernel.LARGEST_OPENING - opening[0])
+    condyle = reset_kernel.CREST_SHARE * build_jaw()["crest"] - reset_kernel.CONDYLE_FREE
+    return int(np.flatnonzero((force > reset_kernel.PAINLESS_FORCE) | (opening > furthest) | (x > condyle))[0]) - 1
 
 
 def equilibrium() -> Figure:
@@ -89,8 +89,8 @@ def equilibrium() -> Figure:
     ):
         pull.plot([], [], marker, color=INK, mfc=fill, label=name, ls="none")
     pull.plot([], [], color=INK, lw=1.2, ls=(0, (2, 1.5)), label="beyond the first fold")
-    pull.axhline(beginning.PAINLESS_FORCE, color=GREY, lw=0.9, ls=(0, (4, 3)))
-    pull.text(0.4, beginning.PAINLESS_FORCE + 0.3, f"{beginning.PAINLESS_FORCE:g} N", color=GREY, size=8)
+    pull.axhline(reset_kernel.PAINLESS_FORCE, color=GREY, lw=0.9, ls=(0, (4, 3)))
+    pull.text(0.4, reset_kernel.PAINLESS_FORCE + 0.3, f"{reset_kernel.PAINLESS_FORCE:g} N", color=GREY, size=8)
     slide.axhline(1e3 * jaw["crest"], color=GREY, lw=0.9, ls=(0, (4, 3)))
     slide.text(0.4, 1e3 * jaw["crest"] - 0.3, "crest", color=GREY, size=8, va="top")
     pull.set(title="Vertical force that holds the mouth open", ylabel="force down (N)", ylim=(0, 34), xlim=(-1.5, 50))

@@ -49,7 +49,7 @@ def calibrate_command(
     control: Control = DEFAULT_CONTROL,
     sensors: Sensors = "pose",
     env: Annotated[
-        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+        str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")

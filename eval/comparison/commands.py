@@ -49,7 +49,7 @@ def compare_command(
     env: Annotated[
         str | None,
         typer.Option(
-            help="Environment: jawenv/JawSides-v1, or JawSides, or sides; that of the trained runs by default.",
+            help="Environment: jawenv/JawSides-v2, or JawSides, or sides; that of the trained runs by default.",
             metavar="NAME",
         ),
     ] = None,
@@ -153,7 +153,7 @@ def replay_command(
     sensors: Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
     env: Annotated[
-        str, typer.Option(help="Environment: jawenv/JawSides-v1, or JawSides, or sides.", metavar="NAME")
+        str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
 ) -> None:
     """Write what an agent does in targets control, averaged over patients, as a maneuver file.

@@ -54,7 +54,7 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 # because this is a simulation, the truth.
 
 # %%
-env = gym.make("jawenv/Jaw-v1", episode_s=EPISODE_S)
+env = gym.make("jawenv/Jaw-v2", episode_s=EPISODE_S)
 observation, info = env.reset(seed=0)
 pd.DataFrame(
     {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},

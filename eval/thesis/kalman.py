@@ -45,7 +45,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
 
     from jawenv.laboratory.recordings.of_simulation import record_of
 
-    env_id = {"sides": "jawenv/JawSides-v1", "jaw": "jawenv/Jaw-v1"}[model]
+    env_id = {"sides": "jawenv/JawSides-v2", "jaw": "jawenv/Jaw-v2"}[model]
     agent = load_agent(MANEUVER, control="force", env_id=env_id)
     env: Any = gym.make_vec(
         env_id,

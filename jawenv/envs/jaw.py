@@ -1,4 +1,4 @@
-"""The single environment ``jawenv/Jaw-v1``."""
+"""The single environment ``jawenv/Jaw-v2``."""
 
 from __future__ import annotations
 

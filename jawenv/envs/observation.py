@@ -67,7 +67,7 @@ def parameters_of(size: int) -> int:
 
 
 OBSERVATION_LAYOUT = observation_layout()
-"""The layout of ``jawenv/Jaw-v1``, with its 12 parameters."""
+"""The layout of ``jawenv/Jaw-v2``, with its 12 parameters."""
 OBSERVATION_SIZE = observation_size()
 
 OBSERVATION_REST = observation_layout(0)

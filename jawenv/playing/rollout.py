@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
-DEFAULT_ENV = "jawenv/Jaw-v1"
+DEFAULT_ENV = "jawenv/Jaw-v2"
 
 # N worlds, T + 1 times (the reset is time 0), P parameters, L comfort limits.
 _SHAPES: dict[str, tuple[str, ...]] = {

@@ -102,11 +102,11 @@ def test_damaged_weights_of_the_right_hash_are_named(folder: Path) -> None:
 
 
 def test_a_policy_of_another_environment_is_refused(folder: Path, tmp_path: Path) -> None:
-    assert "trained in jawenv/Jaw-v1, not in jawenv/JawBilateral-v1" in refusal(folder, env_id="bilateral")
+    assert "trained in jawenv/Jaw-v2, not in jawenv/JawBilateral-v2" in refusal(folder, env_id="bilateral")
     layers = (9, 5, 4)
     architecture = {"layers": layers, "activation": "relu", "squash": "tanh"}
     small = write_exported(tmp_path / "small", random_weights(layers), observation_size=9, architecture=architecture)
-    assert f"observations of 9 values, jawenv/Jaw-v1 gives {OBSERVATION_SIZE}" in refusal(small)
+    assert f"observations of 9 values, jawenv/Jaw-v2 gives {OBSERVATION_SIZE}" in refusal(small)
 
 
 def test_a_policy_on_a_maneuver_corrects_it(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent
 
-ID = "jawenv/Jaw-v1"
+ID = "jawenv/Jaw-v2"
 TARGET = OBSERVATION_LAYOUT["motor_target"]
 
 

@@ -10,7 +10,7 @@ from jawenv.envs.rewards import potential
 
 @pytest.fixture
 def env():
-    made = gym.make_vec("jawenv/Jaw-v1", num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
+    made = gym.make_vec("jawenv/Jaw-v2", num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
     made.reset(seed=5000)
     for _ in range(5):
         made.step(np.full((2, 4), 0.3, np.float32))

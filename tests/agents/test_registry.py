@@ -50,11 +50,11 @@ def test_a_policy_of_another_observation_size_is_refused(tmp_path: Path) -> None
     with pytest.raises(InputError, match=f"of 5 values, the environment gives {OBSERVATION_SIZE}"):
         agents.load_agent(tmp_path / "small.zip")
     with pytest.raises(InputError, match="of 5 values, the environment gives 43"):
-        agents.load_agent(tmp_path / "small.zip", env_id="jawenv/JawHinge-v1")
+        agents.load_agent(tmp_path / "small.zip", env_id="jawenv/JawHinge-v2")
 
 
 def test_an_unknown_environment_is_named() -> None:
-    with pytest.raises(InputError, match="^env 'knee': unknown; allowed: jawenv/JawHinge-v1, "):
+    with pytest.raises(InputError, match="^env 'knee': unknown; allowed: jawenv/JawHinge-v2, "):
         agents.load_agent("hold_still", env_id="knee")
 
 

@@ -36,7 +36,7 @@ def test_an_environment_is_known_by_id_title_and_model(name: str) -> None:
 
 
 def test_an_unknown_environment_gets_the_ids() -> None:
-    with pytest.raises(InputError, match=r"^env 'knee': unknown; allowed: jawenv/JawHinge-v1, .*JawBilateral-v1"):
+    with pytest.raises(InputError, match=r"^env 'knee': unknown; allowed: jawenv/JawHinge-v2, .*JawBilateral-v2"):
         model_of_env("knee")
 
 

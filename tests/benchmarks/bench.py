@@ -36,7 +36,7 @@ from jawenv.playing.rollout import DEFAULT_ENV
 WORLDS = 256
 CONTROL_HZ = 20.0
 OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != DEFAULT_ENV]
-PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v1",)
+PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v2",)
 HEAVY = ("torch", "matplotlib", "pymunk")
 IMPORT = f"""
 import sys, time
@@ -47,7 +47,7 @@ print(time.perf_counter() - start, *[name for name in {HEAVY} if name in sys.mod
 FIRST_STEP = """
 import time
 import gymnasium as gym, jawenv
-env = gym.make("jawenv/Jaw-v1", control="force")
+env = gym.make("jawenv/Jaw-v2", control="force")
 env.reset(seed=0)
 env.step(env.action_space.sample())
 print(time.time(), time.process_time())
@@ -141,12 +141,12 @@ def speeds(size: Size) -> list[Row]:
     medians, ratios = np.median(table, axis=0), np.median(table / table[:, :1], axis=0)
     rows = [
         Row("Humanoid-v5, one environment, random actions", f"{medians[0]:,.0f} steps/s"),
-        Row("Jaw-v1, one environment, filter included", f"{medians[1]:,.0f} steps/s"),
+        Row("Jaw-v2, one environment, filter included", f"{medians[1]:,.0f} steps/s"),
         Row("  over Humanoid-v5, median of paired ratios", f"{ratios[1]:.2f} x", ">= 2 x", bool(ratios[1] >= 2.0)),
     ]
     for name, rate, ratio in zip(batches, medians[2:], ratios[2:], strict=True):
         rows += [
-            Row(f"Jaw-v1, {WORLDS} worlds, {name}", f"{rate:,.0f} env-steps/s"),
+            Row(f"Jaw-v2, {WORLDS} worlds, {name}", f"{rate:,.0f} env-steps/s"),
             Row("  over Humanoid-v5, median of paired ratios", f"{ratio:.2f} x", ">= 4 x", bool(ratio >= 4.0)),
         ]
     return rows
@@ -221,7 +221,7 @@ def bound_speed(size: Size) -> list[Row]:
     humanoid.reset(seed=0)
     humanoid.action_space.seed(0)
     rows = []
-    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v1"):
+    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v2"):
         say(f"bound: {env_id}")
         record = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
         jawenv.bound_along(record, every=5)
@@ -268,8 +268,8 @@ def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
 
 def memory(size: Size) -> list[Row]:
     vec, jaw = (
-        gym.make_vec("jawenv/Jaw-v1", num_envs=WORLDS, control="force"),
-        gym.make("jawenv/Jaw-v1", control="force"),
+        gym.make_vec("jawenv/Jaw-v2", num_envs=WORLDS, control="force"),
+        gym.make("jawenv/Jaw-v2", control="force"),
     )
     vec.reset(seed=0)
     jaw.reset(seed=0)

@@ -10,7 +10,7 @@ from jawenv.device.motors import GOVERNOR_ONSET, ON_PATH, command_motors, device
 from jawenv.envs.plants import SUBSTEPS, TICK
 from jawenv.mechanics.dynamics import state_rate
 
-ID = "jawenv/Jaw-v1"
+ID = "jawenv/Jaw-v2"
 PATIENTS = 16
 FULL = {"open": (1, 1, 0, 0), "left": (0, 0, -1, 1), "forward": (0, 0, 1, 1), "back": (0, 0, -1, -1)}
 # How many of the patients' hard limits may be crossed: where the painless range is short, the condyles' stop gives way.

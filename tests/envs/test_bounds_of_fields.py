@@ -32,7 +32,7 @@ STIFFNESS = {"F_o_N": 1.2, "b": 7.0, "head_tilt_deg": 0.0}
 
 def play_two_seconds(patient=None, **arguments):
     """Random actions until the end; all that a step gives must be finite."""
-    env = gym.make("jawenv/Jaw-v1", episode_s=2.0, **arguments)
+    env = gym.make("jawenv/Jaw-v2", episode_s=2.0, **arguments)
     env.action_space.seed(0)
     observation, info = env.reset(seed=0, options=None if patient is None else {"patient": patient})
     reward, ended = 0.0, False

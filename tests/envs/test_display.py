@@ -33,7 +33,7 @@ def test_the_environment_is_not_made(monkeypatch, environment, reason):
     set_all(monkeypatch, environment)
     monkeypatch.setattr(jaw, "Simulation", None)
     with pytest.raises(InputError) as refused:
-        gym.make("jawenv/Jaw-v1", render_mode="human")
+        gym.make("jawenv/Jaw-v2", render_mode="human")
     assert str(refused.value) == f"render_mode: 'human' needs a display ({reason}); use 'rgb_array'"
 
 

@@ -18,7 +18,7 @@ from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.vector import JawVectorEnv
 
-ID = "jawenv/Jaw-v1"
+ID = "jawenv/Jaw-v2"
 MODES = [(control, sensors) for control in ("force", "trajectory") for sensors in ("pose", "point")]
 MUSCLES = dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0)
 NOTHING = np.zeros(4, dtype=np.float32)

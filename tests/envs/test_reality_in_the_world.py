@@ -6,7 +6,7 @@ import pytest
 
 import jawenv
 
-PLANTS = ["jawenv/Jaw-v1", "jawenv/JawBilateral-v1", "jawenv/JawSagittal-v1"]
+PLANTS = ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2", "jawenv/JawSagittal-v2"]
 EFFECTS = [
     {"reflex_gain": 1.0},
     {"creep_share": 0.3},
@@ -69,6 +69,6 @@ def test_unusable_effects_are_named():
         ({"reality": {"creep_share": 1.5}}, "reality.creep_share is 1.5; allowed: a finite number, 0 or more, at"),
     ):
         with pytest.raises(jawenv.InputError) as caught:
-            gym.make("jawenv/Jaw-v1", **{"control": "force", **arguments})
+            gym.make("jawenv/Jaw-v2", **{"control": "force", **arguments})
         assert str(caught.value).startswith(message)
         assert "\n" not in str(caught.value)

@@ -9,7 +9,7 @@ from jawenv.device.comfort import COMFORT_LIMITS, HARD
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.metrics.calibration import claimed_information, true_information
 
-ID = "jawenv/Jaw-v1"
+ID = "jawenv/Jaw-v2"
 TOTAL = {"uncertainty": "information_claimed", "bound": "information_bound", "score": "information_true"}
 
 

@@ -15,7 +15,7 @@ from jawenv.metrics.calibration import nees, nees_band
 from jawenv.playing.maneuvers import Player, maneuver_names
 from jawenv.playing.maneuvers.player import action_of
 
-ID = "jawenv/Jaw-v1"
+ID = "jawenv/Jaw-v2"
 PERIOD_S = 0.2
 
 
@@ -130,7 +130,7 @@ def test_other_jaws_follow_targets_too(model):
         Player("slow_opening", control="targets"),
         patients=2,
         seed=5000,
-        env_id=f"jawenv/{model}-v1",
+        env_id=f"jawenv/{model}-v2",
         env_kwargs={"control": "targets", "episode_s": 4.0},
     )
     assert not played.terminated.any()

@@ -87,8 +87,8 @@ def test_an_exported_policy_plays_with_the_control_and_rate_of_its_card(tmp_path
 
 def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared", env="sides")
-    assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v1"
-    with pytest.raises(InputError, match="shared was trained in jawenv/JawSides-v1, but this comparison is in jawenv/"):
+    assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v2"
+    with pytest.raises(InputError, match="shared was trained in jawenv/JawSides-v2, but this comparison is in jawenv/"):
         load_entries([str(folder)], Settings().env_kwargs)
 
 

@@ -72,7 +72,7 @@ def test_a_films_muscles_turn_blue(tmp_path):
 
 def test_pictures_name_maneuver_patient_and_control(tmp_path):
     entry = load_entries(
-        ["chirp"], Settings(1, "severe", 5000, "force", "pose", 1.0, "Jaw").env_kwargs, "jawenv/Jaw-v1"
+        ["chirp"], Settings(1, "severe", 5000, "force", "pose", 1.0, "Jaw").env_kwargs, "jawenv/Jaw-v2"
     )[0]
     console = Console(quiet=True)
     own = Episode(Film(entry, seed=5000), "rgb_array", console)

@@ -21,7 +21,7 @@ def played(env_id, faulty, **more):
     return jawenv.play(Waves(), patients=2, seed=5000, env_id=env_id, env_kwargs=kwargs)
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v1", "jawenv/JawBilateral-v1"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2"])
 @pytest.mark.parametrize("faulty", [False, True], ids=["sound", "faulty"])
 def test_a_record_gives_the_environments_belief_to_the_bit(env_id, faulty):
     run = played(env_id, faulty)
@@ -33,7 +33,7 @@ def test_a_record_gives_the_environments_belief_to_the_bit(env_id, faulty):
 
 
 def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
-    run = played("jawenv/Jaw-v1", True, sensors="point", control="trajectory", control_hz=10)
+    run = played("jawenv/Jaw-v2", True, sensors="point", control="trajectory", control_hz=10)
     estimate = TensionFilter(every=10).estimate(run.records[0])
     np.testing.assert_array_equal(estimate.mean, run.belief_mean[0])
     np.testing.assert_array_equal(estimate.cov, run.belief_cov[0])
@@ -97,7 +97,7 @@ def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
         load_agent(SWINGS, control="force"),
         patients=16,
         seed=5000,
-        env_id=f"jawenv/{name}-v1",
+        env_id=f"jawenv/{name}-v2",
         env_kwargs={"episode_s": 2.0},
     )
     learned = run.information_claimed[:, 1]

@@ -61,7 +61,7 @@ def test_observation() -> None:
 
 
 def test_info() -> None:
-    env = gym.make("jawenv/Jaw-v1", track_bound=True, episode_s=1.0, control="force")
+    env = gym.make("jawenv/Jaw-v2", track_bound=True, episode_s=1.0, control="force")
     _, info = env.reset(seed=0)
     stated = {name for row in table("Info") for name in named(row[0])}
     of_limits = {f"{kind}_{limit}" for kind in ("cost", "comfort") for limit in COMFORT_LIMITS}

@@ -120,7 +120,7 @@ def test_every_environment_renders_and_can_be_filmed(model, tmp_path):
 
 
 def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohort():
-    env = gym.make("jawenv/Jaw-v1", render_mode="rgb_array", cohort="severe", episode_s=2.0, control="force").unwrapped
+    env = gym.make("jawenv/Jaw-v2", render_mode="rgb_array", cohort="severe", episode_s=2.0, control="force").unwrapped
     env.reset(seed=0)
     for _ in range(7):
         env.step(OPENING)

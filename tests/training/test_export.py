@@ -42,7 +42,7 @@ class BlankWithTargets(Blank):
 
 
 def write_run(
-    folder: Path, algorithm: type[BaseAlgorithm] = PPO, env_id: str = "jawenv/Jaw-v1", **more: object
+    folder: Path, algorithm: type[BaseAlgorithm] = PPO, env_id: str = "jawenv/Jaw-v2", **more: object
 ) -> Path:
     """The folder of a run whose policy has learned nothing for 1,234 steps."""
     model = algorithm("MlpPolicy", Blank(), seed=1, device="cpu", policy_kwargs={"net_arch": [8, 6]}, **more)
@@ -93,7 +93,7 @@ def test_the_card_says_what_it_is(run: Path, tmp_path: Path, monkeypatch: pytest
         "reward": "uncertainty",
         "cohort": "trismus",
     }
-    assert (card.environment.id, card.algorithm, card.seed, card.steps) == ("jawenv/Jaw-v1", "ppo", 7, 1234)
+    assert (card.environment.id, card.algorithm, card.seed, card.steps) == ("jawenv/Jaw-v2", "ppo", 7, 1234)
     assert card.architecture.layers == (OBSERVATION_SIZE, 8, 6, 4)
     assert (card.architecture.activation, card.architecture.squash) == ("tanh", "clip")
     weights = (tmp_path / "shared" / "policy.safetensors").read_bytes()
@@ -139,7 +139,7 @@ def test_a_maneuver_that_is_corrected_goes_into_the_card_whole(tmp_path: Path) -
     model.save(run / "best_model.zip")
     kwargs = {"control": "targets", "episode_s": 5.0}
     residual = {"maneuver": "slow_opening", "scale": 0.3}
-    TrainingConfig().changed(env={"id": "jawenv/Jaw-v1", "kwargs": kwargs}, residual=residual).save(run / "config.yaml")
+    TrainingConfig().changed(env={"id": "jawenv/Jaw-v2", "kwargs": kwargs}, residual=residual).save(run / "config.yaml")
     assert export(run, tmp_path / "shared") == 0
     card = read_card(tmp_path / "shared")
     assert card.residual is not None and card.residual.scale == 0.3

@@ -47,7 +47,7 @@ def config_file(name: str) -> Path:
 class EnvConfig(InputModel):
     """Which environment is trained on; ``kwargs`` go to `gymnasium.make_vec` as they are."""
 
-    id: str = "jawenv/Jaw-v1"
+    id: str = "jawenv/Jaw-v2"
     kwargs: dict[str, JsonValue] = {}
 
     @model_validator(mode="after")

@@ -10,6 +10,7 @@ from rich.console import Console
 from jawenv.errors import InputError, shown
 from training.run import train
 from training.run.config import TrainingConfig
+from training.run.folder import RunFolder
 
 _PART = re.compile(r"(\d+)(?:-(\d+))?")
 MOST = 1000

@@ -18,6 +18,7 @@ from training.run import train
 from training.run.algorithm_configs import PPOConfig
 from training.run.config import TrainingConfig
 from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
 
 WARM_UP_TRIALS = 5
 """Trials that are neither guided nor pruned."""

@@ -176,7 +176,7 @@ class Judge:
         patients = 1 if design.over == "nominal" else design.patients
         worlds = patients * len(candidates)
         if self._env is None or self._env.num_envs != worlds:
-            self._env = gym.make_vec("jawenv/Jaw-v1", worlds, autoreset_mode="disabled", **design.env_kwargs)
+            self._env = gym.make_vec("jawenv/Jaw-v2", worlds, autoreset_mode="disabled", **design.env_kwargs)
         configuration = self._env.configuration
         seeds = [TUNING.start + i for i in range(patients)] * len(candidates)
         options = {"patients": [nominal_patient(design.cohort)] * worlds} if design.over == "nominal" else None

@@ -181,7 +181,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--patients", "0"], "patients: 0 given"),
         (["hold_still", "--reality", "creep=much"], "reality: 'creep=much' given"),
         (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
-        (["hold_still", "--estimator", "two"], "estimator: 'two' given, allowed in jawenv/Jaw-v1 are midline"),
+        (["hold_still", "--estimator", "two"], "estimator: 'two' given, allowed in jawenv/Jaw-v2 are midline"),
         (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
         (["hold_still", "--env", "Knee"], "env 'Knee': unknown"),
     ],

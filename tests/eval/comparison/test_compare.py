@@ -133,7 +133,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
         (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
         (["hold_still", "--reality", "creep_share"], "reality: 'creep_share' given, allowed is FIELD=VALUE"),
         (["hold_still", "--reality", "creep_share=2"], "reality.creep_share is 2.0; allowed: a finite number"),
-        (["hold_still", "--env", "knee"], "env 'knee': unknown; allowed: jawenv/JawHinge-v1, jawenv/JawSagittal-v1, "),
+        (["hold_still", "--env", "knee"], "env 'knee': unknown; allowed: jawenv/JawHinge-v2, jawenv/JawSagittal-v2, "),
     ],
 )
 def test_bad_input_is_one_line(arguments, message, tmp_path, capsys):
@@ -204,7 +204,7 @@ def test_an_entry_named_twice_counts_once():
 def test_the_filters_mechanics_go_to_the_environment():
     assert "estimator" not in Settings().env_kwargs
     assert Settings(env="JawBilateral", estimator="midline").env_kwargs["estimator"] == "midline"
-    with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v1 are midline"):
+    with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v2 are midline"):
         Settings(estimator="bilateral")
 
 
@@ -238,7 +238,7 @@ def test_settings_are_kept_with_the_results(tmp_path):
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     about = results.load(tmp_path).about
     assert about["settings"]["patients"] == 2
-    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v1"
+    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v2"
     assert about["entries"][0]["label"] == "hold_still"
     assert "numpy" in about["versions"]
     json.dumps(about)
@@ -255,7 +255,7 @@ def trained_run(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("runs") / "ppo-test"
     (folder / "checkpoints").mkdir(parents=True)
-    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v1", control="force"), device="cpu", n_steps=8, batch_size=8)
+    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v2", control="force"), device="cpu", n_steps=8, batch_size=8)
     model.save(folder / "best_model.zip")
     model.save(folder / "checkpoints" / "step_0000000008.zip")
     settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
@@ -264,17 +264,17 @@ def trained_run(tmp_path_factory):
 
 
 def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained_run, tmp_path, capsys):
-    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v1"
+    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v2"
     other = tmp_path / "other"
     shutil.copytree(trained_run, other)
     text = (other / "config.yaml").read_text()
-    (other / "config.yaml").write_text(text.replace("jawenv/Jaw-v1", "jawenv/JawBilateral-v1"))
-    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v1"
+    (other / "config.yaml").write_text(text.replace("jawenv/Jaw-v2", "jawenv/JawBilateral-v2"))
+    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v2"
     output = tmp_path / "study"
     for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
         assert run(*arguments, *SHORT, "--output", str(output)) == 2
         told = capsys.readouterr().err
-        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v1, but this comparison is in jawenv/J")
+        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v2, but this comparison is in jawenv/J")
         assert told.count("\n") == 1
     assert not output.exists()
 
@@ -286,8 +286,8 @@ def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, 
 
 
 def test_entries_of_another_environment_than_the_settings_are_refused():
-    entries = load_entries(["hold_still"], Settings().env_kwargs, "jawenv/JawSides-v1")
-    with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v1, but this comparison is in jawenv/Jaw-v"):
+    entries = load_entries(["hold_still"], Settings().env_kwargs, "jawenv/JawSides-v2")
+    with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v2, but this comparison is in jawenv/Jaw-v"):
         comparison.compare(entries, Settings())
 
 

@@ -92,7 +92,7 @@ def test_false_sds_identify_nothing(made):
 def test_an_effect_that_does_little_is_named_all_the_same(made):
     first = verdict.headline(rank(misled(made, 1.0)))
     assert first.startswith(
-        "With creep_share = 0.3, which the filter does not know, the 12 parameters of jawenv/Jaw-v1"
+        "With creep_share = 0.3, which the filter does not know, the 12 parameters of jawenv/Jaw-v2"
     )
 
 
@@ -151,7 +151,7 @@ def test_calibration_is_judged_by_the_band(ranking):
 def test_the_verdict_says_who_wins_who_lies_and_who_hurts(ranking):
     first = verdict.headline(ranking)
     assert first.startswith(
-        "The 12 parameters of jawenv/Jaw-v1 are identified best by good one. In half of the patients"
+        "The 12 parameters of jawenv/Jaw-v2 are identified best by good one. In half of the patients"
     )
     assert "sds" not in first
     told = " ".join(verdict.remarks(ranking))

@@ -174,7 +174,7 @@ def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
         (["hold_still", "--drift", "nan"], "drift: nan given, allowed is 0 to 0.5"),
         (["hold_still", "--patients", "0"], "patients: 0 given, allowed is 1 or more"),
         (["hold_still", "--seed", "-1"], "seed: -1 given, allowed is a whole number"),
-        (["hold_still", "--env", "JawSides"], "env: jawenv/JawSides-v1 given, allowed are those with six"),
+        (["hold_still", "--env", "JawSides"], "env: jawenv/JawSides-v2 given, allowed are those with six"),
         (["hold_still", "--patient", "none.json"], "none.json: no such file"),
         (["hold_still", "--cohort", "nobody"], "cohort 'nobody' is unknown"),
     ],

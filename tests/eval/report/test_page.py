@@ -157,10 +157,10 @@ def test_every_figure_is_valid_svg_in_the_colours_of_the_page(made, name):
 @pytest.mark.parametrize(
     ("env", "number", "first"),
     [
-        ("jawenv/JawHinge-v1", 2, "closers"),
-        ("jawenv/JawSagittal-v1", 6, "masseter"),
-        ("jawenv/JawSides-v1", 4, "$F_o$ left"),
-        ("jawenv/JawPortions-v1", 24, "superficial masseter"),
+        ("jawenv/JawHinge-v2", 2, "closers"),
+        ("jawenv/JawSagittal-v2", 6, "masseter"),
+        ("jawenv/JawSides-v2", 4, "$F_o$ left"),
+        ("jawenv/JawPortions-v2", 24, "superficial masseter"),
     ],
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, first):

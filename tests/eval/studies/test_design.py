@@ -94,7 +94,7 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             "agent 'myopic': control is 'force'; allowed for a planner: targets",
         ),
         ({"cohorts": ["knees"]}, "cohort 'knees' is unknown; allowed: trismus"),
-        ({"environments": ["Knee"]}, "env 'Knee': unknown; allowed: jawenv/JawHinge-v1"),
+        ({"environments": ["Knee"]}, "env 'Knee': unknown; allowed: jawenv/JawHinge-v2"),
         ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator: 'bilateral' given, allowed in"),
         ({"controls": ["thought"]}, "controls.0 = 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
