@@ -18,6 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from jawenv.errors import InputError
+from jawenv.estimation.recordings.parquet import read_parquet
 from jawenv.files import atomic_write
 
 _KEY = b"jawenv.eval"
@@ -89,12 +90,12 @@ def read_table(
         InputError: the file is missing, damaged, or not a table of this program.
     """
     try:
-        table = pq.read_table(path)
+        table = read_parquet(path)
         about = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
         frame = table.to_pandas()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, pa.ArrowException, ValueError) as error:
+    except (OSError, pa.ArrowException, ValueError, TypeError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
         reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path} is damaged ({reason}); {remedy}") from None
     missing = [column for column in columns if column not in frame]

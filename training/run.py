@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 from agents.residual import BASE_FILE
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, write_json
+from jawenv.files import atomic_write, read_mapping, write_json
 from jawenv.maneuvers import Maneuver
 from training.config import TrainingConfig
 
@@ -126,9 +126,9 @@ class RunFolder:
         """Note that the run was resumed, and with which number of steps as its new end."""
         config.save(self.config_file)
         try:
-            repeat = json.loads(self.repeat_file.read_text(encoding="utf-8"))
+            repeat = read_mapping(self.repeat_file)
             repeat["sessions"].append(_session(from_step, world_seed))
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
         _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
