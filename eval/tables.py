@@ -9,7 +9,6 @@ import platform
 import subprocess
 import time
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +19,9 @@ import pyarrow.parquet as pq
 from jawenv.errors import InputError
 from jawenv.estimation.recordings.parquet import read_parquet
 from jawenv.files import atomic_write
+from jawenv.versions import package_versions
 
 _KEY = b"jawenv.eval"
-_PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "torch")
 
 
 def made_with(command: str, **more: Any) -> dict[str, Any]:
@@ -33,13 +32,7 @@ def made_with(command: str, **more: Any) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Python, the machine, and the packages that decide results."""
-    installed = {"python": platform.python_version(), "machine": platform.platform()}
-    for package in _PACKAGES:
-        try:
-            installed[package] = version(package)
-        except PackageNotFoundError:
-            installed[package] = "not installed"
-    return installed
+    return {"python": platform.python_version(), "machine": platform.platform(), **package_versions()}
 
 
 def git_state() -> dict[str, Any] | None:

@@ -27,7 +27,6 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,12 +34,12 @@ from agents.residual import BASE_FILE
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, read_mapping, write_json
 from jawenv.maneuvers import Maneuver
+from jawenv.versions import package_versions
 from training.config import TrainingConfig
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
-PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "sb3-contrib", "torch")
 _CHECKPOINT = re.compile(r"step_(\d+)\.zip")
 
 
@@ -185,17 +184,12 @@ def _session(from_step: int, world_seed: int) -> dict[str, Any]:
 
 
 def _versions() -> dict[str, str]:
-    versions = {
+    return {
         "python": platform.python_version(),
         "platform": platform.platform(),
         "cpus": str(os.cpu_count()),
+        **package_versions(),
     }
-    for package in PACKAGES:
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            versions[package] = "not installed as a package"
-    return versions
 
 
 def _git_state() -> Mapping[str, object] | None:

@@ -250,9 +250,7 @@ def test_pipes_and_large_files_are_refused_before_they_are_read(tmp_path, ending
         load_record(tmp_path / f"pipe{ending}")
     with (tmp_path / f"large{ending}").open("wb") as file:
         file.truncate(2**40)
-    with pytest.raises(
-        InputError, match=f"^[^\\n]*large{ending}: has 1,099,511,627,776 bytes; allowed: "
-    ):
+    with pytest.raises(InputError, match=f"^[^\\n]*large{ending}: has 1,099,511,627,776 bytes; allowed: "):
         load_record(tmp_path / f"large{ending}")
 
 
@@ -263,9 +261,7 @@ def test_a_small_parquet_file_of_a_large_table_is_refused(tmp_path):
     column = pa.array(np.zeros(1_000_000))
     pq.write_table(pa.table({"time_s": column}), tmp_path / "zeros.parquet", compression="zstd")
     assert (tmp_path / "zeros.parquet").stat().st_size < 100_000
-    with pytest.raises(
-        InputError, match=r"zeros\.parquet: its table takes 8,000,000 bytes; allowed: 1,000,000 at"
-    ):
+    with pytest.raises(InputError, match=r"zeros\.parquet: its table takes 8,000,000 bytes; allowed: 1,000,000 at"):
         read_parquet(tmp_path / "zeros.parquet", 1_000_000)
 
 
