@@ -110,7 +110,8 @@ def load_entries(
         trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
 
     Raises:
-        InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was trained in another environment.
+        InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
+            trained in another environment.
     """
     entries = [_load(spec, env_kwargs, env_id, trust) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
