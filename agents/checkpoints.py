@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     Weights = Mapping[str, Tensor]
 
-ACTIVATIONS = ("tanh", "relu", "elu")
 ALGORITHMS = ("ppo", "recurrent_ppo", "sac", "tqc")
 LARGEST_WEIGHTS = 256 * 2**20
 """Bytes."""
@@ -126,12 +125,13 @@ def _activation(config: Mapping[str, Any], source: str) -> type[nn.Module]:
     """What the configuration puts between the layers."""
     from torch import nn
 
-    place, value = config["algorithm"], config
+    value: Any = config
     for key in (config["algorithm"], "network", "activation"):
-        value = value.get(key) if isinstance(value, Mapping) else None  # type: ignore[assignment]
-    if value not in ACTIVATIONS:
-        raise InputError(f"{source}: {place}.network.activation is {shown(value)}; allowed: {', '.join(ACTIVATIONS)}")
-    kinds: dict[Any, type[nn.Module]] = {"tanh": nn.Tanh, "relu": nn.ReLU, "elu": nn.ELU}
+        value = value.get(key) if isinstance(value, Mapping) else None
+    kinds: dict[str, type[nn.Module]] = {"tanh": nn.Tanh, "relu": nn.ReLU, "elu": nn.ELU}
+    if not isinstance(value, str) or value not in kinds:
+        place = f"{config['algorithm']}.network.activation"
+        raise InputError(f"{source}: {place} is {shown(value)}; allowed: {', '.join(kinds)}")
     return kinds[value]
 
 

@@ -16,7 +16,7 @@ from agents.planning import Planner
 from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import CONTROL_HZ
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES
 from jawenv.protocol import Agent
 from jawenv.reading import read_bytes
@@ -181,8 +181,8 @@ def _env_of_run(spec: str) -> EnvConfig | None:
 def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
     """A key that changes with whatever could change the entry's results.
 
-    That is what its agent is made of (`agents.registry.files_of`), the files that the settings name, the settings
-    themselves, the program, and the packages that it computes with.
+    That is what its agent is made of (`agents.registry.files_of`, and what an agent of one's own names), the settings
+    and the files that they name, the program, and the packages that it computes with.
 
     Args:
         entry: whose results are kept under the key.
@@ -190,10 +190,22 @@ def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
     """
     decided_by = [entry.about(), settings, package_versions()]
     content = hashlib.sha256(json.dumps(decided_by, sort_keys=True).encode())
-    for file in (*registry.files_of(entry.spec), *_files_named(entry.env_kwargs), *_program()):
+    for file in (*registry.files_of(entry.spec), *_made_of(entry.agent), *_files_named(entry.env_kwargs), *_program()):
         content.update(file.name.encode())
         content.update(hashlib.sha256(read_bytes(file)).digest())
     return content.hexdigest()[:16]
+
+
+def _made_of(agent: Agent) -> list[Path]:
+    """Further files that decide what an agent of one's own does, in its attribute ``made_of``.
+
+    Raises:
+        InputError: it is no list of paths.
+    """
+    named = getattr(agent, "made_of", ())
+    if not isinstance(named, list | tuple) or not all(isinstance(path, str | Path) for path in named):
+        raise InputError(f"{agent.name}: made_of is {shown(named)}; allowed: a list of paths")
+    return [Path(path) for path in named]
 
 
 def _files_named(env_kwargs: dict[str, Any]) -> list[Path]:

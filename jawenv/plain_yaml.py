@@ -30,7 +30,7 @@ class _Loader(yaml.SafeLoader):
             # An anchor is counted when its value is complete.
             if event.anchor in self.anchors and event.anchor not in self._values_of_anchor:
                 raise ValueError(f"alias '{event.anchor}' stands in its own value")
-            self._values += self._values_of_anchor.get(event.anchor, 0)
+            self._values += self._values_of_anchor.get(event.anchor or "", 0)
         else:
             self._values += 1
         if self._values > MOST_VALUES:

@@ -150,4 +150,5 @@ def load(path: Path) -> Treatment:
     except InputError as error:
         reason = str(error).removeprefix(f"{path}: ")
         raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
-    return Treatment(**held | {"violated": bool(held["violated"])})
+    violated = bool(held.pop("violated"))
+    return Treatment(**held, violated=violated)

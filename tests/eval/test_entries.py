@@ -102,6 +102,19 @@ def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_p
     assert all(new != old for new, old in zip(after, before, strict=True))
 
 
+def test_the_fingerprint_changes_with_the_files_that_ones_own_agent_names(tmp_path: Path, own: Path) -> None:
+    own.write_text(OWN.replace('name = "mine"', 'name = "mine"\n    made_of = ["gains.txt"]'))
+    prints = set()
+    for gains in ("1", "2"):
+        (tmp_path / "gains.txt").write_text(gains)
+        (entry,) = load_entries(["entry_of_mine:Mine"], Settings().env_kwargs)
+        prints.add(fingerprint(entry, {}))
+    assert len(prints) == 2
+    entry.agent.made_of = "gains.txt"  # type: ignore[attr-defined]
+    with pytest.raises(InputError, match="mine: made_of is 'gains.txt'; allowed: a list of paths"):
+        fingerprint(entry, {})
+
+
 def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
     (entry,) = load_entries(["entry_of_mine:Mine"], Settings(control="trajectory").env_kwargs)
     assert entry.label == "mine" and not entry.trained
