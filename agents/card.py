@@ -197,7 +197,7 @@ def exported_place(spec: str | Path) -> Path | None:
     path = Path(spec)
     if str(spec) in policy_names():
         return SHIPPED / str(spec)
-    exported = path.name == CARD or (path / CARD).is_file() or (path / WEIGHTS).is_file()
+    exported = path.name == CARD or (path / CARD).exists() or (path / WEIGHTS).exists()
     return path if exported else None
 
 

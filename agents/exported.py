@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from agents.card import WEIGHTS, Architecture, ModelCard, read_card
+from agents.checkpoints import LARGEST_WEIGHTS
 from agents.following import decision_hz
 from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.controls import Control
@@ -18,6 +19,7 @@ from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.reading import read_bytes
 
 
 def elu(x: Array) -> Array:
@@ -124,18 +126,15 @@ def _read_weights(path: Path, card: ModelCard) -> dict[str, np.ndarray]:
     with needs("an exported policy", "safetensors", "train"):
         from safetensors import SafetensorError
         from safetensors.numpy import load
-    try:
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file, but a card without its weights is no policy") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if not path.exists():
+        raise InputError(f"{path}: no such file, but a card without its weights is no policy")
+    content = read_bytes(path, LARGEST_WEIGHTS)
     found = hashlib.sha256(content).hexdigest()
     if found != card.weights_sha256:
         raise InputError(f"{path}: sha256 is {found}, the card's weights_sha256 is {card.weights_sha256}")
     try:
         weights = load(content)
-    except (SafetensorError, KeyError, ValueError) as error:
+    except (SafetensorError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: damaged safetensors: {' '.join(str(error).split())[:120]}") from None
     _check_weights(path, card.architecture, weights)
     return weights

@@ -1,11 +1,12 @@
 """Trained stable-baselines3 policies as agents."""
 
-import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agents.checkpoints import check_checkpoint, names_policy, policy_of_weights, unpickled_policy
 from agents.following import decision_hz
 from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
 from jawenv.controls import Control
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 CONFIG = "config.yaml"
 MODELS_OF_A_RUN = ("best_model.zip", "final_model.zip")
-_ENTRIES = {"data", "policy.pth"}
 
 
 class TrainedPolicy:
@@ -72,27 +72,40 @@ class TrainedPolicy:
         return action, self._state
 
 
-def load_policy(path: str | Path, *, observation_size: int | None = None) -> TrainedPolicy | ResidualPolicy:
+def load_policy(
+    path: str | Path, *, observation_size: int | None = None, trust: bool = False
+) -> TrainedPolicy | ResidualPolicy:
     """Load a run folder (its best model, else its final one) or a checkpoint file.
 
-    A policy of a run that was trained as a residual comes with its maneuver, by the run's config.yaml.
-    A checkpoint holds pickled Python objects: load only files whose origin you trust.
+    A checkpoint in a run's folder is rebuilt from its weights and the run's config.yaml, and comes with the maneuver
+    that it corrects, if it does. One without that file is a pickle that can run code.
 
     Args:
         path: run folder or .zip.
         observation_size: of the environment it shall play, to be checked.
+        trust: whether a checkpoint without a configuration may be unpickled.
 
     Raises:
-        InputError: no such file, not a stable-baselines3 checkpoint, or a policy for another observation or action.
+        InputError: no such file, not a stable-baselines3 checkpoint, one that needs trust, or a policy for another
+            observation or action.
     """
     checkpoint = _checkpoint(Path(path))
-    policy = _policy(checkpoint)
+    config_file = config_of_run(checkpoint)
+    config = {} if config_file is None else read_mapping(config_file)
+    if names_policy(config):
+        policy = policy_of_weights(checkpoint, config, str(config_file))
+    elif trust:
+        policy = unpickled_policy(checkpoint)
+    else:
+        raise InputError(
+            f"{checkpoint}: no config.yaml beside it names its algorithm, so it would be unpickled: that can run code; "
+            "allowed if you trust its origin: --trust (in Python trust=True)"
+        )
     shape = policy.action_space.shape
     if shape != (4,):
         raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
-    config = _run_config(checkpoint)
     trained = TrainedPolicy(checkpoint, policy, _env_kwargs(config).get("control"))
-    base = _base_targets(checkpoint, config)
+    base = None if config_file is None else _base_targets(config, config_file)
     agent = trained if base is None else _on_base(trained, base)
     if observation_size is not None and agent.observation_size != observation_size:
         raise InputError(
@@ -102,76 +115,68 @@ def load_policy(path: str | Path, *, observation_size: int | None = None) -> Tra
     return agent
 
 
+def config_of_run(path: Path) -> Path | None:
+    """The configuration of a run, given by its folder or a checkpoint in it; None if there is none."""
+    if path.is_dir():
+        folders = [path]
+    elif path.exists():
+        folder = path.resolve().parent
+        folders = [folder, folder.parent] if folder.name == "checkpoints" else [folder]
+    else:
+        folders = []
+    return next((folder / "config.yaml" for folder in folders if (folder / "config.yaml").exists()), None)
+
+
+def files_of_run(path: Path) -> tuple[Path, ...]:
+    """The files that decide what `load_policy` makes of a path: checkpoint, configuration, and the maneuver corrected.
+
+    Raises:
+        InputError: no run or checkpoint, or a damaged configuration.
+    """
+    checkpoint = _checkpoint(path)
+    config_file = config_of_run(checkpoint)
+    if config_file is None:
+        return (checkpoint,)
+    residual = _residual(read_mapping(config_file), config_file)
+    maneuver = None if residual is None else residual.maneuver_file(config_file.parent)
+    return (checkpoint, config_file, *(() if maneuver is None else (maneuver,)))
+
+
 def _on_base(trained: TrainedPolicy, base: BaseTargets) -> ResidualPolicy:
     return ResidualPolicy(trained, base, trained.path, trained.observation_size - N_FEATURES)
 
 
-def _run_folder(checkpoint: Path) -> Path | None:
-    """The folder of the run that a checkpoint belongs to; None if it belongs to none."""
-    folders = checkpoint.resolve().parents[:2]
-    return next((folder for folder in folders if (folder / CONFIG).is_file()), None)
-
-
-def _run_config(checkpoint: Path) -> dict[str, Any]:
-    """The configuration of the run that a checkpoint belongs to; empty if it belongs to none."""
-    folder = _run_folder(checkpoint)
-    return {} if folder is None else read_mapping(folder / CONFIG)
-
-
-def _env_kwargs(config: dict[str, Any]) -> dict[str, Any]:
+def _env_kwargs(config: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of the environment that a run's configuration names."""
     env = config.get("env")
     kwargs = env.get("kwargs") if isinstance(env, dict) else None
     return kwargs if isinstance(kwargs, dict) else {}
 
 
-def _base_targets(checkpoint: Path, config: dict[str, Any]) -> BaseTargets | None:
-    """The maneuver that the run of a checkpoint corrects, None if it corrects none."""
-    folder = _run_folder(checkpoint)
-    if folder is None or config.get("residual") is None:
+def _residual(config: Mapping[str, Any], config_file: Path) -> Residual | None:
+    """What the policies of a run correct; None if they correct nothing."""
+    if config.get("residual") is None:
         return None
-    residual = validate(Residual, config["residual"], f"{folder / CONFIG}: residual")
-    return BaseTargets(residual.load_maneuver(folder), residual.scale, decision_hz(_env_kwargs(config)))
+    return validate(Residual, config["residual"], f"{config_file}: residual")
+
+
+def _base_targets(config: Mapping[str, Any], config_file: Path) -> BaseTargets | None:
+    """The maneuver that the policies of a run correct, None if they correct none."""
+    residual = _residual(config, config_file)
+    if residual is None:
+        return None
+    hz = decision_hz(_env_kwargs(config))
+    return BaseTargets(residual.load_maneuver(config_file.parent), residual.scale, hz)
 
 
 def _checkpoint(path: Path) -> Path:
     """The checkpoint file that a path stands for, known to be a zip with a checkpoint's entries."""
     if path.is_dir():
-        models = [path / name for name in MODELS_OF_A_RUN if (path / name).is_file()]
+        models = [path / name for name in MODELS_OF_A_RUN if (path / name).exists()]
         if not models:
             raise InputError(f"{path}: not a training run, it holds neither {' nor '.join(MODELS_OF_A_RUN)}")
         path = models[0]
     elif not path.exists():
         raise InputError(f"{path}: no such file or folder")
-    try:
-        with zipfile.ZipFile(path) as archive:
-            missing = _ENTRIES - set(archive.namelist())
-    except (OSError, zipfile.BadZipFile):
-        missing = _ENTRIES
-    if missing:
-        raise InputError(
-            f"{path}: not a stable-baselines3 checkpoint (a .zip that holds {', '.join(sorted(_ENTRIES))})"
-        )
+    check_checkpoint(path)
     return path
-
-
-def _policy(path: Path) -> "BasePolicy":
-    """Rebuild the policy network from what the checkpoint stores about it."""
-    from stable_baselines3.common.policies import BasePolicy
-    from stable_baselines3.common.save_util import load_from_zip_file
-
-    try:
-        data, parameters, _ = load_from_zip_file(path, device="cpu")
-        assert data is not None
-        kwargs = dict(data["policy_kwargs"])
-        if data.get("use_sde"):
-            kwargs["use_sde"] = True
-        # A learning rate is asked for by every policy's constructor; a policy that only acts never uses it.
-        policy = data["policy_class"](data["observation_space"], data["action_space"], lambda _: 0.0, **kwargs)
-        policy.load_state_dict(parameters["policy"])
-    except Exception as error:  # a damaged pickle or state can raise anything
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise InputError(f"{path}: damaged stable-baselines3 checkpoint: {reason}") from error
-    assert isinstance(policy, BasePolicy)
-    policy.set_training_mode(False)
-    return policy

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from agents.card import exported_place, policy_names
+from agents.card import CARD, WEIGHTS, exported_place, policy_names
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
 from agents.following import Following, TargetsLaw
-from agents.own import load_own, names_own
+from agents.own import load_own, names_own, source_of
 from agents.planners import PLANNERS
-from agents.policies import load_policy
+from agents.policies import files_of_run, load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control, control_of
@@ -31,6 +31,7 @@ def load_agent(
     control: Control = DEFAULT_CONTROL,
     control_hz: float | None = None,
     env_id: str = DEFAULT_ENV,
+    trust: bool = False,
 ) -> Agent:
     """Find or load an agent.
 
@@ -42,6 +43,7 @@ def load_agent(
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
+        trust: whether a checkpoint that lies in no run's folder may be unpickled, which can run code.
 
     Raises:
         InputError: an unknown name or environment, or a file that is not what it should be; one line that says so.
@@ -63,7 +65,8 @@ def load_agent(
     if path.exists() or path.suffix == ".zip":
         from jawenv.envs.observation import observation_size
 
-        policy = load_policy(path, observation_size=observation_size(len(model.muscles.parameter_names)))
+        size = observation_size(len(model.muscles.parameter_names))
+        policy = load_policy(path, observation_size=size, trust=trust)
         return _in_control(policy, control, control_hz)
     if names_own(str(spec)):
         own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
@@ -74,6 +77,28 @@ def load_agent(
         f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
         "a run folder, a checkpoint .zip, an exported policy's folder, or package.module:Name of an agent of your own"
     )
+
+
+def files_of(spec: str | Path) -> tuple[Path, ...]:
+    """The files that decide what the agent of a spec does, beside those of the program.
+
+    Of an agent of one's own that is its module, but not what that imports.
+
+    Raises:
+        InputError: what `load_agent` refuses about a run.
+    """
+    path = Path(spec)
+    if str(spec) in (*EXCITATIONS, *PLANNERS, *names()):
+        return ()
+    if (place := exported_place(spec)) is not None:
+        folder = place if place.is_dir() else place.parent
+        return (folder / CARD, folder / WEIGHTS)
+    if path.suffix in (*SUFFIXES, ".npz"):
+        return (path,)
+    if path.exists():
+        return files_of_run(path)
+    own = source_of(str(spec))
+    return () if own is None else (own,)
 
 
 def _steps_per_s(control: Control, control_hz: float | None) -> float:

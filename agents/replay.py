@@ -100,9 +100,10 @@ class Replay:
             InputError: no such file, or one that holds no actions.
         """
         name, actions, hz = load_arrays(path, ("name", "actions", "decision_hz"), "recorded actions")
-        if actions.ndim != 3 or actions.shape[2] != len(CHANNELS) or not (np.abs(actions) <= 1.0).all():
+        right = actions.ndim == 3 and actions.shape[2] == len(CHANNELS) and actions.size and actions.dtype.kind == "f"
+        if not right or not (np.abs(actions) <= 1.0).all():
             raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
-        if hz.shape != () or not 0.0 < hz < np.inf:
+        if hz.shape != () or hz.dtype.kind not in "iuf" or not 0.0 < hz < np.inf:
             raise InputError(f"{path}: decision_hz is {shown(hz.tolist())}; allowed: a positive number")
         return cls(str(name), actions.astype(np.float64), float(hz))
 

@@ -48,11 +48,14 @@ class Residual(InputModel):
         Raises:
             InputError: no such maneuver, or a damaged file.
         """
-        if folder is not None and (folder / BASE_FILE).is_file():
-            return Maneuver.load(folder / BASE_FILE)
-        if Path(self.maneuver).suffix in SUFFIXES:
-            return Maneuver.load(self.maneuver)
-        return Maneuver.named(self.maneuver)
+        file = self.maneuver_file(folder)
+        return Maneuver.named(self.maneuver) if file is None else Maneuver.load(file)
+
+    def maneuver_file(self, folder: Path | None = None) -> Path | None:
+        """The file that `load_maneuver` reads; None for a maneuver that comes with jawenv."""
+        if folder is not None and (folder / BASE_FILE).exists():
+            return folder / BASE_FILE
+        return Path(self.maneuver) if Path(self.maneuver).suffix in SUFFIXES else None
 
 
 class BaseTargets:

@@ -11,7 +11,7 @@ import typer
 
 from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
-from eval.options import Cohort, Control, Fresh, Output, Seed, Sensors
+from eval.options import Cohort, Control, Fresh, Output, Seed, Sensors, Trust
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal
 from jawenv.controls import DEFAULT_CONTROL
@@ -65,6 +65,7 @@ def play_command(
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
+    trust: Trust = False,
 ) -> None:
     """Show one episode in a window, or write it as a film."""
     if video is None:
@@ -76,7 +77,7 @@ def play_command(
     from eval.settings import Settings
 
     settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]))
-    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env)
+    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
     wanted, console = film.Film(loaded, seed, patient, start_s, width, every), terminal()
     said = film.show(wanted, console) if video is None else film.write(wanted, video, console)
     console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
@@ -97,6 +98,7 @@ def study_command(
     backend: Annotated[
         str, typer.Option(help="loky, this machine; ray, the cluster that RAY_ADDRESS names.", metavar="NAME")
     ] = "loky",
+    trust: Trust = False,
 ) -> None:
     """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).
 
@@ -111,7 +113,7 @@ def study_command(
     elif study is None:
         raise InputError(f"study: none given; allowed: {', '.join(design.shipped())}, or a file")
     else:
-        asked = command.Asked(study, patients, output, fresh, workers, backend)
+        asked = command.Asked(study, patients, output, fresh, workers, backend, trust)
         command.study(asked, shlex.join(["python", "-m", "eval", *sys.argv[1:]]), terminal())
 
 

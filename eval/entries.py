@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import jawenv
 from agents import registry
-from agents.card import CARD, WEIGHTS, exported_place, read_card
-from agents.own import source_of
+from agents.card import exported_place, read_card
 from agents.planning import Planner
-from agents.policies import TrainedPolicy
+from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
+from jawenv.files import FILE_TYPES
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
+from jawenv.reading import read_bytes
+from jawenv.versions import package_versions
 
 if TYPE_CHECKING:
     from training.run.config import EnvConfig
@@ -97,18 +98,22 @@ def env_of_runs(specs: Iterable[str]) -> str:
     return next((own.id for own in trained_in if own is not None), DEFAULT_ENV)
 
 
-def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV) -> list[Entry]:
+def load_entries(
+    specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV, *, trust: bool = False
+) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         env_kwargs: settings asked for.
         env_id: the environment of the study.
+        trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
 
     Raises:
-        InputError: an unknown maneuver, a damaged file or checkpoint, or a run that was trained in another environment.
+        InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
+            trained in another environment.
     """
-    entries = [_load(spec, env_kwargs, env_id) for spec in dict.fromkeys(specs)]
+    entries = [_load(spec, env_kwargs, env_id, trust) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -116,7 +121,7 @@ def load_entries(specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str =
     ]
 
 
-def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
+def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> Entry:
     run = _env_of_run(spec)
     if run is not None and run.id != env_id:
         raise InputError(
@@ -131,7 +136,9 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str) -> Entry:
         f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
     ]
     settings = asked | own
-    agent = registry.load_agent(spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id)
+    agent = registry.load_agent(
+        spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
+    )
     maneuver = getattr(agent, "maneuver", None)
     return Entry(
         label=agent.name,
@@ -163,7 +170,7 @@ def _env_of_run(spec: str) -> EnvConfig | None:
 
         trained_in = read_card(place).environment
         return EnvConfig(id=trained_in.id, kwargs=trained_in.kwargs())
-    config_file = _config_of_run(Path(spec))
+    config_file = config_of_run(Path(spec))
     if config_file is None:
         return None
     from training.run.config import TrainingConfig
@@ -171,49 +178,40 @@ def _env_of_run(spec: str) -> EnvConfig | None:
     return TrainingConfig.load(config_file).env
 
 
-def _config_of_run(path: Path) -> Path | None:
-    """The configuration of a run, given by its folder or a checkpoint in it; None if there is none."""
-    if path.is_dir():
-        folders = [path]
-    else:
-        folders = [path.parent, path.parent.parent] if path.suffix == ".zip" and path.exists() else []
-    return next((folder / "config.yaml" for folder in folders if (folder / "config.yaml").is_file()), None)
-
-
-def warn_of_pickles(specs: Iterable[str]) -> None:
-    """Say on stderr what loading a checkpoint risks, once for each that lies in no run's folder."""
-    for spec in dict.fromkeys(specs):
-        path = Path(spec)
-        if path.suffix == ".zip" and path.is_file() and _config_of_run(path) is None:
-            print(
-                f"warning: {spec}: a checkpoint may run code when it is loaded; load only files whose origin you trust",
-                file=sys.stderr,
-            )
-
-
 def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
-    """A key that changes with whatever could change the entry's results: its file, the settings, the program.
+    """A key that changes with whatever could change the entry's results.
+
+    That is what its agent is made of (`agents.registry.files_of`, and what an agent of one's own names), the settings
+    and the files that they name, the program, and the packages that it computes with.
 
     Args:
         entry: whose results are kept under the key.
         settings: of the study.
     """
-    content = hashlib.sha256(json.dumps([entry.about(), settings], sort_keys=True).encode())
-    for file in (*_files_of(entry.spec), *_program()):
+    decided_by = [entry.about(), settings, package_versions()]
+    content = hashlib.sha256(json.dumps(decided_by, sort_keys=True).encode())
+    for file in (*registry.files_of(entry.spec), *_made_of(entry.agent), *_files_named(entry.env_kwargs), *_program()):
         content.update(file.name.encode())
-        content.update(file.read_bytes())
+        content.update(hashlib.sha256(read_bytes(file)).digest())
     return content.hexdigest()[:16]
 
 
-def _files_of(spec: str) -> list[Path]:
-    """The files that say what an entry does; of an agent of one's own its module, but not what that imports."""
-    path = exported_place(spec) or Path(spec)
-    if path.is_dir():
-        return sorted(file for pattern in ("*.zip", CARD, WEIGHTS) for file in path.glob(pattern))
-    if path.is_file():  # a card holds the hash of its weights
-        return [path]
-    own = source_of(spec)
-    return [] if own is None else [own]
+def _made_of(agent: Agent) -> list[Path]:
+    """Further files that decide what an agent of one's own does, in its attribute ``made_of``.
+
+    Raises:
+        InputError: it is no list of paths.
+    """
+    named = getattr(agent, "made_of", ())
+    if not isinstance(named, list | tuple) or not all(isinstance(path, str | Path) for path in named):
+        raise InputError(f"{agent.name}: made_of is {shown(named)}; allowed: a list of paths")
+    return [Path(path) for path in named]
+
+
+def _files_named(env_kwargs: dict[str, Any]) -> list[Path]:
+    """The files among the arguments of an environment, such as a cohort's."""
+    texts = [value for value in env_kwargs.values() if isinstance(value, str)]
+    return [Path(text) for text in texts if Path(text).suffix.lower() in FILE_TYPES]
 
 
 def _program() -> list[Path]:

@@ -18,6 +18,10 @@ Control = Annotated[str, typer.Option(help="force, trajectory or targets; a trai
 Sensors = Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")]
 Output = Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")]
+Trust = Annotated[
+    bool,
+    typer.Option("--trust", help="Unpickle checkpoints that lie in no run's folder: they can run code as they load."),
+]
 Reference = Annotated[
     str | None, typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME")
 ]

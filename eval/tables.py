@@ -9,7 +9,6 @@ import platform
 import subprocess
 import time
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +18,10 @@ import pyarrow.parquet as pq
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.laboratory.recordings.parquet import read_parquet
+from jawenv.versions import package_versions
 
 _KEY = b"jawenv.eval"
-_PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "torch")
 
 
 def made_with(command: str, **more: Any) -> dict[str, Any]:
@@ -32,13 +32,7 @@ def made_with(command: str, **more: Any) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Python, the machine, and the packages that decide results."""
-    installed = {"python": platform.python_version(), "machine": platform.platform()}
-    for package in _PACKAGES:
-        try:
-            installed[package] = version(package)
-        except PackageNotFoundError:
-            installed[package] = "not installed"
-    return installed
+    return {"python": platform.python_version(), "machine": platform.platform(), **package_versions()}
 
 
 def git_state() -> dict[str, Any] | None:
@@ -89,12 +83,12 @@ def read_table(
         InputError: the file is missing, damaged, or not a table of this program.
     """
     try:
-        table = pq.read_table(path)
+        table = read_parquet(path)
         about = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
         frame = table.to_pandas()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, pa.ArrowException, ValueError) as error:
+    except (OSError, pa.ArrowException, ValueError, TypeError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
         reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path} is damaged ({reason}); {remedy}") from None
     missing = [column for column in columns if column not in frame]

@@ -16,6 +16,7 @@ from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from jawenv.errors import InputError, shown
+from jawenv.reading import read_text
 
 __all__ = [
     "FILE_TYPES",
@@ -162,18 +163,21 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     parse = _PARSERS.get(path.suffix.lower())
     if parse is None:
         raise InputError(f"{path}: unknown file type '{path.suffix}'; allowed: {', '.join(FILE_TYPES)}")
+    damaged = f"{path}: damaged {path.suffix[1:].upper()}"
     try:
-        data = parse(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        text = read_text(path)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{damaged}: {_flat(error)}") from None
+    try:
+        data = parse(text)
     except RecursionError:
-        raise InputError(f"{path}: damaged {path.suffix[1:].upper()}: nested too deeply") from None
+        raise InputError(f"{damaged}: nested too deeply") from None
+    except MemoryError:
+        raise InputError(f"{damaged}: more than the memory holds") from None
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     except ValueError as error:
-        raise InputError(f"{path}: damaged {path.suffix[1:].upper()}: {_flat(error)}") from None
+        raise InputError(f"{damaged}: {_flat(error)}") from None
     if not isinstance(data, dict):
         raise InputError(f"{path}: must hold a mapping of keys to values, not {_kind(data)}")
     return data
@@ -231,6 +235,16 @@ def _parse_json(text: str) -> Any:
     return json.loads(text, object_pairs_hook=_unique_keys)
 
 
+# A key of n parts costs tomllib n squared.
+_LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){30}""")
+
+
+def _parse_toml(text: str) -> Any:
+    if _LONG_KEY.search(text):
+        raise ValueError("a key of more than 30 parts")
+    return tomllib.loads(text)
+
+
 def _parse_yaml(text: str) -> Any:
     try:
         from jawenv import plain_yaml
@@ -241,7 +255,7 @@ def _parse_yaml(text: str) -> Any:
 
 _PARSERS: dict[str, Callable[[str], Any]] = {
     ".json": _parse_json,
-    ".toml": tomllib.loads,
+    ".toml": _parse_toml,
     ".yaml": _parse_yaml,
     ".yml": _parse_yaml,
 }

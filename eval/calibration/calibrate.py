@@ -75,6 +75,7 @@ def calibrate(
     output: Path,
     *,
     fresh: bool = False,
+    trust: bool = False,
     workers: int | None = None,
     console: Console | None = None,
 ) -> pd.DataFrame:
@@ -85,6 +86,7 @@ def calibrate(
         wanted: filters, times, patients.
         output: folder; its ``chunks`` holds what is finished.
         fresh: judge again what the folder holds.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
         workers: processes; all cores by default. 1 works in this process.
         console: where progress is shown; nowhere by default.
 
@@ -97,12 +99,12 @@ def calibrate(
     """
     if not specs:
         raise InputError("nothing to calibrate on: name a maneuver or a training run")
-    entries = load_entries(specs, wanted.settings.env_kwargs, wanted.settings.env)
+    entries = load_entries(specs, wanted.settings.env_kwargs, wanted.settings.env, trust=trust)
     for entry in entries:
         wanted.check_steps(entry)
     folder = folder_for(output, "chunks")
     chunks = {entry.label: _chunks_of(entry, wanted, folder) for entry in entries}
-    work = partial(judge_chunk, wanted=wanted, specs={entry.label: entry.spec for entry in entries})
+    work = partial(judge_chunk, wanted=wanted, specs={entry.label: entry.spec for entry in entries}, trust=trust)
     every = [chunk for of_entry in chunks.values() for chunk in of_entry]
     finish(every, work, "estimates", fresh=fresh, workers=workers, console=console)
     tables = [
@@ -136,15 +138,16 @@ def _digest() -> str:
     return hashlib.sha256(b"".join(sources)).hexdigest()[:16]
 
 
-def judge_chunk(chunk: Chunk, wanted: Calibration, specs: Mapping[str, str]) -> None:
+def judge_chunk(chunk: Chunk, wanted: Calibration, specs: Mapping[str, str], trust: bool = False) -> None:
     """Play a chunk's patients once, and keep the rows of each filter.
 
     Args:
         chunk: patients of one maneuver; ``first`` is the seed of the first one.
         wanted: filters, times, environment.
         specs: what the user typed, by the maneuvers' labels.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
-    entry = load_entries([specs[chunk.key]], wanted.settings.env_kwargs, wanted.settings.env)[0]
+    entry = load_entries([specs[chunk.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
     recording = play(
         entry.agent,
         patients=chunk.number,

@@ -22,6 +22,7 @@ from eval.options import (
     Patients,
     Seed,
     Sensors,
+    Trust,
     fields_of,
 )
 from eval.terminal import terminal
@@ -59,6 +60,7 @@ def calibrate_command(
     estimator: Believed = None,
     output: Output = Path("runs/calibrate"),
     fresh: Fresh = False,
+    trust: Trust = False,
 ) -> None:
     """Say whether filters are honest: whether the truth lies where they claim, on all cores.
 
@@ -67,7 +69,6 @@ def calibrate_command(
     """
     from eval.calibration import summary
     from eval.calibration.calibrate import Calibration, calibrate
-    from eval.entries import warn_of_pickles
     from eval.settings import Settings
     from eval.tables import made_with, write_table
 
@@ -78,8 +79,7 @@ def calibrate_command(
     settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
-    warn_of_pickles(specs)
-    rows = calibrate(specs, wanted, output, fresh=fresh, console=console)
+    rows = calibrate(specs, wanted, output, fresh=fresh, trust=trust, console=console)
     table, about = summary.summarise(rows), made_with(command, calibration=asdict(wanted))
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)

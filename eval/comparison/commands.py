@@ -25,6 +25,7 @@ from eval.options import (
     Reference,
     Seed,
     Sensors,
+    Trust,
     fields_of,
 )
 from eval.terminal import terminal
@@ -75,6 +76,7 @@ def compare_command(
     ] = False,
     output: Output = Path("runs/compare"),
     fresh: Fresh = False,
+    trust: Trust = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
@@ -84,7 +86,7 @@ def compare_command(
     """
     from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
-    from eval.entries import env_of_runs, load_entries, maneuver_names, warn_of_pickles
+    from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.settings import Settings
 
     admission = Admission(largest_discomfort_s, largest_violation)
@@ -94,8 +96,7 @@ def compare_command(
     settings = Settings(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
     )
-    warn_of_pickles(wanted)
-    loaded = load_entries(wanted, settings.env_kwargs, settings.env)
+    loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
         raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
@@ -155,6 +156,7 @@ def replay_command(
     env: Annotated[
         str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
+    trust: Trust = False,
 ) -> None:
     """Write what an agent does in targets control, averaged over patients, as a maneuver file.
 
@@ -165,7 +167,7 @@ def replay_command(
     from eval.settings import Settings
 
     settings = Settings(patients, cohort, seed, "targets", sensors, episode_s, env)
-    entry = load_entries([agent], settings.env_kwargs, settings.env)[0]
+    entry = load_entries([agent], settings.env_kwargs, settings.env, trust=trust)[0]
     replay_of_entry(entry, settings, output, terminal())
     print(f"maneuver: {output}")
 

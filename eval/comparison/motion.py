@@ -11,6 +11,7 @@ import numpy as np
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.playing.protocol import Action, Mask, Observation, State
+from jawenv.reading import read_bytes
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 _MOTORS = ("motor 1", "motor 2", "motor 3", "motor 4")
@@ -144,11 +145,12 @@ def load(path: Path) -> dict[str, Any]:
     Raises:
         InputError: the file is damaged.
     """
-    try:
-        motions = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         return {}
-    except (OSError, ValueError) as error:
+    text = read_bytes(path)
+    try:
+        motions = json.loads(text)
+    except (ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path} is damaged ({reason}); delete it: the report is then without playback") from None
     if not isinstance(motions, dict):

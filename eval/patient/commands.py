@@ -11,7 +11,20 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from eval.options import Believed, Changes, Cohort, Control, Effects, Fresh, Output, Patients, Seed, Sensors, fields_of
+from eval.options import (
+    Believed,
+    Changes,
+    Cohort,
+    Control,
+    Effects,
+    Fresh,
+    Output,
+    Patients,
+    Seed,
+    Sensors,
+    Trust,
+    fields_of,
+)
 from eval.report import words
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
@@ -54,6 +67,7 @@ def patient_command(
     estimator: Believed = None,
     output: Output = Path("runs/patient"),
     fresh: Fresh = False,
+    trust: Trust = False,
 ) -> None:
     """Treat one patient or a few, and write for each a page that says which muscles are stiff and how sure that is.
 
@@ -62,7 +76,7 @@ def patient_command(
     """
     import pandas as pd
 
-    from eval.entries import env_of_runs, load_entries, warn_of_pickles
+    from eval.entries import env_of_runs, load_entries
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course
@@ -77,8 +91,7 @@ def patient_command(
     )
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
-    warn_of_pickles([entry])
-    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env)
+    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
     console = _console()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
     about = made_with(_command(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
@@ -111,6 +124,7 @@ def diagnose_command(
     estimator: Believed = None,
     output: Output = Path("runs/diagnose"),
     fresh: Fresh = False,
+    trust: Trust = False,
 ) -> None:
     """Say how often the verdicts of one treatment are right, over a cohort: sensitivity, specificity, and both errors.
 
@@ -118,7 +132,7 @@ def diagnose_command(
     the same command goes on from there.
     """
     from eval.comparison.compare import compare
-    from eval.entries import env_of_runs, load_entries, warn_of_pickles
+    from eval.entries import env_of_runs, load_entries
     from eval.patient import accuracy
     from eval.settings import Settings
     from eval.tables import write_table
@@ -131,8 +145,7 @@ def diagnose_command(
     settings = Settings(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
     )
-    warn_of_pickles(wanted)
-    loaded, console = load_entries(wanted, settings.env_kwargs, settings.env), _console()
+    loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), _console()
     study = compare(loaded, settings, output, command=_command(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)

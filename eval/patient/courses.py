@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import zipfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 
+from agents.array_files import load_arrays, save_arrays
 from eval.chunks import folder_for
 from eval.entries import Entry, fingerprint
 from eval.patient import belief, cohort, treatments
 from eval.patient.treatments import Course, Treatment, first_treatment, next_treatment
 from jawenv.anatomy import Patient
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
 from jawenv.locks import alone
 from jawenv.progress import Progress
 
@@ -139,8 +137,7 @@ def save(treatment: Treatment, path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with atomic_write(path) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, **asdict(treatment))
+    save_arrays(path, **asdict(treatment))
 
 
 def load(path: Path) -> Treatment:
@@ -149,10 +146,11 @@ def load(path: Path) -> Treatment:
     Raises:
         InputError: the file is damaged.
     """
+    names = tuple(field.name for field in fields(Treatment))
     try:
-        with np.load(path, allow_pickle=False) as content:
-            fields = {name: content[name] for name in ("time", "mean", "cov", "truth")}
-            return Treatment(**fields, violated=bool(content["violated"]))
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        reason = " ".join(str(error).split())[:120]
+        held = dict(zip(names, load_arrays(path, names, "treatment"), strict=True))
+    except InputError as error:
+        reason = str(error).removeprefix(f"{path}: ")
         raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
+    violated = bool(held.pop("violated"))
+    return Treatment(**held, violated=violated)

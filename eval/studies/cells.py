@@ -40,6 +40,7 @@ class Cell:
         spec: what the entry is loaded by.
         settings: on whom and how it is played.
         planned: whether the entry is a planner, which takes long.
+        trust: whether its checkpoint may be unpickled.
     """
 
     environment: str
@@ -52,6 +53,7 @@ class Cell:
     spec: str
     settings: Settings
     planned: bool
+    trust: bool = False
 
     @property
     def levels(self) -> Levels:
@@ -60,7 +62,7 @@ class Cell:
 
     def load(self) -> loading.Entry:
         """The entry, ready to be played."""
-        return load_entries([self.spec], self.settings.env_kwargs, self.settings.env)[0]
+        return load_entries([self.spec], self.settings.env_kwargs, self.settings.env, trust=self.trust)[0]
 
     def fingerprint(self) -> str:
         """Changes with whatever could change a patient's row: the entry's files, the settings, the program."""
@@ -70,14 +72,18 @@ class Cell:
         return loading.fingerprint(self.load(), played)
 
 
-def cells_of(design: Design) -> tuple[Cell, ...]:
+def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
     """All cells, in the order of the file.
+
+    Args:
+        design: the study.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
 
     Raises:
         InputError: an unknown entry, one that another setting was trained for, two of one name, settings that no
             environment takes, or a pair that no two cells fit.
     """
-    cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment))
+    cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment, trust))
     for pair in design.pairs:
         if not matches(pair, [cell.levels for cell in cells], design):
             known = ", ".join(dict.fromkeys(cell.entry for cell in cells))
@@ -111,7 +117,7 @@ def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[L
     return found
 
 
-def _of_environment(design: Design, environment: Environment) -> Iterator[Cell]:
+def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
     rates = design.control_hz or (None,)
     settings = product(design.cohorts, design.controls, design.sensors, design.reality, rates)
     for cohort_name, control, sensors, reality, hz in settings:
@@ -132,18 +138,18 @@ def _of_environment(design: Design, environment: Environment) -> Iterator[Cell]:
             if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
                 number = min(choice.patients or design.patients, design.patients)
                 asked = Settings(patients=number, **fields)
-                entry = _checked(choice, asked, labels)
+                entry = _checked(choice, asked, labels, trust)
                 place = (environment.name, cohort_name, control, sensors, reality, checked.steps_per_s)
-                yield Cell(*place, entry.label, choice.agent, asked, entry.planned)
+                yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
 
 
-def _checked(choice: Choice, asked: Settings, labels: dict[str, str]) -> loading.Entry:
+def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> loading.Entry:
     """An entry, whose label must be another one than those of the entries before.
 
     Raises:
         InputError: it plays other settings than those asked for, or has the label of another entry.
     """
-    entry = load_entries([choice.agent], asked.env_kwargs, asked.env)[0]
+    entry = load_entries([choice.agent], asked.env_kwargs, asked.env, trust=trust)[0]
     if entry.env_kwargs != asked.env_kwargs:
         raise InputError(
             f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.control}, sensors "

@@ -9,7 +9,6 @@ from typing import get_args
 from rich.console import Console
 
 from eval.chunks import Backend
-from eval.entries import warn_of_pickles
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.run import play_study
 from eval.tables import git_state, machine, made_with, write_table
@@ -31,6 +30,7 @@ class Asked:
         fresh: play again what the folder holds.
         workers: processes; None for all cores.
         backend: of the processes, see `eval.chunks.finish`.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
 
     study: str
@@ -39,6 +39,7 @@ class Asked:
     fresh: bool
     workers: int | None
     backend: str
+    trust: bool = False
 
 
 def study(asked: Asked, command: str, console: Console) -> None:
@@ -59,8 +60,9 @@ def study(asked: Asked, command: str, console: Console) -> None:
     if asked.patients is not None:
         wanted = wanted.model_copy(update={"patients": min(asked.patients, wanted.patients)})
     output = asked.output or OUTPUT / name
-    warn_of_pickles(entry.agent for entry in wanted.entries)
-    rows = play_study(wanted, output, fresh=asked.fresh, workers=asked.workers, backend=backend, console=console)
+    rows = play_study(
+        wanted, output, fresh=asked.fresh, trust=asked.trust, workers=asked.workers, backend=backend, console=console
+    )
     about = made_with(command, study=wanted.model_dump(mode="json"), git=git_state(), machine=machine())
     write_table(rows, output / PATIENTS, about)
     console.print("estimating figures, pairs and profiles with their intervals")

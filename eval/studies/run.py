@@ -34,6 +34,7 @@ def play_study(
     output: Path,
     *,
     fresh: bool = False,
+    trust: bool = False,
     workers: int | None = None,
     backend: Backend = "loky",
     console: Console | None = None,
@@ -44,6 +45,7 @@ def play_study(
         design: the study.
         output: folder; its ``parts`` holds what is finished.
         fresh: play again what the folder holds.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
         workers: processes; all cores by default.
         backend: of the processes, see `eval.chunks.finish`.
         console: where progress is shown; nowhere by default.
@@ -55,7 +57,7 @@ def play_study(
         InputError: an entry that cannot be played, an output folder that cannot be used, or a kept file that is
             damaged.
     """
-    cells = cells_of(design)
+    cells = cells_of(design, trust)
     bound = not _BOUNDS.isdisjoint(design.metrics)
     folder = folder_for(output, "parts")
     parts = {_name(cell): _parts_of(cell, folder, bound) for cell in cells}

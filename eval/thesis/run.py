@@ -26,6 +26,7 @@ from eval.thesis.item import Finding, Item
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 from jawenv.playing.rollout import LARGEST_SEED
+from jawenv.versions import package_versions
 
 CHUNK = 10
 ENOUGH = 20
@@ -77,8 +78,8 @@ def chunks_of(item: Item, settings: Settings, folder: Path) -> list[Chunk]:
 
 @cache
 def program_digest() -> str:
-    """Changes with whatever could change a draw: the sources and data of jawenv, the agents and these items."""
-    content = hashlib.sha256()
+    """Changes with whatever could change a draw: packages, sources and data of jawenv, agents and these items."""
+    content = hashlib.sha256(json.dumps(package_versions()).encode())
     for folder in (Path(jawenv.__file__).parent, Path(agents.__file__).parent, Path(__file__).parent):
         for file in sorted(file for file in folder.rglob("*") if file.suffix in _SOURCES):
             content.update(file.name.encode())

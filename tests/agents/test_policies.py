@@ -1,12 +1,18 @@
 """Trained policies: what is loaded acts as what was saved, and what is no policy is named."""
 
+import io
+import os
 import shutil
+import zipfile
 from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
+import torch
 from gymnasium import spaces
+from sb3_contrib import TQC, RecurrentPPO
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 
@@ -25,6 +31,12 @@ class Blank(gym.Env):
         self.action_space = spaces.Box(-1.0, 1.0, (actions,), np.float32)
 
 
+def write_config(folder: Path, algorithm: str = "ppo", activation: str = "tanh") -> None:
+    (folder / "config.yaml").write_text(
+        f"algorithm: {algorithm}\n{algorithm}: {{network: {{activation: {activation}}}}}\n"
+    )
+
+
 def model(algorithm: type[BaseAlgorithm], **kwargs: object) -> BaseAlgorithm:
     return algorithm("MlpPolicy", Blank(), seed=1, device="cpu", policy_kwargs={"net_arch": [8, 8]}, **kwargs)
 
@@ -34,6 +46,7 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "first"
     folder.mkdir()
     model(PPO).save(folder / "final_model.zip")
+    write_config(folder)
     return folder
 
 
@@ -48,7 +61,7 @@ def test_loaded_policy_acts_as_the_model(
 ) -> None:
     original = model(algorithm, **kwargs)
     original.save(tmp_path / "step_100.zip")
-    agent = load_policy(tmp_path / "step_100.zip", observation_size=SIZE)
+    agent = load_policy(tmp_path / "step_100.zip", observation_size=SIZE, trust=True)
     assert isinstance(agent, Agent) and agent.name == f"{tmp_path.name}/step_100"
     agent.reset(len(observations), seed=0)
     action, state = agent.predict(observations)
@@ -73,11 +86,12 @@ def test_a_run_gives_its_best_model_before_its_final_one(run_folder: Path, tmp_p
     folder.mkdir()
     for name in ("best_model.zip", "final_model.zip"):
         model(PPO).save(folder / name)
+    write_config(folder)
     agent = load_policy(folder)
     assert agent.path.name == "best_model.zip" and agent.name == "second"
 
 
-def refusal(path: Path, **kwargs: int) -> str:
+def refusal(path: Path, **kwargs: Any) -> str:
     with pytest.raises(InputError) as caught:
         load_policy(path, **kwargs)
     message = str(caught.value)
@@ -98,17 +112,18 @@ def test_what_is_no_checkpoint_is_named(tmp_path: Path, run_folder: Path) -> Non
 
 
 def test_damaged_content_is_named(tmp_path: Path) -> None:
-    import zipfile
-
     with zipfile.ZipFile(tmp_path / "odd.zip", "w") as archive:
         archive.writestr("data", "{}")
         archive.writestr("policy.pth", b"nothing")
-    assert "damaged" in refusal(tmp_path / "odd.zip")
+    assert "damaged" in refusal(tmp_path / "odd.zip", trust=True)
+    write_config(tmp_path)
+    assert "damaged stable-baselines3 checkpoint: no weights of ppo: " in refusal(tmp_path / "odd.zip")
 
 
 def test_policy_of_another_environment_is_refused(run_folder: Path, tmp_path: Path) -> None:
     assert f"observations of {SIZE} values" in refusal(run_folder / "final_model.zip", observation_size=SIZE + 1)
     PPO("MlpPolicy", Blank(actions=2), device="cpu").save(tmp_path / "two.zip")
+    write_config(tmp_path)
     assert "(2,)" in refusal(tmp_path / "two.zip")
 
 
@@ -122,3 +137,134 @@ def test_a_policy_has_the_control_of_its_run(run_folder: Path, tmp_path: Path) -
     shutil.copy(run_folder / "final_model.zip", tmp_path / "final_model.zip")
     (tmp_path / "config.yaml").write_text("env: {kwargs: {control: force}}\n")
     assert load_policy(tmp_path).control == "force"
+
+
+KINDS: list[tuple[str, type[BaseAlgorithm], dict, dict, str]] = [
+    ("ppo", PPO, {}, {"net_arch": {"pi": [8, 6], "vf": [5]}, "activation_fn": torch.nn.ELU}, "elu"),
+    ("ppo", PPO, {"use_sde": True}, {"net_arch": [8]}, "tanh"),
+    ("ppo", PPO, {}, {"net_arch": []}, "relu"),
+    ("recurrent_ppo", RecurrentPPO, {}, {"net_arch": [8], "lstm_hidden_size": 7}, "tanh"),
+    ("sac", SAC, {"buffer_size": 1}, {"net_arch": [8, 6], "activation_fn": torch.nn.Tanh}, "tanh"),
+    ("tqc", TQC, {"buffer_size": 1}, {"net_arch": [8], "n_critics": 3, "n_quantiles": 9}, "relu"),
+]
+
+
+@pytest.mark.parametrize(("name", "algorithm", "more", "network", "activation"), KINDS)
+def test_weights_and_configuration_alone_give_the_same_policy(
+    name: str,
+    algorithm: type[BaseAlgorithm],
+    more: dict,
+    network: dict,
+    activation: str,
+    tmp_path: Path,
+    observations: np.ndarray,
+) -> None:
+    kind = "MlpLstmPolicy" if name == "recurrent_ppo" else "MlpPolicy"
+    original = algorithm(kind, Blank(), seed=1, device="cpu", policy_kwargs=network, **more)
+    original.save(tmp_path / "best_model.zip")
+    write_config(tmp_path, name, activation)
+    without_pickles(tmp_path / "best_model.zip")
+    agent, state, wanted_state = load_policy(tmp_path), None, None
+    for _ in range(3):
+        wanted, wanted_state = original.predict(observations, wanted_state, deterministic=True)
+        action, state = agent.predict(observations, state)
+        np.testing.assert_array_equal(action, wanted)
+
+
+def rewritten(path: Path, **members: bytes) -> None:
+    """Replace members of a checkpoint."""
+    with zipfile.ZipFile(path) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in (content | {key.replace("_", "."): value for key, value in members.items()}).items():
+            archive.writestr(name, data)
+
+
+def without_pickles(path: Path) -> None:
+    rewritten(path, data=b'{"num_timesteps": 1, "_n_updates": 1}')
+
+
+class Touch:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.mknod, (str(self.file),)
+
+
+def with_code(path: Path, file: Path) -> None:
+    """Let a checkpoint make a file when it is unpickled."""
+    import base64
+    import json
+    import pickle
+
+    with zipfile.ZipFile(path) as archive:
+        data = json.loads(archive.read("data"))
+    data["policy_class"][":serialized:"] = base64.b64encode(pickle.dumps(Touch(file))).decode()
+    rewritten(path, data=json.dumps(data).encode())
+
+
+@pytest.mark.parametrize("trust", [False, True])
+def test_a_strangers_run_runs_no_code(tmp_path: Path, trust: bool, observations: np.ndarray) -> None:
+    model(PPO).save(tmp_path / "best_model.zip")
+    write_config(tmp_path)
+    with_code(tmp_path / "best_model.zip", tmp_path / "ran")
+    assert load_policy(tmp_path, trust=trust).predict(observations)[0].shape == (6, 4)
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("config", [None, "", "algorithm: other", "residual: {maneuver: chirp}"])
+def test_a_checkpoint_without_its_configuration_is_unpickled_only_on_trust(tmp_path: Path, config: str | None) -> None:
+    model(PPO).save(tmp_path / "got.zip")
+    with_code(tmp_path / "got.zip", tmp_path / "ran")
+    if config is not None:
+        (tmp_path / "config.yaml").write_text(config or "{}")
+    assert "would be unpickled: that can run code; allowed if you trust its origin: --trust" in refusal(
+        tmp_path / "got.zip"
+    )
+    assert not (tmp_path / "ran").exists()
+    refusal(tmp_path / "got.zip", trust=True)
+    assert (tmp_path / "ran").exists()
+
+
+def test_weights_that_are_no_tensors_run_no_code(tmp_path: Path) -> None:
+    model(PPO).save(tmp_path / "best_model.zip")
+    write_config(tmp_path)
+    buffer = io.BytesIO()
+    torch.save({"log_std": Touch(tmp_path / "ran")}, buffer)
+    rewritten(tmp_path / "best_model.zip", policy_pth=buffer.getvalue())
+    assert "no weights of ppo: Weights only load failed" in refusal(tmp_path / "best_model.zip")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_weights_that_state_more_numbers_than_they_hold_are_refused(tmp_path: Path) -> None:
+    model(PPO).save(tmp_path / "best_model.zip")
+    write_config(tmp_path)
+    weights = model(PPO).policy.state_dict()
+    weights["mlp_extractor.policy_net.0.weight"] = torch.zeros(1).expand(10**6, 10**6)
+    buffer = io.BytesIO()
+    torch.save(weights, buffer)
+    rewritten(tmp_path / "best_model.zip", policy_pth=buffer.getvalue())
+    assert "policy.pth states more numbers than it holds" in refusal(tmp_path / "best_model.zip")
+
+
+def test_the_configuration_must_fit_the_weights(run_folder: Path, tmp_path: Path) -> None:
+    model(PPO).save(tmp_path / "best_model.zip")
+    write_config(tmp_path, "sac")
+    assert "damaged stable-baselines3 checkpoint: no weights of sac" in refusal(tmp_path / "best_model.zip")
+    write_config(tmp_path, activation="sine")
+    with pytest.raises(InputError, match="config.yaml: ppo.network.activation is 'sine'; allowed: tanh, relu, elu"):
+        load_policy(tmp_path)
+
+
+def test_pipes_and_devices_are_no_checkpoints(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "best_model.zip")
+    assert "is a pipe; allowed: a regular file" in refusal(tmp_path / "best_model.zip")
+    (tmp_path / "zero.zip").symlink_to("/dev/zero")
+    assert "is a device; allowed: a regular file" in refusal(tmp_path / "zero.zip")
+    model(PPO).save(tmp_path / "final_model.zip")
+    os.mkfifo(tmp_path / "config.yaml")
+    with pytest.raises(InputError, match="config.yaml: is a pipe; allowed: a regular file"):
+        load_policy(tmp_path / "final_model.zip")

@@ -48,9 +48,9 @@ def test_a_policy_of_another_observation_size_is_refused(tmp_path: Path) -> None
 
     PPO("MlpPolicy", Small(), device="cpu", policy_kwargs={"net_arch": [4]}).save(tmp_path / "small.zip")
     with pytest.raises(InputError, match=f"of 5 values, the environment gives {OBSERVATION_SIZE}"):
-        agents.load_agent(tmp_path / "small.zip")
+        agents.load_agent(tmp_path / "small.zip", trust=True)
     with pytest.raises(InputError, match="of 5 values, the environment gives 43"):
-        agents.load_agent(tmp_path / "small.zip", env_id="jawenv/JawHinge-v2")
+        agents.load_agent(tmp_path / "small.zip", env_id="jawenv/JawHinge-v2", trust=True)
 
 
 def test_an_unknown_environment_is_named() -> None:

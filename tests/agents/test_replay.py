@@ -1,11 +1,16 @@
 """An agent's averaged targets as a maneuver that anyone can play."""
 
+import os
+import zipfile
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import agents
 import jawenv
-from agents.replay import Recorder, replay_of, replays_of, save_maneuver, targets_of
+from agents.array_files import load_arrays, save_arrays
+from agents.replay import Recorder, Replay, replay_of, replays_of, save_maneuver, targets_of
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 
@@ -63,6 +68,57 @@ def test_a_yoked_replay_gives_each_world_what_another_patient_got(tmp_path):
     np.savez(tmp_path / "wrong.npz", name="wrong", actions=np.zeros((2, 3, 4)), decision_hz=-5.0)
     with pytest.raises(InputError, match="wrong.npz: decision_hz is -5.0; allowed: a positive number"):
         agents.load_agent(tmp_path / "wrong.npz", control="targets")
+
+
+def npz_with_header(path: Path, header: bytes) -> Path:
+    """A file whose actions have this header and no content."""
+    start = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("actions.npy", start)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        (b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000, 1000, 4), }\n", "asks for 32,000,000,000 bytes"),
+        (b"{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 4), }\n", "asks for -32 bytes"),
+        (b"{'descr': '|O', 'fortran_order': False, 'shape': (), }\n", "asks for 8 bytes of object"),
+        (b"{'descr': '<f8', 'fortran_order': False, 'shape': (1,), \n", "EOF in multi-line statement"),
+        (b"'\x00(\n", "."),
+    ],
+)
+def test_what_a_header_asks_for_is_checked_before_memory_is_taken(tmp_path, header, message):
+    with pytest.raises(InputError, match=f"^[^\n]*bad.npz: no recorded actions: [^\n]*{message}[^\n]*$"):
+        load_arrays(npz_with_header(tmp_path / "bad.npz", header), ("actions",), "recorded actions")
+
+
+def test_damaged_archives_are_one_line(tmp_path):
+    stream = np.random.default_rng(0)
+    save_arrays(tmp_path / "whole.npz", name="a", actions=stream.uniform(-1, 1, (3, 9, 4)), decision_hz=5.0)
+    whole, bad = bytearray((tmp_path / "whole.npz").read_bytes()), tmp_path / "bad.npz"
+    for _ in range(300):
+        damaged = whole.copy()
+        for place in stream.integers(0, len(whole), size=3):
+            damaged[place] = stream.integers(0, 256)
+        bad.write_bytes(damaged)
+        try:
+            Replay.load(bad)
+        except InputError as error:
+            assert "\n" not in str(error) and str(error).startswith(f"{bad}: ")
+
+
+@pytest.mark.parametrize("actions", [np.full((2, 3, 4), "a"), np.zeros((0, 3, 4)), np.zeros((2, 0, 4))])
+def test_actions_of_another_kind_or_none_are_refused(tmp_path, actions):
+    np.savez(tmp_path / "wrong.npz", name="wrong", actions=actions, decision_hz=5.0)
+    with pytest.raises(InputError, match="wrong.npz: actions have shape"):
+        Replay.load(tmp_path / "wrong.npz")
+
+
+def test_a_pipe_is_no_recording_of_actions(tmp_path):
+    os.mkfifo(tmp_path / "pipe.npz")
+    with pytest.raises(InputError, match="pipe.npz: is a pipe; allowed: a regular file"):
+        agents.load_agent(tmp_path / "pipe.npz", control="targets")
 
 
 def test_a_policy_in_force_control_is_replayed_by_its_targets(tmp_path):

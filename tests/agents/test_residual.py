@@ -20,7 +20,9 @@ from jawenv.playing.protocol import Agent
 
 NAME = "opening_with_swings_and_fore_aft"
 BASE = BaseTargets(Maneuver.named(NAME), scale=0.5)
-CONFIG = f"residual: {{maneuver: {NAME}, scale: 0.25}}\nenv: {{kwargs: {{control: targets}}}}\n"
+CONFIG = "algorithm: ppo\nppo: {network: {activation: tanh}}\n" + (
+    f"residual: {{maneuver: {NAME}, scale: 0.25}}\nenv: {{kwargs: {{control: targets}}}}\n"
+)
 
 
 class Constant:

@@ -11,7 +11,7 @@ from safetensors.numpy import save
 
 from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from eval.cli import main
-from eval.entries import env_of_runs, fingerprint, load_entries, warn_of_pickles
+from eval.entries import env_of_runs, fingerprint, load_entries
 from eval.settings import Settings
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
@@ -102,32 +102,23 @@ def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_p
     assert all(new != old for new, old in zip(after, before, strict=True))
 
 
+def test_the_fingerprint_changes_with_the_files_that_ones_own_agent_names(tmp_path: Path, own: Path) -> None:
+    own.write_text(OWN.replace('name = "mine"', 'name = "mine"\n    made_of = ["gains.txt"]'))
+    prints = set()
+    for gains in ("1", "2"):
+        (tmp_path / "gains.txt").write_text(gains)
+        (entry,) = load_entries(["entry_of_mine:Mine"], Settings().env_kwargs)
+        prints.add(fingerprint(entry, {}))
+    assert len(prints) == 2
+    entry.agent.made_of = "gains.txt"  # type: ignore[attr-defined]
+    with pytest.raises(InputError, match="mine: made_of is 'gains.txt'; allowed: a list of paths"):
+        fingerprint(entry, {})
+
+
 def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
     (entry,) = load_entries(["entry_of_mine:Mine"], Settings(control="trajectory").env_kwargs)
     assert entry.label == "mine" and not entry.trained
     assert entry.agent.control == "trajectory"  # type: ignore[attr-defined]
-
-
-def test_only_checkpoints_outside_runs_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = tmp_path / "run"
-    (run / "checkpoints").mkdir(parents=True)
-    (run / "config.yaml").write_text("")
-    for path in (tmp_path / "got.zip", run / "best_model.zip", run / "checkpoints" / "step_1.zip"):
-        path.write_bytes(b"")
-    specs = ["chirp", run, run / "best_model.zip", run / "checkpoints" / "step_1.zip", tmp_path / "gone.zip"]
-    warn_of_pickles(map(str, specs))
-    assert capsys.readouterr().err == ""
-    warn_of_pickles([str(tmp_path / "got.zip")] * 2)
-    warning = capsys.readouterr().err
-    assert warning.count("\n") == 1 and "got.zip: a checkpoint may run code when it is loaded" in warning
-
-
-@pytest.mark.parametrize("command", ["compare", "calibrate"])
-def test_commands_warn_before_they_load(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "got.zip").write_bytes(b"")
-    assert main([command, str(tmp_path / "got.zip"), "--output", str(tmp_path / "out")]) == 2
-    told = capsys.readouterr().err.splitlines()
-    assert told[0].startswith("warning: ") and told[1].startswith("error: ") and len(told) == 2
 
 
 def test_they_are_compared(

@@ -16,6 +16,7 @@ import torch
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
+from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt
 from training.run.train import world_seed
@@ -128,6 +129,27 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     sessions = json.loads((run / "repeat.json").read_text())["sessions"]
     assert [session["from_step"] for session in sessions] == [0, 512]
     assert sessions[0]["world_seed"] != sessions[1]["world_seed"]
+
+
+def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    make_it_run_code(run / "checkpoints" / "step_0000001024.zip", tmp_path / "ran")
+    assert train("--resume", run, "--steps", 1280) == 0
+    assert evaluations(run)[-1]["steps"] == 1280 and not (tmp_path / "ran").exists()
+
+
+def test_a_pipe_in_place_of_a_file_of_the_run_is_named(
+    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("config.yaml", "repeat.json", "checkpoints/step_0000001024.zip"):
+        run = tmp_path / name.replace("/", "-")
+        shutil.copytree(finished, run)
+        (run / name).unlink()
+        os.mkfifo(run / name)
+        assert train("--resume", run, "--steps", 1280) == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1 and f"{run / name}: is a pipe; allowed: a regular file" in error
 
 
 def test_continue_starts_or_goes_on_but_never_mixes_settings(

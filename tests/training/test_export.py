@@ -49,7 +49,8 @@ def write_run(
     model.num_timesteps = 1234
     folder.mkdir()
     model.save(folder / "best_model.zip")
-    TrainingConfig().changed(seed=7, env={"id": env_id, "kwargs": KWARGS}).save(folder / "config.yaml")
+    name = "sac" if algorithm is SAC else "ppo"
+    TrainingConfig(algorithm=name, seed=7, env={"id": env_id, "kwargs": KWARGS}).save(folder / "config.yaml")
     sessions = [{"command": "python -m training train ppo"}, {"command": "python -m training train ppo --resume a"}]
     (folder / "repeat.json").write_text(json.dumps({"sessions": sessions}))
     return folder

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from jawenv.errors import InputError
 from jawenv.progress import Progress
+from jawenv.reading import read_text
 from training.run.config import EvaluationConfig
 from training.run.evaluate import Evaluation, evaluate
 from training.run.folder import RunFolder
@@ -162,10 +163,12 @@ def read_evaluations(run: RunFolder) -> list[dict[str, float]]:
     if not run.evaluations.exists():
         return []
     try:
-        with run.evaluations.open(newline="", encoding="utf-8") as file:
-            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        lines = read_text(run.evaluations).splitlines()
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
         if any(not {"steps", "return"} <= set(row) for row in rows):
             raise ValueError("a column 'steps' or 'return' is missing")
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+    except InputError:
+        raise
+    except (ValueError, TypeError, AttributeError, csv.Error) as error:
         raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())}") from error
     return rows

@@ -24,6 +24,7 @@ from agents.card import (
     Result,
     ResultsFile,
 )
+from agents.checkpoints import read_data
 from agents.exported import ExportedPolicy
 from agents.policies import TrainedPolicy, load_policy
 from agents.residual import Residual as ResidualSetting
@@ -163,8 +164,9 @@ def _algorithm(run: RunFolder, config: TrainingConfig) -> str:
 def _steps(checkpoint: Path) -> int:
     """Steps that the policy of a checkpoint had learned from."""
     try:
-        with zipfile.ZipFile(checkpoint) as archive:
-            return int(json.loads(archive.read("data"))["num_timesteps"])
+        return int(read_data(checkpoint)["num_timesteps"])
+    except InputError:
+        raise
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise InputError(f"{checkpoint}: does not say its steps: {' '.join(str(error).split())[:120]}") from None
 

@@ -27,20 +27,19 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents.residual import BASE_FILE
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, write_json
+from jawenv.files import atomic_write, read_mapping, write_json
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.versions import package_versions
 from training.run.config import TrainingConfig
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
-PACKAGES = ("jawenv", "gymnasium", "numpy", "numba", "scipy", "stable-baselines3", "sb3-contrib", "torch")
 _CHECKPOINT = re.compile(r"step_(\d+)\.zip")
 
 
@@ -126,9 +125,9 @@ class RunFolder:
         """Note that the run was resumed, and with which number of steps as its new end."""
         config.save(self.config_file)
         try:
-            repeat = json.loads(self.repeat_file.read_text(encoding="utf-8"))
+            repeat = read_mapping(self.repeat_file)
             repeat["sessions"].append(_session(from_step, world_seed))
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
         _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
@@ -185,17 +184,12 @@ def _session(from_step: int, world_seed: int) -> dict[str, Any]:
 
 
 def _versions() -> dict[str, str]:
-    versions = {
+    return {
         "python": platform.python_version(),
         "platform": platform.platform(),
         "cpus": str(os.cpu_count()),
+        **package_versions(),
     }
-    for package in PACKAGES:
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            versions[package] = "not installed as a package"
-    return versions
 
 
 def _git_state() -> Mapping[str, object] | None:

@@ -6,6 +6,7 @@ import json
 import pickle
 import time
 import zipfile
+import zlib
 from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
@@ -22,6 +23,7 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+from agents.checkpoints import read_data
 from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
 from jawenv.controls import DEFAULT_CONTROL
@@ -45,6 +47,7 @@ INTERRUPTED = 130
 
 _DAMAGE = (
     zipfile.BadZipFile,
+    zlib.error,
     pickle.UnpicklingError,
     OSError,
     EOFError,
@@ -329,8 +332,7 @@ def _saved(checkpoint: Path) -> dict[str, Any]:
         InputError: the checkpoint is damaged.
     """
     try:
-        with zipfile.ZipFile(checkpoint) as archive:
-            data: dict[str, Any] = json.loads(archive.read("data"))
+        data = read_data(checkpoint)
         int(data["num_timesteps"]), int(data["_n_updates"])
     except _DAMAGE as error:
         raise _damaged(checkpoint, error) from error

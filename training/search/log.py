@@ -10,6 +10,7 @@ from typing import Any
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.reading import LARGEST_DATA, read_text
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,10 @@ class SearchLog:
         Raises:
             InputError: the file cannot be read, is damaged, or is of another search.
         """
-        try:
-            text = self.path.read_text(encoding="utf-8")
-        except FileNotFoundError:
+        if not self.path.exists():
             return []
-        except OSError as error:
-            raise InputError(f"{self.path}: cannot be read: {error.strerror}") from None
+        try:
+            text = read_text(self.path, LARGEST_DATA)
         except UnicodeDecodeError:
             raise InputError(f"{self.path} is damaged: it is no text; --overwrite begins anew") from None
         whole = text[: text.rfind("\n") + 1]

@@ -16,11 +16,14 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
+from jawenv.reading import read_text
 
 Array = NDArray[np.float64]
 
 FORMATS = (".csv", ".parquet")
 DIGITS = 12
+LARGEST_RECORDING = 256 * 2**20
+"""Bytes of a CSV file."""
 _KEY = b"jawenv.record"
 
 
@@ -112,13 +115,9 @@ def _pyarrow() -> tuple[Any, Any]:
 
 def _read_csv(path: Path, known: Collection[str]) -> Table:
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        text = read_text(path, LARGEST_RECORDING, "utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{path}: is no text; allowed: CSV in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
     lines = text.splitlines()
     about: dict[str, Any] = {}
     first = 0
@@ -130,11 +129,14 @@ def _read_csv(path: Path, known: Collection[str]) -> Table:
         if name in known:
             try:
                 about[name] = json.loads(value)
-            except ValueError:
+            except (ValueError, RecursionError):
                 raise InputError(
                     f"{path}: {name} in row {first} is {value.strip()!r}; allowed: JSON, as [1, 2]"
                 ) from None
-    rows = list(csv.reader(lines[first:]))
+    try:
+        rows = list(csv.reader(lines[first:]))
+    except csv.Error as error:
+        raise InputError(f"{path}: {error}; allowed: CSV") from None
     if len(rows) < 2:
         raise InputError(f"{path}: is empty; allowed: a row of column names and two or more rows of numbers")
     names = [name.strip() for name in rows[0]]
@@ -164,12 +166,14 @@ def _number(text: str, path: Path, column: str, line: int) -> float:
 
 
 def _read_parquet(path: Path) -> Table:
-    pa, pq = _pyarrow()
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
+    pa, _ = _pyarrow()
+    from jawenv.laboratory.recordings.parquet import read_parquet
+
     try:
-        table = pq.read_table(path)
+        table = read_parquet(path)
         about = json.loads((table.schema.metadata or {}).get(_KEY, b"{}"))
+    except InputError:
+        raise
     except (OSError, ValueError, pa.ArrowException) as error:
         raise InputError(f"{path}: {' '.join(str(error).split())[:120]}; allowed: a Parquet file") from None
     columns = {}

@@ -281,7 +281,11 @@ def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained
 
 def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, capsys):
     shutil.copy(trained_run / "best_model.zip", tmp_path / "policy.zip")
-    assert run(str(tmp_path / "policy.zip"), "--env", "sides", *SHORT, "--output", str(tmp_path / "study")) == 2
+    arguments = [str(tmp_path / "policy.zip"), "--env", "sides", *SHORT, "--output", str(tmp_path / "study")]
+    assert run(*arguments) == 2
+    told = capsys.readouterr().err
+    assert "policy.zip: no config.yaml beside it" in told and "--trust" in told and told.count("\n") == 1
+    assert run(*arguments, "--trust") == 2
     assert "was trained on observations of 63 values, the environment gives 47" in capsys.readouterr().err
 
 

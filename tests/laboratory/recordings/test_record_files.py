@@ -1,5 +1,6 @@
 """Recordings as files: they come back as they were, and a bad one says where it is bad."""
 
+import os
 import sys
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from jawenv.errors import InputError
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS
 from jawenv.laboratory.recordings.files import load_record, save_record
+from jawenv.laboratory.recordings.parquet import read_parquet
 from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import MODELS, model_named
 
@@ -239,3 +241,31 @@ def test_every_column_is_documented():
                 stem, unit = stem[: stem.index(axis)], stem[stem.index(axis) :]
         assert f"`{stem}" in text or stem == "", column.name
         assert unit in text, column.name
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet"])
+def test_pipes_and_large_files_are_refused_before_they_are_read(tmp_path, ending):
+    os.mkfifo(tmp_path / f"pipe{ending}")
+    with pytest.raises(InputError, match=f"^[^\\n]*pipe{ending}: is a pipe; allowed: a regular file$"):
+        load_record(tmp_path / f"pipe{ending}")
+    with (tmp_path / f"large{ending}").open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(InputError, match=f"^[^\\n]*large{ending}: has 1,099,511,627,776 bytes; allowed: "):
+        load_record(tmp_path / f"large{ending}")
+
+
+def test_a_small_parquet_file_of_a_large_table_is_refused(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    column = pa.array(np.zeros(1_000_000))
+    pq.write_table(pa.table({"time_s": column}), tmp_path / "zeros.parquet", compression="zstd")
+    assert (tmp_path / "zeros.parquet").stat().st_size < 100_000
+    with pytest.raises(InputError, match=r"zeros\.parquet: its table takes 8,000,000 bytes; allowed: 1,000,000 at"):
+        read_parquet(tmp_path / "zeros.parquet", 1_000_000)
+
+
+def test_a_cell_longer_than_csv_allows_is_one_line(tmp_path):
+    (tmp_path / "long.csv").write_text(f"{HEADER}\n{'1' * 200_000}")
+    with pytest.raises(InputError, match=r"^[^\n]*long\.csv: field larger than field limit[^\n]*allowed: CSV$"):
+        load_record(tmp_path / "long.csv")

@@ -1,0 +1,92 @@
+"""A kept result fits only as long as nothing has changed that the entry is made of."""
+
+import importlib.metadata
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from agents.residual import BASE_FILE
+from eval.cli import main
+from eval.entries import fingerprint, load_entries
+from eval.settings import Settings
+from jawenv import versions
+from jawenv.anatomy import cohort
+from jawenv.files import write_json
+from jawenv.playing.maneuvers import Maneuver
+from tests.eval.runs import save_checkpoint, save_run
+
+
+def print_of(spec: str | Path, **settings: str) -> str:
+    """The fingerprint of an entry, loaded anew."""
+    (entry,) = load_entries([str(spec)], Settings(**{"control": "targets", **settings}).env_kwargs)
+    return fingerprint(entry, {})
+
+
+def change_scale(run: Path) -> None:
+    text = (run / "config.yaml").read_text()
+    assert "scale: 0.3" in text
+    (run / "config.yaml").write_text(text.replace("scale: 0.3", "scale: 0.4"))
+
+
+def change_weights(run: Path) -> None:
+    for file in ("best_model.zip", "checkpoints/step_1.zip"):
+        save_checkpoint(run / file, seed=2)
+
+
+PARTS: dict[str, Callable[[Path], None]] = {
+    "checkpoint": change_weights,
+    "configuration": change_scale,
+    "maneuver": lambda run: write_json(run / BASE_FILE, Maneuver.named("chirp")),
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("file", ["", "best_model.zip", "checkpoints/step_1.zip"])
+def test_it_changes_with_every_part_of_a_run(tmp_path: Path, part: str, file: str) -> None:
+    run = save_run(tmp_path / "run")
+    write_json(run / BASE_FILE, Maneuver.named("slow_opening"))
+    before = print_of(run / file)
+    assert print_of(run / file) == before
+    PARTS[part](run)
+    assert print_of(run / file) != before
+
+
+def test_it_changes_with_the_file_of_the_maneuver_where_the_run_has_no_copy(tmp_path: Path) -> None:
+    file = tmp_path / "base.json"
+    write_json(file, Maneuver.named("slow_opening"))
+    run = save_run(tmp_path / "run", str(file))
+    before = print_of(run)
+    write_json(file, Maneuver.named("chirp"))
+    assert print_of(run) != before
+
+
+def test_it_changes_with_the_file_of_the_cohort(tmp_path: Path) -> None:
+    prints = set()
+    for name in ("trismus", "wide"):
+        (tmp_path / "cohort.json").write_text(json.dumps(cohort(name).to_dict()))
+        prints.add(print_of("hold_still", cohort=str(tmp_path / "cohort.json")))
+    assert len(prints) == 2
+
+
+@pytest.mark.parametrize("package", versions.PACKAGES)
+def test_it_changes_with_every_package(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    before, real = print_of("hold_still"), importlib.metadata.version
+    monkeypatch.setattr(versions, "version", lambda name: "0.0" if name == package else real(name))
+    assert print_of("hold_still") != before
+
+
+def test_a_changed_run_is_played_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    run = save_run(tmp_path / "run")
+    command = ["compare", str(run), "--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
+    kept = []
+    for part in (None, None, *PARTS):
+        if part is not None:
+            PARTS[part](run)
+        assert main(command) == 0
+        kept.append("run: kept from an earlier run" in capsys.readouterr().out)
+    assert kept == [False, True, False, False, False]

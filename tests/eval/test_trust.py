@@ -1,0 +1,61 @@
+"""No command runs code of a file that it is given, unless it is told to trust it."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from eval.cli import main
+from tests.eval.runs import make_it_run_code, save_checkpoint, save_run
+
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # the file that the pickle opens
+
+STUDY = 'title: a\nentries: ["{agent}"]\npatients: 1\nseed: 1\nepisode_s: 1.0\n'
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+
+
+@pytest.mark.parametrize("command", ["compare", "calibrate", "diagnose", "patient", "play", "replay", "study"])
+def test_commands_unpickle_nothing_without_trust(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec = save_checkpoint(tmp_path / "got.zip")
+    make_it_run_code(spec, tmp_path / "ran")
+    if command == "study":
+        spec = tmp_path / "a.yaml"
+        spec.write_text(STUDY.format(agent=tmp_path / "got.zip"))
+    option, output = {"play": ("--video", "out.gif"), "replay": ("--output", "out.yaml")}.get(
+        command, ("--output", "out")
+    )
+    arguments = [command, str(spec), option, str(tmp_path / output)]
+    assert main(arguments) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("error: ") and "got.zip: no config.yaml beside it" in told and "--trust" in told
+    assert told.count("\n") == 1 and not (tmp_path / "ran").exists()
+    assert main([*arguments, "--trust"]) == 2  # what ran made no policy
+    assert "damaged stable-baselines3 checkpoint" in capsys.readouterr().err and (tmp_path / "ran").exists()
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("trust", [[], ["--trust"]])
+def test_a_strangers_run_is_compared_and_runs_no_code(
+    trust: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = save_run(tmp_path / "run")
+    make_it_run_code(run / "best_model.zip", tmp_path / "ran")
+    settings = ["--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
+    assert main(["compare", str(run), *settings, *trust]) == 0
+    assert "run: done" in capsys.readouterr().out and not (tmp_path / "ran").exists()
+
+
+def test_an_environment_of_a_run_that_names_a_module_imports_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = save_run(tmp_path / "run")
+    text = (run / "config.yaml").read_text()
+    (run / "config.yaml").write_text(text.replace("jawenv/Jaw-v1", "antigravity:Jaw-v1"))
+    assert main(["compare", str(run), "--output", str(tmp_path / "out")]) == 2
+    assert "antigravity" not in sys.modules and "unknown" in capsys.readouterr().err
