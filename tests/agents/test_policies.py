@@ -135,7 +135,9 @@ def test_wrong_observation_at_play_is_refused(run_folder: Path) -> None:
 def test_a_policy_has_the_control_of_its_run(run_folder: Path, tmp_path: Path) -> None:
     assert load_policy(run_folder).control is None
     shutil.copy(run_folder / "final_model.zip", tmp_path / "final_model.zip")
-    (tmp_path / "config.yaml").write_text("env: {kwargs: {control: force}}\n")
+    write_config(tmp_path)
+    with (tmp_path / "config.yaml").open("a") as file:
+        file.write("env: {kwargs: {control: force}}\n")
     assert load_policy(tmp_path).control == "force"
 
 

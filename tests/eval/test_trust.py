@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from eval.cli import main
+from jawenv.playing.rollout import DEFAULT_ENV
 from tests.eval.runs import make_it_run_code, save_checkpoint, save_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # the file that the pickle opens
@@ -56,6 +57,7 @@ def test_an_environment_of_a_run_that_names_a_module_imports_nothing(
 ) -> None:
     run = save_run(tmp_path / "run")
     text = (run / "config.yaml").read_text()
-    (run / "config.yaml").write_text(text.replace("jawenv/Jaw-v1", "antigravity:Jaw-v1"))
+    assert DEFAULT_ENV in text
+    (run / "config.yaml").write_text(text.replace(DEFAULT_ENV, "antigravity:Jaw-v1"))
     assert main(["compare", str(run), "--output", str(tmp_path / "out")]) == 2
     assert "antigravity" not in sys.modules and "unknown" in capsys.readouterr().err

@@ -21,7 +21,7 @@ from training.run.algorithm_configs import (
     TQCConfig,
 )
 
-CONFIGS = Path(__file__).parent / "configs"
+CONFIGS = Path(__file__).parents[1] / "configs"
 DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
 SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 
