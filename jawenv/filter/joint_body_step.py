@@ -1,4 +1,4 @@
-"""One step of the filter's model with two condyles and its exact derivative: ``sensitivity`` for twelve states.
+"""One step of the filter's model with two condyles and its exact derivative: ``joint_step`` for twelve states.
 
 Discs are stiff: the step is always divided so that the explicit method bears them.
 """
@@ -65,7 +65,7 @@ def body_step_parts(jaw, muscles, state, dt):
 def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (12) in place by one step and fill ``scratch.total`` with its derivative.
 
-    Arguments as in ``sensitivity.propagate``.
+    Arguments as in ``joint_step.propagate``.
     """
     propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, body_step_parts(jaw, muscles, state, dt), scratch)
 

@@ -13,7 +13,7 @@ gain error g of the load cell (1); 23 in all by default. The sizes come with the
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
 equals the joint update to rounding: all are linearised at the predicted mean. The environments' own filter does not
-carry the parameters in its state (``online.state``).
+carry the parameters in its state (``filter.state``).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ way, x' = J x + B w with a wrench w constant over the step:
 
 both series to the fourth order (Van Loan 1978, IEEE Trans. Autom. Control 23:395, for the pair of them), for a part of
 the step, and composed to the whole. It needs one Jacobian where the derivative of the Runge-Kutta step itself
-(``model.step``) needs four for every part; on the discs of two condyles, one for every part.
+(``joint_step``) needs four for every part; on the discs of two condyles, one for every part.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """From the information about tension coefficients to a belief about the natural-log parameters.
 
-Given are the prior N(theta_0, P_0) and the record's log-likelihood in the coefficients c of ``tension_basis``,
+Given are the prior N(theta_0, P_0) and the record's log-likelihood in the coefficients c of ``basis``,
 quadratic with matrix Lambda and maximum where Lambda (c - c_nominal) = score. The posterior of theta is not normal,
 since c(theta) is curved: where the data fix only sums of tensions, it is a thin curved ridge. The belief is the normal
 one that *posterior linearisation* finds (Garcia-Fernandez, Svensson, Morelande & Sarkka 2015, IEEE Trans. Signal

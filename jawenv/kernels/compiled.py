@@ -1,4 +1,4 @@
-"""How jawenv compiles its kernels: Numba, kept on disk (``kernel_cache``), and shared out to threads by worlds."""
+"""How jawenv compiles its kernels: Numba, kept on disk (``cache``), and shared out to threads by worlds."""
 
 from __future__ import annotations
 

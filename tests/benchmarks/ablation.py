@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-ONLINE = "jawenv.estimation.online."
+FILTER = "jawenv.filter."
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
@@ -48,7 +48,7 @@ ROWS = (
     Row("every window filtered again", {"tick.MOVED": 0.0}),
     Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
     Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
-    Row("series of the second order", {"step.ORDER": 2}),
+    Row("series of the second order", {"motion_step.ORDER": 2}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
@@ -70,7 +70,7 @@ def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient after 30 s, for each cell."""
     for place, value in row.constants.items():
         module, _, name = place.partition(".")
-        target = importlib.import_module(ONLINE + module)
+        target = importlib.import_module(FILTER + module)
         if not hasattr(target, name):
             raise SystemExit(f"error: {place} is no constant of the filter")
         setattr(target, name, value)

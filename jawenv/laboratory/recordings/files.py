@@ -1,6 +1,6 @@
 """Recordings as files, CSV or Parquet: of a simulated device or of a test bench.
 
-One row per time, one column per quantity with its unit in the name (``record_columns``; docs/recordings.md). Lines
+One row per time, one column per quantity with its unit in the name (``columns``; docs/recordings.md). Lines
 ``# name: value`` before the header row (CSV), or the file's metadata (Parquet), hold what is not a time series: noise,
 geometry, prior, truth. All of it may be missing; arguments of ``load_record`` come before the file, the file before
 the defaults.

@@ -1,4 +1,4 @@
-"""One step of the filters' model and its derivative in plain NumPy: shares no compiled code with ``sensitivity``.
+"""One step of the filters' model and its derivative in plain NumPy: shares no compiled code with ``joint_step``.
 
 The mechanics are those of ``jawenv.mechanics.newton_euler``, the derivative is taken by the complex step (Squire &
 Trapp 1998), all columns at once. It is exact to rounding and verifies the kernels; it is hundreds of times slower.
