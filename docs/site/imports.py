@@ -1,6 +1,6 @@
 """Write the table of rooms and their imports in docs/architecture.md: ``python docs/site/imports.py``.
 
-What a room is about is the first sentence of its docstring; what it imports is read from the sources, imports within
+What a room is about is the first paragraph of its docstring; what it imports is read from the sources, imports within
 functions too. A test fails when the table is out of date, when rooms import in a circle, or when one imports upwards.
 """
 
@@ -70,7 +70,7 @@ def room_imports() -> dict[str, set[str]]:
 
 
 def about(room: str) -> str:
-    """The first sentence of a room's docstring."""
+    """The first paragraph of a room's docstring."""
     doc = ast.get_docstring(ast.parse(module_files()[room].read_text(encoding="utf-8"))) or ""
     return doc.split("\n\n")[0].replace("\n", " ").rstrip(".").replace("``", "`")
 

@@ -1,1 +1,1 @@
-"""Gymnasium environments: the single one, its native vector form, rewards, rendering, registration."""
+"""Gymnasium environments: the single one, its native vector form, rewards, registration."""
