@@ -12,6 +12,8 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jawenv
+from jawenv.controls import CONTROL_HZ
+from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.kernels.compiled import WORLDS_AT_ONCE
 
 ID = "jawenv/Jaw-v2"
@@ -24,6 +26,10 @@ def actions(number, steps=40):
     return (0.4 * np.sin((2 + 0.3 * world + np.arange(4)) * t + np.arange(4))).astype(np.float32)
 
 
+def random_targets(number):
+    return np.random.default_rng(1).uniform(-1.0, 1.0, (30, number, 4)).astype(np.float32)
+
+
 @pytest.fixture
 def threads():
     before = numba.get_num_threads()
@@ -31,19 +37,23 @@ def threads():
     numba.set_num_threads(before)
 
 
-@pytest.mark.parametrize("number", [2, 2 * WORLDS_AT_ONCE + 3])  # by one thread and by all
-@pytest.mark.parametrize("count", THREADS)
-def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(number, count, threads):
+@pytest.mark.parametrize(
+    ("env_id", "control", "number", "count"),
+    [(env_id, control, 2, 1) for env_id in ENVIRONMENTS for control in CONTROL_HZ]
+    + [(ID, "trajectory", 2 * WORLDS_AT_ONCE + 3, count) for count in THREADS],  # shared out to threads
+)
+def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(env_id, control, number, count, threads):
+    """For every model in every control, and in company of any size on any number of threads."""
     threads(count)
-    arguments = {"control": "trajectory", "reward": "bound", "comfort_weight": 0.5}
-    many = gym.make_vec(ID, num_envs=number, **{"control": "force", **arguments})
-    alone = [gym.make(ID, **{"control": "force", **arguments}) for _ in range(number)]
+    arguments = {"control": control, "reward": "bound", "comfort_weight": 0.5}
+    many = gym.make_vec(env_id, num_envs=number, **arguments)
+    alone = [gym.make(env_id, **arguments) for _ in range(number)]
     together, info = many.reset(seed=11)
     started = [env.reset(seed=11 + i) for i, env in enumerate(alone)]
     for i, (observation, single) in enumerate(started):
         np.testing.assert_array_equal(together[i], observation)
         np.testing.assert_array_equal(info["truth"][i], single["truth"])
-    for action in actions(number):
+    for action in random_targets(number) if control == "targets" else actions(number):
         together, rewards, terminated, truncated, info = many.step(action)
         for i, env in enumerate(alone):
             observation, reward, ended, cut_off, single = env.step(action[i])

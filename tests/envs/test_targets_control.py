@@ -50,17 +50,6 @@ def test_the_device_follows_targets_as_the_law_outside_does():
     np.testing.assert_allclose(info["belief_mean"], mean_outside, atol=0.1)
 
 
-def test_single_and_vector_form_are_the_same_to_the_bit():
-    actions = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 2, 4)).astype(np.float32)
-    vector = gym.make_vec(ID, num_envs=2, control="targets", autoreset_mode="disabled")
-    vector.reset(seed=5)
-    single = gym.make(ID, control="targets").unwrapped
-    single.reset(seed=6)
-    for action in actions:
-        both = vector.step(action)[0]
-        np.testing.assert_array_equal(both[1], single.step(action[1])[0])
-
-
 @pytest.mark.parametrize("name", maneuver_names())
 def test_a_maneuver_asks_the_device_for_its_targets(name):
     player = Player(name, control="targets")
