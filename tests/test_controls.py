@@ -13,7 +13,6 @@ import jawenv
 import training.cli
 from agents import load_agent
 from agents.planning import Planner
-from eval.entries import load_entries
 from eval.settings import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, control_of
@@ -89,8 +88,3 @@ def test_agents_without_a_control_leave_it_to_the_environment() -> None:
     assert control_of(load_agent("random"), {}) is None
     assert control_of(SimpleNamespace(control=None), {"control": "force"}) == "force"
     assert len(jawenv.play(load_agent("random"), patients=1, seed=0, env_kwargs=SHORT).time) == 6
-
-
-def test_an_agent_of_ones_own_in_another_control_is_refused() -> None:
-    with pytest.raises(jawenv.InputError, match="control is 'force'; allowed for agent 'careful'"):
-        load_entries(["examples.careful_agent:Careful"], Settings(control="force").env_kwargs)

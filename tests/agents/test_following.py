@@ -121,12 +121,8 @@ def test_one_world_without_a_leading_axis_and_a_changed_number_of_worlds() -> No
 
 def test_rates() -> None:
     assert TargetsLaw("force").steps_per_decision == 4 and TargetsLaw("force", 50.0).steps_per_decision == 10
-    with pytest.raises(InputError, match="^control_hz 12: must be a multiple of the 5 decisions per second$"):
-        TargetsLaw("force", 12.0)
     assert decision_hz({"control": "force", "control_hz": 50.0}) == DECISION_HZ == decision_hz({"control": "targets"})
     assert decision_hz({"control": "targets", "control_hz": 4.0}) == 4.0
-    with pytest.raises(InputError, match="control_hz 'often': must be a positive number"):
-        decision_hz({"control": "targets", "control_hz": "often"})
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

@@ -60,8 +60,6 @@ def test_every_planner_has_a_name_and_says_what_it_does():
 
 
 def test_what_a_planner_cannot_do_without_is_named():
-    with pytest.raises(InputError, match="^agent 'myopic': control is 'force'; allowed for a planner: targets$"):
-        agents.load_agent("myopic", control="force")
     agent = quick("myopic")
     with pytest.raises(InputError, match=r"^agent 'myopic': no environment; allowed: attach\(env\) before predict"):
         agent.predict(np.zeros((2, 59), np.float32))
@@ -72,20 +70,6 @@ def test_what_a_planner_cannot_do_without_is_named():
     agent.attach(env)
     with pytest.raises(InputError, match="^observation has 2 worlds; allowed: the 1 of the environment$"):
         agent.predict(np.zeros((2, 59), np.float32))
-
-
-@pytest.mark.parametrize(
-    ("name", "candidates", "allowed"),
-    [
-        ("myopic", 10**9, "1000000000; allowed: 1 to 10000"),
-        ("myopic", 0, "0; allowed: 1 to 10000"),
-        ("myopic", 64.0, "64.0; allowed: 1 to 10000"),
-        ("receding_horizon", 5, "5; allowed: 6 to 10000"),
-    ],
-)
-def test_a_number_of_candidates_that_cannot_be_tried_is_named(name, candidates, allowed):
-    with pytest.raises(InputError, match=f"^candidates is {allowed}$"):
-        replace(PLANNERS[name].plan, candidates=candidates)
 
 
 def test_the_fewest_candidates_are_those_that_are_always_tried():
@@ -107,12 +91,6 @@ def test_planning_changes_nothing_of_the_real_worlds(name, options):
     np.testing.assert_array_equal(planned.bound_sd, replayed.bound_sd)
     assert agent.decisions == 4 and agent.ms_per_decision > 0.0
     assert np.ptp(watched.actions, axis=0).max() > 0.1
-
-
-def test_there_must_be_a_maneuver_that_goes_on():
-    plan, kind = PLANNERS["receding_horizon"]
-    with pytest.raises(InputError, match=r"^agent 'receding_horizon': maneuvers is \(\); allowed: one or more$"):
-        kind(replace(plan, maneuvers=()))
 
 
 @pytest.mark.parametrize("name", ["receding_horizon", "sampling"])

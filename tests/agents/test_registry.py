@@ -33,8 +33,6 @@ def test_a_file_that_is_no_checkpoint_and_a_folder_that_is_no_run_are_named(tmp_
         agents.load_agent(tmp_path / "weights.pt")
     with pytest.raises(InputError, match="not a training run"):
         agents.load_agent(tmp_path)
-    with pytest.raises(InputError, match="gone.zip: no such file"):
-        agents.load_agent(str(tmp_path / "gone.zip"))
 
 
 def test_a_policy_of_another_observation_size_is_refused(tmp_path: Path) -> None:
@@ -51,11 +49,6 @@ def test_a_policy_of_another_observation_size_is_refused(tmp_path: Path) -> None
         agents.load_agent(tmp_path / "small.zip", trust=True)
     with pytest.raises(InputError, match="of 5 values, the environment gives 43"):
         agents.load_agent(tmp_path / "small.zip", env_id="jawenv/JawHinge-v2", trust=True)
-
-
-def test_an_unknown_environment_is_named() -> None:
-    with pytest.raises(InputError, match="^env 'knee': unknown; allowed: jawenv/JawHinge-v2, "):
-        agents.load_agent("hold_still", env_id="knee")
 
 
 def test_importing_agents_loads_no_torch() -> None:

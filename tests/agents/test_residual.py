@@ -11,7 +11,7 @@ from stable_baselines3 import PPO
 import agents
 from agents.following import Following
 from agents.policies import load_policy
-from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, Residual, ResidualPolicy
+from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.files import write_json
@@ -172,8 +172,3 @@ def test_a_damaged_configuration_is_named(run: Path, old: str, new: str, message
     (run / "config.yaml").write_text(CONFIG.replace(old, new))
     with pytest.raises(InputError, match=message):
         load_policy(run)
-
-
-def test_scale_must_be_a_positive_number() -> None:
-    with pytest.raises(InputError, match="scale = 0 must be greater than 0"):
-        Residual(maneuver=NAME, scale=0)

@@ -18,11 +18,6 @@ def test_they_have_names() -> None:
         load_agent("ppo_nobody")
 
 
-def test_a_correction_is_played_at_its_own_rate() -> None:
-    with pytest.raises(InputError, match="^control_hz 20: ppo_trismus decides 5 times a second$"):
-        load_agent("ppo_trismus", control="targets", control_hz=20.0)
-
-
 @pytest.mark.parametrize("name", policy_names())
 def test_a_card_tells_what_it_corrects_how_it_was_made_and_what_it_reached(name: str) -> None:
     card = read_card(SHIPPED / name)

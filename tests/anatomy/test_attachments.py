@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from jawenv.anatomy import PORTIONS, attachment, attachment_rows, load_quantities
-from jawenv.errors import InputError
 
 # Straight-line lengths, mm, published beside the table.
 LENGTHS_MM = {
@@ -68,10 +67,3 @@ def test_medial_pterygoid_strength_is_shared_by_cross_section() -> None:
     posterior = attachment("posterior_medial_pterygoid", "right").strength_N
     assert anterior + posterior == pytest.approx(174.8)
     assert anterior / posterior == pytest.approx(2.47 / 3.53, rel=1e-4)
-
-
-def test_unknown_portion_or_side() -> None:
-    with pytest.raises(InputError, match="^muscle portion 'digastric' is unknown; allowed: superficial_masseter, "):
-        attachment("digastric", "left")
-    with pytest.raises(InputError, match="^side 'middle' is unknown; allowed: left, right$"):
-        attachment("deep_masseter", "middle")

@@ -14,8 +14,7 @@ from jawenv.anatomy import (
     muscle_set,
     two_sides,
 )
-from jawenv.errors import InputError
-from jawenv.ladder import MODELS, model_named, model_of_env
+from jawenv.ladder import MODELS, model_of_env
 
 SETS = known_muscle_sets()
 
@@ -23,21 +22,12 @@ SETS = known_muscle_sets()
 def test_every_model_has_its_thesis_parameters() -> None:
     counts = {name: len(model.muscles.parameter_names) for name, model in MODELS.items()}
     assert counts == {"hinge": 2, "sagittal": 6, "sides": 4, "jaw": 12, "portions": 24, "bilateral": 12}
-    with pytest.raises(
-        InputError, match=r"^model is 'knee'; allowed: hinge, sagittal, sides, jaw, portions, bilateral$"
-    ):
-        model_named("knee")
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_an_environment_is_known_by_id_title_and_model(name: str) -> None:
     model = MODELS[name]
     assert [model_of_env(env) for env in (model.env_id, model.title, name)] == [model] * 3
-
-
-def test_an_unknown_environment_gets_the_ids() -> None:
-    with pytest.raises(InputError, match=r"^env 'knee': unknown; allowed: jawenv/JawHinge-v2, .*JawBilateral-v2"):
-        model_of_env("knee")
 
 
 def test_midplane_lines_are_what_a_pair_does_together() -> None:
@@ -77,8 +67,3 @@ def test_patients_of_every_set_are_written_and_read(key: str, tmp_path) -> None:
     assert Patient.load(tmp_path / "patient.json") == patient
     again = Patient.from_log_parameters(patient.log_parameters(), name=patient.name, muscles=patient.muscles)
     np.testing.assert_allclose(again.log_parameters(), patient.log_parameters(), rtol=1e-14)
-
-
-def test_a_patient_of_two_sets_is_refused() -> None:
-    with pytest.raises(InputError, match="b is of closers, but F_o_N of left, right"):
-        Patient(F_o_N={"left": 1.0, "right": 1.0}, b={"closers": 7.0})

@@ -136,26 +136,6 @@ def test_damaged_json(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("theta", "message"),
-    [
-        (np.zeros(11), "log parameters have shape (11,), must be (12,)"),
-        (np.zeros((2, 12)), "log parameters have shape (2, 12), must be (12,)"),
-        (np.r_[np.nan, np.zeros(11)], "log_F_o/masseter_left = nan must be finite"),
-        (
-            np.r_[np.zeros(11), 5.0],
-            "Patient: b.medial_pterygoid_right = 148.4131591025766 must be less than or equal to 60",
-        ),
-        (np.r_[900.0, np.zeros(11)], "Patient: F_o_N.masseter_left = inf must be a finite number"),
-        (["a"] * 12, "log parameters must be numbers"),
-    ],
-)
-def test_faulty_log_parameters(theta: object, message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        Patient.from_log_parameters(theta)  # type: ignore[arg-type]
-    assert str(caught.value) == message
-
-
 def test_patients_are_frozen() -> None:
     patient = Patient(F_o_N=F_O, b=B)
     with pytest.raises(ValueError, match="frozen"):

@@ -63,25 +63,6 @@ def test_the_record_is_the_device_in_SI_units():
     np.testing.assert_array_equal(record["direction"], [[0, 0, -1], [0, 0, -1], [1, 0, 0], [1, 0, 0]])
 
 
-@pytest.mark.parametrize(
-    ("field", "value", "allowed"),
-    [
-        ("lag_s", 0.0, "a finite number, more than 0, at most 2"),
-        ("slew_N_s", -1.0, "a finite number, more than 0, at most 100000"),
-        ("cell_gain", -0.01, "a finite number, 0 or more, at most 0.5"),
-        ("lever", float("nan"), "a finite number, more than 0, at most 10"),
-        ("force_cap_N", float("inf"), "a finite number, more than 0, at most 4000"),
-        ("thermal_s", "ten", "a finite number, more than 0, at most 1000"),
-        ("full_scale_N", True, "a finite number, more than 0, at most 600"),
-        ("brake_N_s_m", 1e9, "a finite number, 0 or more, at most 3000"),
-    ],
-)
-def test_a_field_that_no_device_has_is_named(field, value, allowed):
-    with pytest.raises(jawenv.InputError) as caught:
-        jawenv.Device(**{field: value})
-    assert str(caught.value) == f"device.{field} is {value!r}; allowed: {allowed}"
-
-
 def test_noise_may_be_switched_off():
     assert device_record(unmodelled_force_N=0.0, cell_force_N=0, cell_gain=0.0)["unmodelled_force"] == 0.0
 

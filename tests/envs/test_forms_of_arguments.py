@@ -117,30 +117,6 @@ def test_a_cohort_as_a_mapping_comes_back():
         np.testing.assert_array_equal(again.prior.sd, one.prior.sd)
 
 
-LAW = {"F_o_N": 1.2, "F_o_sd": 0.5, "b": 7.0, "b_sd": 0.3}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"b_sd": float("nan")}, "Cohort: groups.0.left.b_sd = nan must be a finite number"),
-        ({"b_sd": 0}, "Cohort: groups.0.left.b_sd = 0 must be greater than 0"),
-        ({"b": "seven"}, "Cohort: groups.0.left.b = 'seven' must be a number"),
-        ({"c": 1}, "Cohort: unknown key 'groups.0.left.c'; allowed: F_o_N, F_o_sd, b, b_sd"),
-        ({"b_sd": 2}, "cohort 'cohort': sd of log b = 2; allowed: more than 0, at most 1.5"),
-        (
-            {"F_o_N": 80},
-            "cohort 'cohort': F_o_N = 80 with a log sd of 0.5 is drawn larger than 100; allowed: up to 100 at 2 sd "
-            "above the median",
-        ),
-    ],
-)
-def test_an_unusable_cohort_is_named(change, message):
-    with pytest.raises(jawenv.InputError) as caught:
-        gym.make(ID, cohort={"groups": [{"left": LAW | change, "right": LAW}]}, control="force")
-    assert str(caught.value) == message
-
-
 @pytest.mark.parametrize(
     ("argument", "name", "text", "message"),
     [

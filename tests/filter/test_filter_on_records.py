@@ -39,11 +39,6 @@ def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
     np.testing.assert_array_equal(estimate.cov, run.belief_cov[0])
 
 
-def test_every_is_checked():
-    with pytest.raises(jawenv.InputError, match="^every: 0 given, allowed is 1 or more$"):
-        TensionFilter(every=0)
-
-
 def believing(record):
     """The record with what froze made a number that has changed: by its last bit."""
     measured, samples = record.measured.copy(), record.samples.copy()

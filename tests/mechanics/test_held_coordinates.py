@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 
@@ -48,8 +47,3 @@ def test_held_coordinates_do_not_accelerate_and_the_others_as_if_held_by_force(r
         actual = np.array(jawenv.acceleration(held_jaw, q, u, theta, wrench))
         np.testing.assert_array_equal(actual[~moves], 0.0)
         np.testing.assert_allclose(actual[moves], expected[moves], rtol=1e-8, atol=1e-8 * np.abs(plain).max())
-
-
-def test_yaw_and_roll_are_held_together():
-    with pytest.raises(InputError, match="allowed: psi and alpha free both or none"):
-        build_jaw(free=(True, True, True, True, False))

@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, multivariate_normal
 
-from jawenv.errors import InputError
 from jawenv.metrics import claimed_information, covered, log_density, nees, nees_band, true_information
 
 seeds = st.integers(0, 2**32 - 1)
@@ -76,8 +75,3 @@ def test_nees_band_is_the_chi_squared_interval_of_the_mean():
 
 def test_covered_by_hand():
     assert covered(np.array([-0.9, 1.1]), np.array([1.0, 1.0]), 1).tolist() == [True, False]
-
-
-def test_an_indefinite_covariance_is_refused():
-    with pytest.raises(InputError, match="covariance: not positive definite"):
-        nees(np.ones(2), np.diag([1.0, -1.0]))

@@ -3,7 +3,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.metrics import diagnose, score, whole_muscles_per_line
 from tests.metrics.linear_gaussian import linear_gaussian
@@ -52,16 +51,3 @@ def test_asking_for_more_confidence_never_decides_more(seed, one, other):
     loose, strict = diagnose(truth, mean, sd, 1.0, low), diagnose(truth, mean, sd, 1.0, high)
     assert not (strict.called_raised & ~loose.called_raised).any()
     assert strict.undecided >= loose.undecided
-
-
-@pytest.mark.parametrize(
-    ("threshold", "confidence", "message"),
-    [
-        (-1.0, 0.95, "threshold: -1.0 given"),
-        (1.0, 1.0, "confidence: 1.0 given"),
-        (1.0, 0.3, "confidence: 0.3 given"),
-    ],
-)
-def test_arguments_out_of_range_are_named(threshold, confidence, message):
-    with pytest.raises(InputError, match=message):
-        diagnose(TRUTH, MEAN, SD, threshold, confidence)

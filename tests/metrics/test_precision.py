@@ -3,7 +3,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jawenv.errors import InputError
 from jawenv.metrics import identified, rmse, rmse_over_bound, time_to, worst_sd
 
 
@@ -27,11 +26,6 @@ def test_time_to_ignores_times_after_the_episode():
     sd = np.array([[[0.5], [0.3], [0.1]]])
     valid = np.array([[True, True, False]])
     assert time_to(sd, np.arange(3.0), 0.1, valid).tolist() == [np.inf]
-
-
-def test_time_to_refuses_a_threshold_of_zero():
-    with pytest.raises(InputError, match="threshold: 0 given"):
-        time_to(np.ones((1, 2, 1)), np.arange(2.0), 0)
 
 
 def test_identified_needs_a_small_sd_and_the_truth_inside():

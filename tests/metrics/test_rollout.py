@@ -8,7 +8,6 @@ import jawenv
 from jawenv.envs.jaw import JawEnv
 from jawenv.errors import InputError
 from jawenv.playing.rollout import information_bound, play
-from jawenv.playing.singles import SingleWorlds
 
 SHORT = {"episode_s": 1.0}
 
@@ -82,11 +81,6 @@ def test_patients_may_be_files_and_mappings(tmp_path):
     np.testing.assert_allclose(played.truth, [patient.log_parameters()] * 2)
 
 
-def test_something_that_is_no_agent_is_named():
-    with pytest.raises(InputError, match="^agent: <object object at .*> given, allowed is an object with predict"):
-        play(object(), patients=1, seed=0)
-
-
 def test_an_agent_is_told_how_many_worlds_and_when_they_start():
     agent, steps = Push(0, 0, 0, 0), []
     play(agent, patients=2, seed=9, env_kwargs={"episode_s": 0.2}, progress=lambda *step: steps.append(step))
@@ -141,31 +135,6 @@ def test_the_bound_is_the_same_however_the_environment_is_named(recording):
     assert (by_instance[-1] < by_instance[0]).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"patients": 0}, "patients: 0 given"),
-        ({"patients": []}, "patients: 0 given"),
-        ({"patients": 2.0}, "patients: 2.0 given"),
-        ({"patients": "two"}, "patients: 'two' given"),
-        ({"patients": [3]}, r"option patients\[0\] is 3"),
-        ({"seed": -1}, "seed: -1 given"),
-        ({"seed": 10**24}, "seed: 1000000000000000000000000 given, allowed is a whole number, 0 to 4294967295"),
-        ({"seed": "one"}, "seed: 'one' given"),
-        ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
-        ({"env_kwargs": 5}, "env_kwargs: 5 given"),
-    ],
-)
-def test_bad_input_is_named(change, message):
-    with pytest.raises(InputError, match=message):
-        play(REST, **({"patients": 1, "seed": 0} | change))
-
-
-def test_something_that_is_no_environment_is_named():
-    with pytest.raises(InputError, match="env_or_jaw: a float given"):
-        information_bound(1.0, REST, None)
-
-
 class Doubled(JawEnv):
     """Another reward."""
 
@@ -213,8 +182,3 @@ def test_an_agent_that_plans_needs_the_native_vector_form(subclass_id):
         InputError, match="^jawenv-test/Doubled-v0 has no native vector form, which agents that plan need"
     ):
         play(Planner(0, 0, 0, 0), patients=1, seed=0, env_id=subclass_id, env_kwargs=SHORT)
-
-
-def test_an_environment_of_something_else_is_named():
-    with pytest.raises(InputError, match="^env_id is 'Pendulum-v1'; allowed: an environment of jawenv, or a subclass"):
-        SingleWorlds("Pendulum-v1", 1, {})

@@ -124,5 +124,3 @@ def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, place: str, value: o
 def test_what_is_no_maneuver_is_named(tmp_path: Path) -> None:
     assert "damaged YAML" in refusal(tmp_path, "name: [unclosed")
     assert "mapping" in refusal(tmp_path, "- just\n- a list\n")
-    with pytest.raises(InputError, match="missing.yaml: no such file"):
-        load_agent(tmp_path / "missing.yaml")

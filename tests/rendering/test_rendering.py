@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from tests.envs.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 
 from jawenv.errors import InputError
 from jawenv.rendering import Renderer, Scene, palette
+from tests.rendering.jaw_scenes import COMFORT, FRONT, LIMITS, POSTERIOR, SIDE, TRACE, coloured, differ, scene
 
 
 @pytest.fixture(scope="module")
@@ -183,20 +183,6 @@ def test_bad_scene_is_refused_by_the_name_of_its_field(field, value):
     with pytest.raises(InputError, match=f"^{field}: ") as caught:
         scene(**{field: value})
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("ansi", 20), "render_mode: 'ansi' must be one of rgb_array, human"),
-        (("rgb_array", 0), "fps: 0 must be above 0"),
-        (("rgb_array", float("nan")), "fps: nan must be above 0"),
-        (("rgb_array", 20, (64, 64)), r"size: \(64, 64\) must be at least 480 by 270"),
-    ],
-)
-def test_bad_settings_are_refused(arguments, message):
-    with pytest.raises(InputError, match=message):
-        Renderer(*arguments)
 
 
 def test_closing_twice_and_drawing_again():

@@ -11,7 +11,7 @@ from jawenv.ladder import MODELS
 from jawenv.rendering import Renderer, palette
 from jawenv.rendering.frame import CARDS
 from jawenv.rendering.posterior_layout import lay_out
-from tests.envs import jaw_scenes as scenes
+from tests.rendering import jaw_scenes as scenes
 
 models = pytest.mark.parametrize("model", MODELS)
 TITLE_BAND = (0.0, 0.0, 1280.0, 54.0)

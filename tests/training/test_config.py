@@ -99,11 +99,6 @@ def test_mistakes_get_one_line_that_names_them(tmp_path: Path, text: str, messag
     assert "config.yaml" in str(caught.value)
 
 
-def test_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"nowhere.yaml: no such file"):
-        TrainingConfig.load(tmp_path / "nowhere.yaml")
-
-
 def test_arguments_of_the_environment_that_are_none_stay() -> None:
     config = TrainingConfig.load(config_file("ppo"))
     changed = config.with_env_kwargs(cohort="one_sided", reward=None)

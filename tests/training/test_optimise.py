@@ -148,26 +148,6 @@ def test_a_log_is_of_what_was_refined_not_of_its_name(tmp_path):
         search(design, log, lambda *_: None, bowl(0.4))
 
 
-@pytest.mark.parametrize(
-    ("field", "value", "said"),
-    [
-        ("criterion", "E", "criterion is 'E'; allowed: worst, D, A"),
-        ("over", "all", "over is 'all'; allowed: mean, tail, nominal"),
-        ("population", 10**9, "population is 1000000000 and patients 12; allowed: 10,000 worlds"),
-        ("patients", 0, "patients is 0; allowed: 1 or more"),
-        ("sigma", 2.0, "sigma is 2; allowed: above 0, at most 1"),
-        ("control", "thought", "control is 'thought'"),
-        ("cohort", "knees", "knees"),
-        ("horizon_s", -1.0, "episode_s is -1"),
-        ("refine", "nothing.yaml", "nothing.yaml"),
-        ("then", "refined", "then is 'refined'; allowed: nothing without refine"),
-    ],
-)
-def test_what_is_not_allowed_is_named(field, value, said):
-    with pytest.raises(InputError, match=said):
-        Design(**{field: value})
-
-
 def test_the_command_writes_a_file_that_plays(tmp_path, capsys):
     output = tmp_path / "found_it.yaml"
     options = ["--horizon-s", "2", "--patients", "2", "--population", "4", "--generations", "2"]

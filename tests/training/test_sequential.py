@@ -163,25 +163,6 @@ def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
     assert "quick.yaml: " in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("field", "value", "message"),
-    [
-        ("goal", "most", "^goal is 'most'; allowed: mixed, worst, uncertainty$"),
-        ("over", "nominal", "^over is 'nominal'; allowed: mean, tail$"),
-        ("patients", 0, "^patients is 0; allowed: 1 or more$"),
-        ("candidates", 3, "^candidates is 3; allowed: 6 to 10000$"),
-        ("candidates", 10**9, "^candidates is 1000000000; allowed: 6 to 10000$"),
-        ("look_ahead_s", float("nan"), "^look_ahead_s is nan; allowed: 0.2 to 30$"),
-        ("comfort_weight", float("nan"), "^comfort_weight is nan; allowed: 0 or more, finite$"),
-        ("comfort_weight", float("inf"), "^comfort_weight is inf; allowed: 0 or more, finite$"),
-        ("cohort", "nobody", "nobody"),
-    ],
-)
-def test_what_is_not_allowed_is_named(field, value, message):
-    with pytest.raises(InputError, match=message):
-        SequentialDesign(**{field: value})
-
-
 def test_a_folder_that_may_not_be_written_is_named_at_once(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("os.access", lambda *_: False)
     assert main(["design", "--output", str(tmp_path / "mine.yaml")]) == 2

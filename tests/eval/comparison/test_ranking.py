@@ -102,19 +102,6 @@ def test_claims_that_differ_from_the_truth_are_named(made, ranking):
     assert f"boastful claims {gap:.1f} nats more than is true" in line
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"discomfort_s": float("nan")}, "largest-discomfort-s: nan given, allowed is a finite number, 0 or more"),
-        ({"discomfort_s": -1.0}, "largest-discomfort-s: -1.0 given"),
-        ({"violation": 1.5}, "largest-violation: 1.5 given, allowed is a share, 0 to 1"),
-    ],
-)
-def test_limits_that_make_no_sense_are_named(values, message):
-    with pytest.raises(InputError, match=message):
-        Admission(**values)
-
-
 def test_the_band_allows_for_the_number_of_entries(ranking):
     assert ranking.band == nees_band(40, 12, 1.0 - 0.05 / 4)
 

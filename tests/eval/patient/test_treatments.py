@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from eval.entries import load_entries
-from eval.patient.treatments import Course, first_treatment, next_treatment
+from eval.patient.treatments import first_treatment, next_treatment
 from eval.settings import Settings
-from jawenv.errors import InputError
 from jawenv.metrics import nees_band
 from jawenv.playing.rollout import play
 
@@ -71,17 +70,3 @@ def test_the_noise_of_every_treatment_is_its_own_and_repeatable():
     thin = course[0].thinned(5)
     assert len(thin.time) == 5 and thin.time[0] == 0.0 and thin.time[-1] == course[0].time[-1]
     assert thin.nees == course[0].nees
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"number": 0}, "treatments: 0 given, allowed is 1 or more"),
-        ({"drift": -0.1}, "drift: -0.1 given, allowed is 0 to 0.5"),
-        ({"drift": float("nan")}, "drift: nan given"),
-        ({"drift": 2.0}, "drift: 2.0 given"),
-    ],
-)
-def test_a_course_that_is_none_is_refused(fields, message):
-    with pytest.raises(InputError, match=message):
-        Course(**fields)

@@ -117,20 +117,6 @@ def test_subsets_come_with_the_worst_first(rng):
     assert bigger[0] >= indices[0] - 1e-6, "with more parameters it can only rise"
 
 
-@pytest.mark.parametrize("subset", [[], [0, 0], [0, 12], [-1]])
-def test_a_subset_that_is_none_is_refused(subset):
-    with pytest.raises(InputError, match="^subset: .* given, allowed are different numbers from 0 to 11"):
-        collinearity(np.eye(12), subset)
-
-
-@pytest.mark.parametrize("size", [0, 13])
-def test_a_size_that_is_none_is_refused(size):
-    with pytest.raises(InputError, match=f"^size: {size} given"):
-        collinearity_of_size(np.eye(12), size)
-    with pytest.raises(InputError, match="subsets"):
-        collinearity_of_size(np.eye(40), 20)
-
-
 def test_a_pair_s_table_holds_every_pair():
     table = report("hold_still").pair_collinearity
     i, j = 3, 8

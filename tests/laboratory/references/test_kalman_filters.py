@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from recorded import held, recording
 
-from jawenv.errors import InputError
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 from jawenv.laboratory.references.filterpy_filters import (
     FilterpyExtendedKalman,
@@ -133,19 +132,3 @@ def test_the_symmetric_root(rng):
     P = factor @ factor.T
     U, scale = symmetric_root(P), np.array([1e-6, 1.0, 1.0, 1e3, 1.0])
     np.testing.assert_allclose((U.T @ U) / np.outer(scale, scale), P / np.outer(scale, scale), atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: ExtendedKalman("square"), "scale is 'square'"),
-        (lambda: ExtendedKalman(parameter_rate=-1.0), "parameter_rate is -1.0"),
-        (lambda: ExtendedKalman(parameter_time=0.0), "parameter_time is 0.0"),
-        (lambda: ExtendedKalman(every=0), "every is 0"),
-        (lambda: FilterpyExtendedKalman(every=0), "every is 0"),
-        (lambda: FilterpyUnscentedKalman(alpha=0.0), "alpha is 0.0"),
-    ],
-)
-def test_what_is_not_allowed_is_named(make, said):
-    with pytest.raises(InputError, match=said):
-        make()

@@ -10,7 +10,6 @@ from recorded import SWINGS, held, opening, recording, share
 
 import jawenv
 from agents import load_agent
-from jawenv.errors import InputError
 from jawenv.filter.encoders import measure
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.thinning import divided, thinned
@@ -243,18 +242,3 @@ def test_the_truth_is_not_read(record):
     blind = replace(record.until(0.5), truth=None, states=None, wrenches=None)
     seeing = IteratedSmoother().estimate(record.until(0.5))
     np.testing.assert_array_equal(IteratedSmoother().estimate(blind).mean, seeing.mean)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"max_iterations": 0}, "max_iterations is 0"),
-        ({"tolerance": 0.0}, "tolerance is 0.0"),
-        ({"times": ()}, "times is ()"),
-        ({"times": (2.0, 1.0)}, "times is (2.0, 1.0)"),
-    ],
-)
-def test_what_is_not_allowed_is_named(arguments, said):
-    with pytest.raises(InputError) as refused:
-        IteratedSmoother(**arguments)
-    assert said in str(refused.value)

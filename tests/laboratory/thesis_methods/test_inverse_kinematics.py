@@ -2,9 +2,7 @@
 
 import newton_euler as twin
 import numpy as np
-import pytest
 
-from jawenv.errors import InputError
 from jawenv.laboratory.thesis_methods.inverse_kinematics import acceleration_from_mouthpiece, motion_from_pose
 from jawenv.mechanics import build_jaw
 
@@ -59,15 +57,3 @@ def test_accelerations_are_those_of_the_independent_model(jaw, rng):
     ]
     found = acceleration_from_mouthpiece(jaw, states, np.array(of_mouthpiece), SD[6:], np.ones(5, dtype=bool))
     np.testing.assert_allclose(found, rates[:, 5:], atol=1e-8 * np.abs(rates).max())
-
-
-def test_wrong_input_is_named(jaw):
-    nothing = np.zeros((3, 12))
-    with pytest.raises(InputError, match="not read"):
-        motion_from_pose(jaw, np.where(np.arange(12) > 2, np.nan, nothing), SD, np.zeros(10), FREE)
-    with pytest.raises(InputError, match="measured has shape"):
-        motion_from_pose(jaw, nothing[:, :6], SD, np.zeros(10), FREE)
-    with pytest.raises(InputError, match="start_mean has shape"):
-        motion_from_pose(jaw, nothing, SD, np.zeros(12), np.ones(12))
-    with pytest.raises(InputError, match="condyles"):
-        motion_from_pose(build_jaw(condyles=2), nothing, SD, np.zeros(10), FREE)

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 from jawenv.anatomy import Prior
-from jawenv.errors import InputError
 from jawenv.laboratory.thesis_methods.least_squares import (
     LinearLeastSquares,
     NonlinearLeastSquares,
@@ -18,7 +17,7 @@ from jawenv.laboratory.thesis_methods.least_squares import (
     exerted_jacobian,
     logs_of_coefficients,
 )
-from jawenv.laboratory.thesis_methods.moment_balance import Balance, balance_of
+from jawenv.laboratory.thesis_methods.moment_balance import Balance
 from jawenv.laboratory.thesis_methods.regression import regression_covariance
 from jawenv.mechanics import build_jaw
 from jawenv.metrics.calibration import nees
@@ -173,16 +172,3 @@ def test_covariance_of_a_regression(gain_sd, seed, run):
     np.testing.assert_array_equal(found, found.T)
     scale = np.sqrt(np.diag(expected))
     np.testing.assert_allclose(found / np.outer(scale, scale), expected / np.outer(scale, scale), atol=0.25)
-
-
-def test_no_start_is_refused():
-    with pytest.raises(InputError, match="starts is 0"):
-        NonlinearLeastSquares(starts=0)
-
-
-def test_a_record_without_pose_is_refused():
-    record = records("JawHinge")[0]
-    blind = record.measured.copy()
-    blind[:, 3:6] = np.nan
-    with pytest.raises(InputError, match="not read"):
-        balance_of(replace(record, measured=blind))

@@ -8,7 +8,6 @@ import pytest
 from estimation_records import quiet_records
 
 from jawenv.anatomy import cohort
-from jawenv.errors import InputError
 from jawenv.laboratory.thesis_methods.least_squares import exerted
 from jawenv.laboratory.thesis_methods.moment_balance import balance, balance_of
 
@@ -85,12 +84,3 @@ def test_noise_and_whitening(rng):
         error.T @ error / len(error) / np.outer(spread, spread), clean.noise / np.outer(spread, spread), atol=0.25
     )
     np.testing.assert_allclose(clean.whitened(clean.noise).noise, np.eye(5), atol=1e-9)
-
-
-def test_wrong_input_is_named():
-    record = quiet_records("Jaw")[0]
-    with pytest.raises(InputError, match="rows is 'five'"):
-        balance_of(record, rows="five")
-    for window in (1e3, np.nan):
-        with pytest.raises(InputError, match="smoothing_s"):
-            balance_of(record, smoothing_s=window)

@@ -6,7 +6,6 @@ from estimation_records import quiet_records
 from hypothesis import given
 from hypothesis import strategies as some
 
-from jawenv.errors import InputError
 from jawenv.laboratory.thesis_methods.moment_balance import Balance
 from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear, constant_forces, small_opening
 
@@ -94,10 +93,3 @@ def test_the_covariance_carries_the_first_stages_over(rng):
     covariance = TwoStageLogLinear().estimate(record).cov[0]
     assert covariance[0, 1] < 0.0
     assert np.linalg.eigvalsh(covariance).min() > 0.0
-
-
-def test_wrong_input_is_named():
-    with pytest.raises(InputError, match="form is 'sum'"):
-        TwoStageLogLinear("sum")
-    with pytest.raises(InputError, match="small_share is 1"):
-        TwoStageLogLinear(small_share=1.0)
