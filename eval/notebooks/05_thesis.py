@@ -34,6 +34,7 @@ import numpy as np
 import pandas as pd
 from IPython.display import Markdown
 
+from eval.kept.parts import Run
 from eval.thesis.catalogue import ITEMS
 from eval.thesis.run import Settings, draw_all
 
@@ -52,7 +53,7 @@ tables = {}
 def look_at(key):
     """Draw a result, print the thesis's words and ours, and return the figure."""
     item = ITEMS[key]
-    tables[key] = draw_all([item], settings, OUTPUT, workers=WORKERS)[key]
+    tables[key] = draw_all([item], settings, OUTPUT, Run(workers=WORKERS))[key]
     found = item.judge(tables[key])
     for words in (f"{item.where}: {item.says}", f"We measure: {found.measured}", f"{found.verdict}: {found.why}"):
         print(textwrap.fill(words, 100), end="\n\n")

@@ -8,6 +8,7 @@ import pytest
 from rich.console import Console
 
 from eval.cli import main
+from eval.kept.parts import Run
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
 from eval.thesis.histograms import histograms
 from eval.thesis.item import Finding, Item, one_by_one
@@ -102,11 +103,11 @@ def test_a_run_goes_on_where_it_was_interrupted(toy, tmp_path, capsys):
 
 def test_a_damaged_file_says_what_to_do(toy, tmp_path):
     console = Console(quiet=True)
-    study.study(None, 3, 0, True, tmp_path, False, "", console)
+    study.study(None, run.Settings(3, quick=True), tmp_path, Run(), "", console)
     (chunk,) = (tmp_path / "draws").glob("*.parquet")
     chunk.write_text("no parquet")
     with pytest.raises(InputError, match="--fresh"):
-        study.study(None, 3, 0, True, tmp_path, False, "", console)
+        study.study(None, run.Settings(3, quick=True), tmp_path, Run(), "", console)
 
 
 @pytest.mark.parametrize(("options", "shown"), [([], "reproduced"), (["--quick"], None), (["--draws", "19"], None)])
