@@ -77,15 +77,20 @@ def draw_all(
     Raises:
         InputError: the output folder cannot be used, or a kept file is damaged.
     """
-    folder, name = folder_for(output, "draws"), digest([settings.seed, settings.quick], made_by=[eval.thesis])
-    drawn = dict.fromkeys(item.drawn_as for item in items)  # items with the same draws share them
-    parts = {key: parts_of(key, range(settings.draws), CHUNK, folder, {key: name}) for key in drawn}
-    work = partial(draw_part, settings=settings)
-    kept = finish([part for of_item in parts.values() for part in of_item], work, rows_in, "draws", run)
+    folder = folder_for(output, "draws")
+    parts = {item.key: parts_of_item(item, settings, folder) for item in items}
+    every = list(dict.fromkeys(part for of_item in parts.values() for part in of_item))
+    kept = finish(every, partial(draw_part, settings=settings), rows_in, "draws", run)
     return {
-        item.key: pd.concat([kept[path] for part in parts[item.drawn_as] for _, path in part.files], ignore_index=True)
-        for item in items
+        key: pd.concat([kept[path] for part in of_item for _, path in part.files], ignore_index=True)
+        for key, of_item in parts.items()
     }
+
+
+def parts_of_item(item: Item, settings: Settings, folder: Path) -> list[Part]:
+    """The parts that an item's draws are made in; items with the same draws share them."""
+    name = digest([settings.seed, settings.quick], made_by=[eval.thesis])
+    return parts_of(item.drawn_as, range(settings.draws), CHUNK, folder, {item.drawn_as: name})
 
 
 def draw_part(part: Part, progress: Progress, settings: Settings) -> None:

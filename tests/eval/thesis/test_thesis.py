@@ -275,10 +275,10 @@ def test_no_value_in_some_draws_counts_as_wrong_not_as_absent():
     assert rows.rmse(table).value == np.inf
 
 
-def test_chunks_share_what_does_not_change_and_differ_in_what_does(tmp_path):
+def test_parts_share_what_does_not_change_and_differ_in_what_does(tmp_path):
     item = catalogue.ITEMS["physician_view"]
-    ten, more = (run.chunks_of(item, run.Settings(draws), tmp_path) for draws in (10, 20))
+    ten, more = (run.parts_of_item(item, run.Settings(draws), tmp_path) for draws in (10, 20))
     assert ten == more[:1]
-    assert ten == run.chunks_of(catalogue.ITEMS["nonlinear_full"], run.Settings(10), tmp_path)
+    assert ten == run.parts_of_item(catalogue.ITEMS["nonlinear_full"], run.Settings(10), tmp_path)
     for other in (run.Settings(10, seed=1), run.Settings(10, quick=True)):
-        assert run.chunks_of(item, other, tmp_path)[0].files != ten[0].files
+        assert run.parts_of_item(item, other, tmp_path)[0].files != ten[0].files
