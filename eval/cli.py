@@ -138,10 +138,10 @@ def thesis_command(
     draws that are finished: the same command goes on from there.
     """
     from eval.kept.parts import Run
-    from eval.thesis.run import Settings
+    from eval.thesis.run import Draws
     from eval.thesis.study import study
 
-    settings, console = Settings(min(draws, QUICK_DRAWS) if quick else draws, seed, quick), terminal()
+    settings, console = Draws(min(draws, QUICK_DRAWS) if quick else draws, seed, quick), terminal()
     study(only, settings, output, Run(fresh, console=console), typed(), console)
 
 

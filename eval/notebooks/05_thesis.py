@@ -36,7 +36,7 @@ from IPython.display import Markdown
 
 from eval.kept.parts import Run
 from eval.thesis.catalogue import ITEMS
-from eval.thesis.run import Settings, draw_all
+from eval.thesis.run import Draws, draw_all
 
 # %matplotlib inline
 
@@ -44,7 +44,7 @@ DRAWS = int(os.environ.get("JAWENV_NOTEBOOK_DRAWS", "40"))
 QUICK = bool(int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")))
 WORKERS = 1 if QUICK else None
 OUTPUT = Path(tempfile.gettempdir()) / "jawenv_thesis"
-settings = Settings(DRAWS, quick=QUICK)
+settings = Draws(DRAWS, quick=QUICK)
 
 
 tables = {}

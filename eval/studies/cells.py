@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from eval import entries as loading
 from eval.comparison import results
-from eval.entries import load_entries
+from eval.entries import Entry, load_entries
 from eval.kept.digest import fingerprint
 from eval.settings import Settings
-from eval.studies.design import Design, Environment, Pair
-from eval.studies.design import Entry as Choice
+from eval.studies.design import Choice, Design, Environment, Pair
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
@@ -61,7 +59,7 @@ class Cell:
         """The values of `FACTORS`."""
         return tuple(getattr(self, factor) for factor in FACTORS)
 
-    def load(self) -> loading.Entry:
+    def load(self) -> Entry:
         """The entry, ready to be played."""
         return load_entries([self.spec], self.settings.env_kwargs, self.settings.env, trust=self.trust)[0]
 
@@ -142,7 +140,7 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
                 yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
 
 
-def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> loading.Entry:
+def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> Entry:
     """An entry, whose label must be another one than those of the entries before.
 
     Raises:

@@ -31,7 +31,7 @@ ENOUGH = 20
 
 
 @dataclass(frozen=True)
-class Settings:
+class Draws:
     """How the items are drawn.
 
     Attributes:
@@ -60,9 +60,7 @@ class Settings:
         return self.draws >= ENOUGH and not self.quick
 
 
-def draw_all(
-    items: Sequence[Item], settings: Settings, output: Path, run: Run | None = None
-) -> dict[str, pd.DataFrame]:
+def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | None = None) -> dict[str, pd.DataFrame]:
     """Every draw of every item.
 
     Args:
@@ -87,13 +85,13 @@ def draw_all(
     }
 
 
-def parts_of_item(item: Item, settings: Settings, folder: Path) -> list[Part]:
+def parts_of_item(item: Item, settings: Draws, folder: Path) -> list[Part]:
     """The parts that an item's draws are made in; items with the same draws share them."""
     name = digest([settings.seed, settings.quick], made_by=[eval.thesis])
     return parts_of(item.drawn_as, range(settings.draws), CHUNK, folder, {item.drawn_as: name})
 
 
-def draw_part(part: Part, progress: Progress, settings: Settings) -> None:
+def draw_part(part: Part, progress: Progress, settings: Draws) -> None:
     """Make the draws of a part and keep them, all or none."""
     from eval.thesis.catalogue import ITEMS
 
@@ -105,7 +103,7 @@ def draw_part(part: Part, progress: Progress, settings: Settings) -> None:
         write_table(rows, path, {})
 
 
-def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Settings, output: Path) -> None:
+def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Draws, output: Path) -> None:
     """Write an item's rows as Parquet and its finding as JSON."""
     write_table(table, output / f"{item.key}.parquet", {})
     content = {

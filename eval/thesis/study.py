@@ -11,11 +11,11 @@ from eval.kept.tables import made_with
 from eval.thesis import report
 from eval.thesis.catalogue import chosen
 from eval.thesis.item import Finding
-from eval.thesis.run import Settings, draw_all, keep
+from eval.thesis.run import Draws, draw_all, keep
 
 
 def study(
-    only: list[str] | None, settings: Settings, output: Path, run: Run, command: str, console: Console
+    only: list[str] | None, settings: Draws, output: Path, run: Run, command: str, console: Console
 ) -> dict[str, Finding]:
     """Draw, judge, print and write.
 

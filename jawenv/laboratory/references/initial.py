@@ -41,7 +41,7 @@ def mean_readings(record: Record) -> Array:
 
 
 def trends(record: Record) -> Array:
-    """(T, 6) trend of the load cell at the start of each tick, by the law of ``load_cell.follow_trend``."""
+    """(T, 6) trend of the load cell at the start of each tick, by the law of ``cell_trend.follow_trend``."""
     follow, means = -np.expm1(-record.dt / TREND_TIME), mean_readings(record)
     rows = np.zeros_like(means)
     for k in range(len(rows) - 1):

@@ -1,7 +1,7 @@
 """Kernels of the smoother: the least-squares problem of a whole record about one path, and the rolling out of paths.
 
 A *path* is a motion x_0, ..., x_T that the model makes exactly: x_k+1 = f(x_k, parameters, readings_k + w_k), with the
-unknown wrench w_k, a part constant over a tick and a linear one (``model.step``). Linearised about a path,
+unknown wrench w_k, a part constant over a tick and a linear one (``joint_step.step_parts``). Linearised about a path,
 the problem is solved exactly by a Kalman filter forward and the adjoint recursion of Bryson & Frazier backward (Bierman
 1977, Factorization Methods for Discrete Sequential Estimation, chapter 10). That inverts no covariance.
 
