@@ -78,7 +78,7 @@ class Architecture(InputModel):
         return shapes
 
 
-class Residual(InputModel):
+class CorrectedManeuver(InputModel):
     """The policy corrects a maneuver.
 
     Attributes:
@@ -154,7 +154,7 @@ class ModelCard(InputModel):
     algorithm: Text
     seed: Annotated[int, Field(ge=0, strict=True)]
     steps: Annotated[int, Field(ge=0, strict=True)]
-    residual: Residual | None = None
+    residual: CorrectedManeuver | None = None
     results: tuple[Result, ...] = ()
     jawenv_version: Text
     config_sha256: Sha256

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from jawenv.playing.agents import BatchAgent
 from jawenv.playing.protocol import Action, Array, Mask, Observation, State
 
 ACTION_SIZE = 4
@@ -43,7 +44,7 @@ def switching(mean_s: float) -> Draw:
     return draw
 
 
-class Excitation:
+class Excitation(BatchAgent):
     """Actions from a stream of random numbers per world.
 
     World i draws from its own stream, seeded by `seed + i` as the environment seeds its worlds, so that its actions do
@@ -67,22 +68,15 @@ class Excitation:
         self._streams = [np.random.default_rng(words) for words in seeds]
         self._last, self._step = np.zeros((num_envs, ACTION_SIZE)), 0
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See `jawenv.playing.protocol.Agent.predict`; the observation only says how many worlds there are."""
-        num_envs = 1 if np.ndim(observation) == 1 else len(observation)
-        if len(self._streams) != num_envs:
-            self.reset(num_envs)
+        if len(self._streams) != len(rows):
+            self.reset(len(rows))
         for world, stream in enumerate(self._streams):
             self._last[world] = self._draw(stream, self._last[world], self._step, self._dt)
         self._step += 1
-        action = np.clip(self._last, -1.0, 1.0).astype(np.float32)
-        return action.reshape(*np.shape(observation)[:-1], ACTION_SIZE), None
+        return np.clip(self._last, -1.0, 1.0).astype(np.float32), None
 
 
 class Harmonics(Excitation):

@@ -18,6 +18,7 @@ from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
+from jawenv.playing.agents import BatchAgent, check_size
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 from jawenv.reading import read_bytes
 
@@ -32,7 +33,7 @@ ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
 )
 
 
-class ExportedPolicy:
+class ExportedPolicy(BatchAgent):
     """A multilayer perceptron that acts as its policy does without chance.
 
     Args:
@@ -55,28 +56,11 @@ class ExportedPolicy:
         self._layers = [(exact[f"layers.{i}.weight"].T, exact[f"layers.{i}.bias"]) for i in range(last)]
         self._activation = ACTIVATIONS[card.architecture.activation]
 
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """Nothing: there is no memory and no chance."""
-
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See `jawenv.playing.protocol.Agent.predict`; what the training explored with is not exported.
-
-        Raises:
-            InputError: the observation has not the size that the policy was trained on.
-        """
-        size = np.shape(observation)[-1]
-        if size != self.card.observation_size:
-            raise InputError(
-                f"{self.name}: the policy was trained on observations of {self.card.observation_size} values, "
-                f"got {size}"
-            )
-        values: Array = np.asarray(observation, dtype=np.float64)
+        check_size(rows, self.card.observation_size, self.name)
+        values: Array = rows.astype(np.float64)
         for weight, bias in self._layers[:-1]:
             values = self._activation(values @ weight + bias)
         weight, bias = self._layers[-1]

@@ -7,7 +7,7 @@ law (`jawenv.envs.tracking`) turns the targets into the action of each control s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,9 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
-from jawenv.playing.maneuvers.player import checked_rows, goals_of
-from jawenv.playing.protocol import Action, Agent, Mask, Observation, State
+from jawenv.playing.agents import Memory, Remembering
+from jawenv.playing.maneuvers.player import checked_parameters, goals_of
+from jawenv.playing.protocol import Action, Agent, Mask, Observation
 
 DECISION_HZ = CONTROL_HZ["targets"]
 Trackers = NDArray[np.void]
@@ -105,24 +106,8 @@ def _rest_of(rows: Observation) -> int:
     return size - _REST_SIZE
 
 
-class Memory(NamedTuple):
-    """What the agent remembers.
-
-    Attributes:
-        step: () control steps since the last decision.
-        trackers: (N,) records of the law.
-        started: (N,) whether an episode began since the last decision.
-        inner: the followed agent's own memory.
-    """
-
-    step: NDArray[np.int64]
-    trackers: Trackers
-    started: Mask
-    inner: Any
-
-
-class Following:
-    """An agent of targets control in another control mode.
+class Following(Remembering):
+    """An agent of targets control in another control mode, asked only when a decision is due.
 
     Args:
         agent: answers with actions of targets control.
@@ -135,52 +120,29 @@ class Following:
         law: as given.
     """
 
+    # Records of the law, and whether the world's episode began before the last decision.
+    _remembered = (TRACKER, np.bool_)
+
     def __init__(self, agent: Agent, law: TargetsLaw) -> None:
         self.name = agent.name
         self.control = law.control
         self.agent = agent
         self.law = law
-        self._memory: Memory | None = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Forget all worlds; seed the draws of a stochastic agent."""
-        self._memory = None
+        super().reset(num_envs, seed)
         self.agent.reset(num_envs, seed)
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``; asks the followed agent only when a decision is due.
-
-        Raises:
-            InputError: an observation of the wrong size or not finite, or of another number of worlds than before.
-        """
-        rows, single, _ = checked_rows(observation)
-        step, trackers, started, inner = self._recall(state, len(rows), episode_start)
+    def _decide(
+        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, Memory]:
+        checked_parameters(rows)
+        trackers, decided = memory.of_worlds
+        step, inner = memory.shared or (0, None)  # control steps since the last decision, the agent's own memory
         if step == 0:
-            goals, inner = self.agent.predict(self.law.seen(rows, trackers), inner, started, deterministic)
+            goals, inner = self.agent.predict(self.law.seen(rows, trackers), inner, ~decided, deterministic)
             self.law.aim(trackers, goals)
-            started = np.zeros(len(rows), dtype=bool)
+            decided = np.ones(len(rows), dtype=bool)
         action = self.law.actions(rows, trackers)
-        after = np.array((step + 1) % self.law.steps_per_decision)
-        self._memory = Memory(after, trackers, started, inner)
-        return (action[0] if single else action), self._memory
-
-    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
-        """A copy of the memory to go on from, blank for worlds that begin an episode."""
-        memory = self._memory if state is None else Memory(*state)
-        if memory is None or (episode_start is not None and np.all(episode_start)):
-            return Memory(np.array(0), self.law.begin(worlds), np.ones(worlds, dtype=bool), None)
-        if len(memory.trackers) != worlds:
-            raise InputError(
-                f"observation of {worlds} worlds after {len(memory.trackers)} worlds: call reset({worlds}) first"
-            )
-        trackers, started = memory.trackers.copy(), memory.started.copy()
-        if episode_start is not None:
-            starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
-            trackers[starts], started[starts] = self.law.begin(int(starts.sum())), True
-        return memory._replace(trackers=trackers, started=started)
+        return action, Memory((trackers, decided), ((step + 1) % self.law.steps_per_decision, inner))

@@ -22,6 +22,7 @@ from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
+from jawenv.playing.agents import BatchAgent
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.protocol import Action, Array, Mask, Observation, State
@@ -79,7 +80,7 @@ class Plan:
             raise InputError(f"candidates is {shown(self.candidates)}; allowed: {least} to {MOST_CANDIDATES}")
 
 
-class Planner:
+class Planner(BatchAgent):
     """An agent that searches for the next targets in copies of the worlds.
 
     World i draws from streams seeded by ``seed + i`` and the number of the step, so that its plans do not depend on the
@@ -140,21 +141,13 @@ class Planner:
         self._planned = np.zeros((number, self._horizon, N_CHANNELS))
         self._planned_at = np.full(number, -1)
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See ``playing.protocol.Agent.predict``; what is read is the attached environment alone.
-
-        Raises:
-            InputError: no environment is attached, or one of another number of worlds.
-        """
+        # What is read is the attached environment alone.
         if self._env is None:
             raise InputError(f"agent {self.name!r}: no environment; allowed: attach(env) before predict, as play does")
-        rows, worlds = np.atleast_2d(observation), self._env.simulation.worlds
+        worlds = self._env.simulation.worlds
         if len(rows) != len(worlds):
             raise InputError(f"observation has {len(rows)} worlds; allowed: the {len(worlds)} of the environment")
         configuration = self._env.configuration
@@ -167,8 +160,7 @@ class Planner:
             self._search(step, due)
             self.decisions, self.seconds = self.decisions + int(due.sum()), self.seconds + time.perf_counter() - began
         place = np.clip(step - self._planned_at, 0, self._horizon - 1)
-        action = action_of(self._planned[np.arange(len(rows)), place]).astype(np.float32)
-        return action.reshape(*np.shape(observation)[:-1], N_CHANNELS), None
+        return action_of(self._planned[np.arange(len(rows)), place]).astype(np.float32), None
 
     def _search(self, step: Array, due: Mask) -> None:
         """Plan anew for the worlds that are due."""

@@ -12,6 +12,7 @@ from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
 from jawenv.controls import Control
 from jawenv.errors import InputError
 from jawenv.files import read_mapping, validate
+from jawenv.playing.agents import BatchAgent, check_size
 from jawenv.playing.protocol import Action, Mask, Observation, State
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ CONFIG = "config.yaml"
 MODELS_OF_A_RUN = ("best_model.zip", "final_model.zip")
 
 
-class TrainedPolicy:
+class TrainedPolicy(BatchAgent):
     """A policy out of a stable-baselines3 checkpoint, whichever of its algorithms trained it.
 
     Attributes:
@@ -50,25 +51,12 @@ class TrainedPolicy:
 
             set_random_seed(seed)
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See `jawenv.playing.protocol.Agent.predict`.
-
-        Raises:
-            InputError: the observation has not the size that the policy was trained on.
-        """
-        size = np.shape(observation)[-1]
-        if size != self.observation_size:
-            raise InputError(
-                f"{self.path}: the policy was trained on observations of {self.observation_size} values, got {size}"
-            )
+        check_size(rows, self.observation_size, self.path)
         memory = self._state if state is None else state
-        action, self._state = self.policy.predict(observation, memory, episode_start, deterministic)
+        action, self._state = self.policy.predict(rows, memory, starts, deterministic)
         return action, self._state
 
 

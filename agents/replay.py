@@ -20,6 +20,7 @@ from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
+from jawenv.playing.agents import BatchAgent, Listener
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import goals_of
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
@@ -30,48 +31,23 @@ DIGITS = 5
 STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
 
 
-class Recorder:
-    """An agent that remembers its actions.
-
-    Args:
-        agent: that plays.
+class Recorder(Listener):
+    """Remembers the actions of an agent.
 
     Attributes:
-        name: that of the agent.
-        control: that of the agent; None if it names none.
         actions: one (N, 4) for each step since ``reset``.
     """
 
-    def __init__(self, agent: Agent) -> None:
-        self._agent, self.name = agent, agent.name
-        self.control: Control | None = getattr(agent, "control", None)
-        self.actions: list[Action] = []
-
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See ``jawenv.playing.protocol.Agent.reset``; agents without memory may have none."""
-        self.actions = []
-        if hasattr(self._agent, "reset"):
-            self._agent.reset(num_envs, seed)
+        """See `jawenv.playing.protocol.Agent.reset`."""
+        self.actions: list[Action] = []
+        super().reset(num_envs, seed)
 
-    def attach(self, env: Any) -> None:
-        """See ``jawenv.playing.protocol.Planning.attach``."""
-        if hasattr(self._agent, "attach"):
-            self._agent.attach(env)
-
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``."""
-        action, state = self._agent.predict(observation, state, episode_start, deterministic)
+    def _hear(self, action: Action) -> None:
         self.actions.append(np.array(action))
-        return action, state
 
 
-class Replay:
+class Replay(BatchAgent):
     """Actions of targets control that were recorded on other patients: world i gets those of patient i there.
 
     Args:
@@ -115,20 +91,15 @@ class Replay:
         """Begin again."""
         self._step = 0
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``; all worlds begin at once."""
-        if episode_start is not None and np.all(episode_start):
+        if starts is not None and starts.all():  # all worlds begin at once
             self._step = 0
-        worlds = np.arange(1 if np.ndim(observation) == 1 else len(observation)) % len(self._actions)
-        action = self._actions[worlds, min(self._step, self._actions.shape[1] - 1)].astype(np.float32)
+        worlds = np.arange(len(rows)) % len(self._actions)
+        action = self._actions[worlds, min(self._step, self._actions.shape[1] - 1)]
         self._step += 1
-        return action.reshape(*np.shape(observation)[:-1], len(CHANNELS)), None
+        return action.astype(np.float32), None
 
 
 def replay_of(

@@ -9,7 +9,7 @@ observation, and what becomes of its action.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,12 @@ from pydantic import Field
 from agents.following import DECISION_HZ
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.errors import InputError
 from jawenv.files import InputModel, Number
+from jawenv.playing.agents import Memory, Remembering, check_size
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.maneuvers.player import action_of, goals_of
-from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS
@@ -107,19 +107,7 @@ class BaseTargets:
         return self.maneuver.targets((steps + 1) / self.decision_hz).value[which]
 
 
-class Memory(NamedTuple):
-    """What the agent remembers.
-
-    Attributes:
-        step: (N,) decisions since the episode began.
-        inner: arrays of the policy's own memory, stacked along a new first axis; empty if it has none.
-    """
-
-    step: NDArray[np.int64]
-    inner: NDArray[Any]
-
-
-class ResidualPolicy:
+class ResidualPolicy(Remembering):
     """A policy and the maneuver that it corrects, as one agent of targets control.
 
     Args:
@@ -139,6 +127,7 @@ class ResidualPolicy:
     """
 
     control: Control = "targets"
+    _remembered = (np.int64,)  # decisions since the episode began
 
     def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
         self.name = policy.name
@@ -147,53 +136,20 @@ class ResidualPolicy:
         self.path = path
         self.observation_size = observation_size
         self.policy = policy
-        self._memory: Memory | None = None
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """Forget all worlds; seed the draws of a stochastic policy."""
-        self._memory = None
+        super().reset(num_envs, seed)
         self.policy.reset(num_envs, seed)
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``.
-
-        Raises:
-            InputError: an observation of the wrong size, or of another number of worlds than before.
-        """
-        rows = np.asarray(observation, dtype=np.float32)
-        single = rows.ndim == 1
-        rows = np.atleast_2d(rows)
-        if rows.shape[1] != self.observation_size:
-            raise InputError(
-                f"{self.path}: the policy was trained on observations of {self.observation_size} values, "
-                f"got {rows.shape[1]}"
-            )
-        memory = self._recall(state, len(rows), episode_start)
-        seen = np.concatenate([rows, self.base.features(memory.step)], axis=1)
-        inner = tuple(memory.inner) if len(memory.inner) else None
-        starts = None if episode_start is None else np.asarray(episode_start, dtype=bool).reshape(len(rows))
+    def _decide(
+        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, Memory]:
+        check_size(rows, self.observation_size, self.path)
+        (step,) = memory.of_worlds
+        if memory.shared is None:
+            self.policy.reset(len(rows))
+        (inner,) = memory.shared or (None,)
+        seen = np.concatenate([rows, self.base.features(step)], axis=1)
         residual, after = self.policy.predict(seen, inner, starts, deterministic)
-        action = self.base.actions(memory.step, residual)
-        self._memory = Memory(memory.step + 1, np.zeros(0) if after is None else np.stack(after))
-        return (action[0] if single else action), self._memory
-
-    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
-        """The memory to go on from; worlds that begin an episode are at step 0."""
-        memory = self._memory if state is None else Memory(*state)
-        if memory is None or (episode_start is not None and np.all(episode_start)):
-            self.policy.reset(worlds)
-            return Memory(np.zeros(worlds, dtype=np.int64), np.zeros(0))
-        if len(memory.step) != worlds:
-            raise InputError(
-                f"observation of {worlds} worlds after {len(memory.step)} worlds: call reset({worlds}) first"
-            )
-        if episode_start is None:
-            return memory
-        starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
-        return memory._replace(step=np.where(starts, 0, memory.step))
+        return self.base.actions(step, residual), Memory((step + 1,), (after,))

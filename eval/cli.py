@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
 
@@ -13,7 +12,7 @@ from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
 from eval.options import Cohort, Control, Fresh, Output, Seed, Sensors, Trust
 from eval.patient.commands import diagnose_command, patient_command
-from eval.terminal import terminal
+from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError, out_of_memory
 from jawenv.seeds import REPORTS
@@ -105,6 +104,7 @@ def study_command(
     Writes study.md, profiles.svg, and patients, cells, pairs and profiles as Parquet. Whatever ends a run keeps
     the parts of some patients that are finished: the same command goes on from there.
     """
+    from eval.kept.parts import Backend, Run
     from eval.studies import command, design
 
     if known:
@@ -113,8 +113,9 @@ def study_command(
     elif study is None:
         raise InputError(f"study: none given; allowed: {', '.join(design.shipped())}, or a file")
     else:
-        asked = command.Asked(study, patients, output, fresh, workers, backend, trust)
-        command.study(asked, shlex.join(["python", "-m", "eval", *sys.argv[1:]]), terminal())
+        console = terminal()
+        run = Run(fresh, workers, cast(Backend, backend), console)
+        command.study(study, patients, output, run, typed(), console, trust)
 
 
 @app.command("thesis")
@@ -136,10 +137,12 @@ def thesis_command(
     ten times as long; the first run compiles for some minutes before. Fewer than 20 get no verdict. Ctrl-C keeps the
     draws that are finished: the same command goes on from there.
     """
+    from eval.kept.parts import Run
+    from eval.thesis.run import Draws
     from eval.thesis.study import study
 
-    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
-    study(only, min(draws, QUICK_DRAWS) if quick else draws, seed, quick, output, fresh, command, terminal())
+    settings, console = Draws(min(draws, QUICK_DRAWS) if quick else draws, seed, quick), terminal()
+    study(only, settings, output, Run(fresh, console=console), typed(), console)
 
 
 app.command("patient")(patient_command)

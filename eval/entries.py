@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jawenv
 from agents import registry
 from agents.card import exported_place, read_card
 from agents.planning import Planner
 from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
-from jawenv.errors import InputError, shown
-from jawenv.files import FILE_TYPES
+from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
-from jawenv.reading import read_bytes
-from jawenv.versions import package_versions
 
 if TYPE_CHECKING:
     from training.run.config import EnvConfig
@@ -176,46 +170,3 @@ def _env_of_run(spec: str) -> EnvConfig | None:
     from training.run.config import TrainingConfig
 
     return TrainingConfig.load(config_file).env
-
-
-def fingerprint(entry: Entry, settings: dict[str, Any]) -> str:
-    """A key that changes with whatever could change the entry's results.
-
-    That is what its agent is made of (`agents.registry.files_of`, and what an agent of one's own names), the settings
-    and the files that they name, the program, and the packages that it computes with.
-
-    Args:
-        entry: whose results are kept under the key.
-        settings: of the study.
-    """
-    decided_by = [entry.about(), settings, package_versions()]
-    content = hashlib.sha256(json.dumps(decided_by, sort_keys=True).encode())
-    for file in (*registry.files_of(entry.spec), *_made_of(entry.agent), *_files_named(entry.env_kwargs), *_program()):
-        content.update(file.name.encode())
-        content.update(hashlib.sha256(read_bytes(file)).digest())
-    return content.hexdigest()[:16]
-
-
-def _made_of(agent: Agent) -> list[Path]:
-    """Further files that decide what an agent of one's own does, in its attribute ``made_of``.
-
-    Raises:
-        InputError: it is no list of paths.
-    """
-    named = getattr(agent, "made_of", ())
-    if not isinstance(named, list | tuple) or not all(isinstance(path, str | Path) for path in named):
-        raise InputError(f"{agent.name}: made_of is {shown(named)}; allowed: a list of paths")
-    return [Path(path) for path in named]
-
-
-def _files_named(env_kwargs: dict[str, Any]) -> list[Path]:
-    """The files among the arguments of an environment, such as a cohort's."""
-    texts = [value for value in env_kwargs.values() if isinstance(value, str)]
-    return [Path(text) for text in texts if Path(text).suffix.lower() in FILE_TYPES]
-
-
-def _program() -> list[Path]:
-    """The files that decide what an episode is."""
-    folders = [Path(jawenv.__file__).parent, Path(registry.__file__).parent]
-    kinds = {".py", ".json", ".yaml", ".toml", ".csv"}
-    return sorted(file for folder in folders for file in folder.rglob("*") if file.suffix in kinds)

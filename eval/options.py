@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from jawenv.errors import InputError
+
+if TYPE_CHECKING:
+    from eval.settings import Settings
 
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
@@ -57,12 +60,31 @@ Believed = Annotated[
 ]
 
 
-def fields_of(option: str, texts: list[str] | None, example: str) -> dict[str, float]:
-    """The fields and values that a repeated option names.
+def settings_of(
+    patients: int,
+    cohort: str,
+    seed: int,
+    control: str,
+    sensors: str,
+    episode_s: float,
+    env: str,
+    reality: list[str] | None,
+    device: list[str] | None,
+    estimator: str | None,
+) -> Settings:
+    """The settings that a command's options ask for, in their order.
 
     Raises:
-        InputError: a text is no field with a number.
+        InputError: a value is not allowed, or a text of ``reality`` or ``device`` is no field with a number.
     """
+    from eval.settings import Settings
+
+    effects = _fields("reality", reality, "creep_share=0.3")
+    changed = _fields("device", device, "cell_force_N=0.2")
+    return Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changed, estimator)
+
+
+def _fields(option: str, texts: list[str] | None, example: str) -> dict[str, float]:
     fields = {}
     for text in texts or []:
         name, _, value = text.partition("=")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from jawenv.anatomy import cohort
@@ -71,6 +71,11 @@ class Settings:
         cohort(self.cohort)
         check_reality(self.reality)
         device_of(self.device)
+
+    def of_a_patient(self) -> dict[str, Any]:
+        """What decides a patient's row: all but how many there are and from which seed on; the cohort is whole."""
+        fields = asdict(self) | {"cohort": cohort(self.cohort).to_dict()}
+        return {name: value for name, value in fields.items() if name not in ("patients", "seed")}
 
     @property
     def env_kwargs(self) -> dict[str, Any]:

@@ -1,8 +1,9 @@
-"""Where commands write."""
+"""What was typed, and where commands write."""
 
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 
 from rich.console import Console
@@ -20,3 +21,8 @@ class _Terminal(Console):
 def terminal() -> Console:
     """A terminal of its own width, or a log wide enough for the tables."""
     return _Terminal(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def typed() -> str:
+    """The command as it was given, for the results."""
+    return shlex.join(["python", "-m", "eval", *sys.argv[1:]])

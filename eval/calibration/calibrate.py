@@ -1,34 +1,32 @@
-"""Is a filter honest? Every filter on the same episodes of every maneuver, in chunks of patients on all cores.
+"""Is a filter honest? Every filter on the same episodes of every maneuver, in parts of some patients on all cores.
 
-Each chunk of a maneuver and filter is kept on disk as soon as it is finished, under a name that changes with whatever
-could change its rows. Patient i is drawn, and its noise made, by the seed ``seed + i``, so that results depend neither
-on the number of cores nor on how often a run was interrupted.
+Patient i is drawn, and its noise made, by the seed ``seed + i``.
 """
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
-from rich.console import Console
 
 from eval.calibration import beliefs
 from eval.calibration import filters as known_filters
 from eval.calibration.filters import TENSION, filters_named
-from eval.chunks import Chunk, finish, folder_for
-from eval.entries import Entry, fingerprint, load_entries
+from eval.entries import Entry, load_entries
+from eval.kept.digest import fingerprint
+from eval.kept.parts import Part, Run, finish, folder_for, parts_of
+from eval.kept.tables import rows_in, write_table
 from eval.settings import Settings
-from eval.tables import read_table, write_table
 from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.playing.rollout import play
+from jawenv.progress import Progress
 
-CHUNK = 8  # patients: few enough to lose little when interrupted, enough for a vector environment to be quick
+CHUNK = 8  # patients
 
 
 @dataclass(frozen=True)
@@ -70,14 +68,7 @@ class Calibration:
 
 
 def calibrate(
-    specs: Sequence[str],
-    wanted: Calibration,
-    output: Path,
-    *,
-    fresh: bool = False,
-    trust: bool = False,
-    workers: int | None = None,
-    console: Console | None = None,
+    specs: Sequence[str], wanted: Calibration, output: Path, run: Run | None = None, *, trust: bool = False
 ) -> pd.DataFrame:
     """Judge every filter on every maneuver.
 
@@ -85,10 +76,8 @@ def calibrate(
         specs: maneuvers, files or runs.
         wanted: filters, times, patients.
         output: folder; its ``chunks`` holds what is finished.
-        fresh: judge again what the folder holds.
+        run: how it is done.
         trust: whether checkpoints that lie in no run's folder may be unpickled.
-        workers: processes; all cores by default. 1 works in this process.
-        console: where progress is shown; nowhere by default.
 
     Returns:
         Rows of ``beliefs.rows_of`` with a column ``entry``, by maneuver, filter, patient and time.
@@ -103,57 +92,45 @@ def calibrate(
     for entry in entries:
         wanted.check_steps(entry)
     folder = folder_for(output, "chunks")
-    chunks = {entry.label: _chunks_of(entry, wanted, folder) for entry in entries}
-    work = partial(judge_chunk, wanted=wanted, specs={entry.label: entry.spec for entry in entries}, trust=trust)
-    every = [chunk for of_entry in chunks.values() for chunk in of_entry]
-    finish(every, work, "estimates", fresh=fresh, workers=workers, console=console)
+    parts = {entry.label: _parts_of(entry, wanted, folder) for entry in entries}
+    work = partial(judge_part, wanted=wanted, specs={entry.label: entry.spec for entry in entries}, trust=trust)
+    kept = finish([part for of_entry in parts.values() for part in of_entry], work, rows_in, "estimates", run)
     tables = [
-        read_table(dict(chunk.files)[name])[0].assign(entry=label)
-        for label, of_entry in chunks.items()
+        kept[dict(part.files)[name]].assign(entry=label)
+        for label, of_entry in parts.items()
         for name in wanted.filters
-        for chunk in of_entry
+        for part in of_entry
     ]
     return pd.concat(tables, ignore_index=True)
 
 
-def _chunks_of(entry: Entry, wanted: Calibration, folder: Path) -> list[Chunk]:
-    """The chunks of a maneuver with the files of all filters."""
+def _parts_of(entry: Entry, wanted: Calibration, folder: Path) -> list[Part]:
+    """The parts of a maneuver, with a file of each filter."""
     played = wanted.settings
-    # The number of patients decides no row of theirs, and filters have files of their own.
-    settings = {key: value for key, value in asdict(played).items() if key not in ("patients", "seed")}
-    settings |= {"times": wanted.times, "program": _digest()}
-    chunks = []
-    for first in range(played.seed, played.seed + played.patients, CHUNK):
-        number, files = min(CHUNK, played.seed + played.patients - first), []
-        for name in wanted.filters:
-            own = {"filter": name, "seed": first, "patients": number}
-            files.append((name, folder / f"{name}-{first:05d}-{fingerprint(entry, settings | own)}.parquet"))
-        chunks.append(Chunk(entry.label, first, number, tuple(files)))
-    return chunks
+    settings = played.of_a_patient() | {"times": wanted.times}
+    prints = {name: fingerprint(entry, settings | {"filter": name}, beliefs, known_filters) for name in wanted.filters}
+    return parts_of(entry.label, range(played.seed, played.seed + played.patients), CHUNK, folder, prints)
 
 
-def _digest() -> str:
-    """Changes with the sources that make the rows (those of jawenv and the agents are in the entry's fingerprint)."""
-    sources = [Path(str(module.__file__)).read_bytes() for module in (beliefs, known_filters)]
-    return hashlib.sha256(b"".join(sources)).hexdigest()[:16]
-
-
-def judge_chunk(chunk: Chunk, wanted: Calibration, specs: Mapping[str, str], trust: bool = False) -> None:
-    """Play a chunk's patients once, and keep the rows of each filter.
+def judge_part(
+    part: Part, progress: Progress, wanted: Calibration, specs: Mapping[str, str], trust: bool = False
+) -> None:
+    """Play a part's patients once, and keep the rows of each filter.
 
     Args:
-        chunk: patients of one maneuver; ``first`` is the seed of the first one.
+        part: patients of one maneuver; ``first`` is the seed of the first one.
+        progress: counts estimates.
         wanted: filters, times, environment.
         specs: what the user typed, by the maneuvers' labels.
         trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
-    entry = load_entries([specs[chunk.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
+    entry = load_entries([specs[part.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
     recording = play(
         entry.agent,
-        patients=chunk.number,
-        seed=chunk.first,
-        env_kwargs=entry.env_kwargs | {"record": any(name != TENSION for name, _ in chunk.files)},
+        patients=part.number,
+        seed=part.first,
+        env_kwargs=entry.env_kwargs | {"record": any(name != TENSION for name, _ in part.files)},
         env_id=entry.env_id,
     )
-    for name, path in chunk.files:
-        write_table(beliefs.rows_of(recording, name, wanted.times, chunk.first), path, {})
+    for name, path in part.files:
+        write_table(beliefs.rows_of(recording, name, wanted.times, part.first), path, {})

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -23,9 +21,9 @@ from eval.options import (
     Seed,
     Sensors,
     Trust,
-    fields_of,
+    settings_of,
 )
-from eval.terminal import terminal
+from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
@@ -69,22 +67,19 @@ def calibrate_command(
     """
     from eval.calibration import summary
     from eval.calibration.calibrate import Calibration, calibrate
-    from eval.settings import Settings
-    from eval.tables import made_with, write_table
+    from eval.kept.parts import Run
+    from eval.kept.tables import made_with, write_table
 
-    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
     moments = tuple(_seconds(text) for text in times.split(","))
-    effects = fields_of("reality", reality, "creep_share=0.3")
-    changed = fields_of("device", device, "cell_force_N=0.2")
-    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changed, estimator)
+    settings = settings_of(patients, cohort, seed, control, sensors, moments[-1], env, reality, device, estimator)
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
-    rows = calibrate(specs, wanted, output, fresh=fresh, trust=trust, console=console)
-    table, about = summary.summarise(rows), made_with(command, calibration=asdict(wanted))
+    rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)
+    table, about = summary.summarise(rows), made_with(typed(), calibration=asdict(wanted))
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)
     with atomic_write(output / "calibration.md") as unfinished:
-        unfinished.write_text(summary.markdown(table, f"`{command}`"), encoding="utf-8")
+        unfinished.write_text(summary.markdown(table, f"`{typed()}`"), encoding="utf-8")
     summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"

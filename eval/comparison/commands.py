@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,9 +24,9 @@ from eval.options import (
     Seed,
     Sensors,
     Trust,
-    fields_of,
+    settings_of,
 )
-from eval.terminal import terminal
+from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.locks import alone
@@ -87,14 +85,11 @@ def compare_command(
     from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
-    from eval.settings import Settings
 
     admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    effects = fields_of("reality", reality, "creep_share=0.3")
-    changed = fields_of("device", device, "cell_force_N=0.2")
-    settings = Settings(
-        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
+    settings = settings_of(
+        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
     )
     loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
@@ -105,8 +100,7 @@ def compare_command(
         from eval.replays import add_replays
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
-    command = shlex.join(["python", "-m", "eval", *sys.argv[1:]])
-    study = compare(loaded, settings, output, command=command, fresh=fresh, console=console)
+    study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     _present(study, output, reference, admission, console)
 
 

@@ -2,46 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
-from eval.chunks import folder_for
-from eval.comparison import results
+from eval.comparison import motion, results
 from eval.comparison.motion import Watched
 from eval.comparison.results import Results
-from eval.entries import Entry, fingerprint
+from eval.entries import Entry
+from eval.kept.digest import fingerprint
+from eval.kept.parts import Part, Run, finish, folder_for
+from eval.kept.tables import made_with
 from eval.report import words
 from eval.settings import Settings
-from eval.tables import made_with
 from jawenv.errors import InputError
 from jawenv.locks import alone
 from jawenv.playing.rollout import play
 from jawenv.progress import Progress
 
-
-def play_entry(entry: Entry, settings: Settings, progress: Callable[[int, int], None] | None = None) -> Results:
-    """Play one entry on all patients and reduce the recording to its tables.
-
-    Args:
-        entry: what to play.
-        settings: on whom.
-        progress: called with (steps done, steps in all).
-    """
-    agent = Watched(entry.agent)
-    recording = play(
-        agent,
-        patients=settings.patients,
-        seed=settings.seed,
-        env_kwargs=entry.env_kwargs,
-        env_id=entry.env_id,
-        progress=progress,
-    )
-    found = results.from_recording(recording, entry.label, settings.seed, entry.about())
-    return replace(found, motions={entry.label: agent.motion()} if agent.motion() else {})
+_LAST = "patients.parquet"
 
 
 def compare(
@@ -76,34 +60,55 @@ def compare(
     for entry in entries:
         if entry.env_id != settings.env:
             raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.env}")
-    folder = None if output is None else folder_for(output, "entries")
-    parts = []
-    with (
-        nullcontext() if output is None else alone(output),
-        Progress(len(entries), "entries", console or Console(quiet=True)) as progress,
-    ):
-        progress.say(f"playing {len(entries)} entries")
-        for entry in entries:
-            parts.append(_results_of(entry, settings, folder, fresh, progress))
-        study = results.join(parts, made_with(command, settings=asdict(settings), entries=[e.about() for e in entries]))
+    with TemporaryDirectory() if output is None else nullcontext(output) as place, alone(Path(place)):
+        folder = folder_for(Path(place), "entries")
+        parts = [_part_of(entry, settings, folder) for entry in entries]
+        work = partial(play_entry, entries={entry.label: entry for entry in entries}, settings=settings)
+        # One process, whose threads share out the patients.
+        kept = finish(parts, work, _read, "entries", Run(fresh, 1, console=console))
+        study = results.join(
+            [kept[path] for part in parts for _, path in part.files],
+            made_with(command, settings=asdict(settings), entries=[entry.about() for entry in entries]),
+        )
         if output is not None:
             results.save(study, output)
     return study
 
 
-def _results_of(entry: Entry, settings: Settings, folder: Path | None, fresh: bool, progress: Progress) -> Results:
-    """Results of one entry: those that the folder has, or new ones, which it then keeps."""
-    stem, before = f"{fingerprint(entry, asdict(settings))}.", progress.done
-    name = words.label(entry.label)
-    place = f"{before + 1:.0f} of {progress.total}  {name}"
-    if folder is not None and not fresh and (folder / f"{stem}patients.parquet").exists():
-        part = results.load(folder, stem)
-        progress.skip(1)
-        progress.say(f"{place}: kept from an earlier run")
-        return part
-    part = play_entry(entry, settings, lambda step, steps: progress.advance_to(before + step / steps, name))
-    if folder is not None:
-        results.save(part, folder, stem)
+def play_entry(part: Part, progress: Progress, entries: Mapping[str, Entry], settings: Settings) -> None:
+    """Play one entry on all patients, and keep its tables.
+
+    Args:
+        part: whose key is the entry's label.
+        progress: counts entries.
+        entries: by their labels.
+        settings: on whom.
+    """
+    entry, before = entries[part.key], progress.done
+    agent, name = Watched(entry.agent), words.label(entry.label)
+    recording = play(
+        agent,
+        patients=settings.patients,
+        seed=settings.seed,
+        env_kwargs=entry.env_kwargs,
+        env_id=entry.env_id,
+        progress=lambda step, steps: progress.advance_to(before + step / steps, name),
+    )
+    tables = results.from_recording(recording, entry.label, settings.seed, entry.about())
+    moved = {entry.label: agent.motion()} if agent.motion() else {}
+    for stem, path in part.files:
+        results.save(replace(tables, motions=moved), path.parent, stem)
     spent = getattr(entry.agent, "ms_per_decision", None)
-    progress.say(f"{place}: done" + ("" if spent is None else f", {spent:.0f} ms per decision"))
-    return part
+    progress.say(
+        f"{before + 1:.0f} of {progress.total}  {name}: done"
+        + ("" if spent is None else f", {spent:.0f} ms per decision")
+    )
+
+
+def _part_of(entry: Entry, settings: Settings, folder: Path) -> Part:
+    stem = f"{fingerprint(entry, asdict(settings), results, motion)}."
+    return Part(entry.label, 0, 1, ((stem, folder / f"{stem}{_LAST}"),))
+
+
+def _read(path: Path) -> Results:
+    return results.load(path.parent, path.name.removesuffix(_LAST))

@@ -10,7 +10,8 @@ import numpy as np
 
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.playing.protocol import Action, Mask, Observation, State
+from jawenv.playing.agents import Listener
+from jawenv.playing.protocol import Action
 from jawenv.reading import read_bytes
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
@@ -19,51 +20,24 @@ COMMANDS = {"force": _MOTORS, "trajectory": _MOTORS, "targets": ("opening", "sid
 """What the four numbers of an action are, by control mode."""
 
 
-class Watched:
-    """An agent that is played as ever, and leaves behind what happens to the first of its patients.
+class Watched(Listener):
+    """Sees what happens to the first patient of an agent."""
 
-    Args:
-        agent: who plays.
-
-    Attributes:
-        name: that of the agent.
-        control: that of the agent; None if it names none.
-    """
-
-    def __init__(self, agent: Any) -> None:
-        self._agent = agent
-        self.name: str = agent.name
-        self.control = getattr(agent, "control", None)
-        self._motion: dict[str, Any] | None = None
-
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See ``jawenv.playing.protocol.Agent.reset``."""
-        if hasattr(self._agent, "reset"):
-            self._agent.reset(num_envs, seed)
+    _motion: dict[str, Any] | None = None
 
     def attach(self, env: Any) -> None:
         """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
-        if hasattr(self._agent, "attach"):
-            self._agent.attach(env)
+        super().attach(env)
         self._simulation = env.unwrapped.simulation
         rate = self._simulation.configuration.steps_per_s
         self._every = max(1, round(rate / LARGEST_RATE))
         self._step = 0
         self._motion = None
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``."""
-        action, after = self._agent.predict(observation, state, episode_start, deterministic)
+    def _hear(self, action: Action) -> None:
         if self._step % self._every == 0:
             self._keep(np.atleast_2d(action)[0])
         self._step += 1
-        return action, after
 
     def motion(self) -> dict[str, Any]:
         """What was seen so far; lengths in mm, forces in N, sds of natural logs.

@@ -20,7 +20,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from eval.comparison import motion
-from eval.tables import read_table, write_table
+from eval.kept.tables import read_table, write_table
 from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
 from jawenv.playing.rollout import DEFAULT_ENV, Recording
 

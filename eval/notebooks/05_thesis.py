@@ -34,8 +34,9 @@ import numpy as np
 import pandas as pd
 from IPython.display import Markdown
 
+from eval.kept.parts import Run
 from eval.thesis.catalogue import ITEMS
-from eval.thesis.run import Settings, draw_all
+from eval.thesis.run import Draws, draw_all
 
 # %matplotlib inline
 
@@ -43,7 +44,7 @@ DRAWS = int(os.environ.get("JAWENV_NOTEBOOK_DRAWS", "40"))
 QUICK = bool(int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")))
 WORKERS = 1 if QUICK else None
 OUTPUT = Path(tempfile.gettempdir()) / "jawenv_thesis"
-settings = Settings(DRAWS, quick=QUICK)
+settings = Draws(DRAWS, quick=QUICK)
 
 
 tables = {}
@@ -52,7 +53,7 @@ tables = {}
 def look_at(key):
     """Draw a result, print the thesis's words and ours, and return the figure."""
     item = ITEMS[key]
-    tables[key] = draw_all([item], settings, OUTPUT, workers=WORKERS)[key]
+    tables[key] = draw_all([item], settings, OUTPUT, Run(workers=WORKERS))[key]
     found = item.judge(tables[key])
     for words in (f"{item.where}: {item.says}", f"We measure: {found.measured}", f"{found.verdict}: {found.why}"):
         print(textwrap.fill(words, 100), end="\n\n")

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from eval.options import (
     Believed,
@@ -23,9 +20,10 @@ from eval.options import (
     Seed,
     Sensors,
     Trust,
-    fields_of,
+    settings_of,
 )
 from eval.report import words
+from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
@@ -77,24 +75,21 @@ def patient_command(
     import pandas as pd
 
     from eval.entries import env_of_runs, load_entries
+    from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course
-    from eval.settings import Settings
-    from eval.tables import made_with, write_table
 
     plan = Course(treatments, drift)
-    effects = fields_of("reality", reality, "creep_share=0.3")
-    changed = fields_of("device", device, "cell_force_N=0.2")
-    settings = Settings(
-        1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]), effects, changed, estimator
+    settings = settings_of(
+        1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]), reality, device, estimator
     )
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
-    console = _console()
+    console = terminal()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
-    about = made_with(_command(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
+    about = made_with(typed(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
     rows = [row for person, course in zip(people, courses, strict=True) for row in page.verdict_rows(person, course)]
     write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
     for person, course in zip(people, courses, strict=True):
@@ -133,24 +128,21 @@ def diagnose_command(
     """
     from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries
+    from eval.kept.tables import write_table
     from eval.patient import accuracy
-    from eval.settings import Settings
-    from eval.tables import write_table
 
     wanted = entries or []
     if not wanted:
         raise InputError("nothing to diagnose with: name a maneuver or a training run")
-    effects = fields_of("reality", reality, "creep_share=0.3")
-    changed = fields_of("device", device, "cell_force_N=0.2")
-    settings = Settings(
-        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), effects, changed, estimator
+    settings = settings_of(
+        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
     )
-    loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), _console()
-    study = compare(loaded, settings, output, command=_command(), fresh=fresh, console=console)
+    loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), terminal()
+    study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)
     lead = (
-        f"`{_command()}`: {patients} patients of the cohort {words.label(cohort)}, seeds {seed} to "
+        f"`{typed()}`: {patients} patients of the cohort {words.label(cohort)}, seeds {seed} to "
         f"{seed + patients - 1}, {episode_s:g} s, {control} control."
     )
     with atomic_write(output / "diagnosis.md") as unfinished:
@@ -158,12 +150,3 @@ def diagnose_command(
     accuracy.show(table, console)
     console.print(accuracy.NOTE, style="dim")
     console.print(f"table:   {output / 'diagnosis.md'}\nresults: {output / 'diagnosis.parquet'}", soft_wrap=True)
-
-
-def _command() -> str:
-    return shlex.join(["python", "-m", "eval", *sys.argv[1:]])
-
-
-def _console() -> Console:
-    """A terminal of its own width, or a log wide enough for the tables."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
 
 from agents.array_files import load_arrays, save_arrays
-from eval.chunks import folder_for
-from eval.entries import Entry, fingerprint
+from eval.entries import Entry
+from eval.kept.digest import fingerprint
+from eval.kept.parts import Part, Run, finish, folder_for
 from eval.patient import belief, cohort, treatments
 from eval.patient.treatments import Course, Treatment, first_treatment, next_treatment
 from jawenv.anatomy import Patient
 from jawenv.errors import InputError
-from jawenv.locks import alone
 from jawenv.progress import Progress
 
 MOMENTS = 40
@@ -87,48 +87,30 @@ def play_courses(
     Raises:
         InputError: the folder cannot be used or is in use, a kept file is damaged, or what the environment refuses.
     """
-    folder = folder_for(output, "treatments")
-    progress = Progress(len(people) * course.number, "treatments", console or Console(quiet=True))
-    with alone(folder), progress:
-        progress.say(f"playing {int(progress.total)} treatments")
-        return [_play_course(entry, course, person, folder, fresh, progress) for person in people]
+    folder, parts = folder_for(output, "treatments"), []
+    for person in people:
+        patient = None if person.patient is None else person.patient.model_dump()
+        settings = {"seed": person.seed, "drift": course.drift, "patient": patient, "moments": MOMENTS}
+        name = fingerprint(entry, settings, belief, cohort, treatments)
+        paths = {str(number): folder / f"{name}-{number:04d}.npz" for number in range(1, course.number + 1)}
+        parts.append(Part(person.name, 1, 1, tuple(paths.items())))
+    work = partial(_play_course, entry=entry, drift=course.drift, people={person.name: person for person in people})
+    kept = finish(parts, work, load, "treatments", Run(fresh, 1, console=console))
+    return [[kept[path] for _, path in part.files] for part in parts]
 
 
-def _play_course(
-    entry: Entry, course: Course, person: Person, folder: Path, fresh: bool, progress: Progress
-) -> list[Treatment]:
-    """Play a course on one patient, or what is missing of it."""
-    key = fingerprint(
-        entry,
-        {
-            "seed": person.seed,
-            "drift": course.drift,
-            "patient": None if person.patient is None else person.patient.model_dump(),
-            "moments": MOMENTS,
-            "program": _digest(),
-        },
-    )
-    course_so_far: list[Treatment] = []
-    for number in range(1, course.number + 1):
-        path = folder / f"{key}-{number:04d}.npz"
-        if path.exists() and not fresh:
-            course_so_far.append(load(path))
-            progress.skip(1)
-            continue
-        if not course_so_far:
-            played = first_treatment(entry, person.seed, person.patient)
+def _play_course(part: Part, progress: Progress, entry: Entry, drift: float, people: Mapping[str, Person]) -> None:
+    """Play what is missing of a course; each treatment but the first begins with what the one before has left."""
+    person, before = people[part.key], progress.done
+    for played, (kind, path) in enumerate(part.files, start=1):
+        number = int(kind)
+        if number == 1:
+            treatment = first_treatment(entry, person.seed, person.patient)
         else:
-            played = next_treatment(entry, course_so_far[-1], number, course.drift, person.seed, person.patient)
-        course_so_far.append(played.thinned(MOMENTS))
-        save(course_so_far[-1], path)
-        progress.advance_to(progress.done + 1, f"patient {person.name}")
-    return course_so_far
-
-
-def _digest() -> str:
-    """Changes with the sources that make treatments (jawenv and the agents are in the entry's fingerprint)."""
-    sources = [Path(str(module.__file__)).read_bytes() for module in (belief, cohort, treatments)]
-    return hashlib.sha256(b"".join(sources)).hexdigest()[:16]
+            last = load(path.with_name(path.name.replace(f"-{number:04d}.", f"-{number - 1:04d}.")))
+            treatment = next_treatment(entry, last, number, drift, person.seed, person.patient)
+        save(treatment.thinned(MOMENTS), path)
+        progress.advance_to(before + played, f"patient {person.name}")
 
 
 def save(treatment: Treatment, path: Path) -> None:

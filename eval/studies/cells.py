@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from eval import entries as loading
-from eval.entries import load_entries
+from eval.comparison import results
+from eval.entries import Entry, load_entries
+from eval.kept.digest import fingerprint
 from eval.settings import Settings
-from eval.studies.design import Design, Environment, Pair
-from eval.studies.design import Entry as Choice
-from jawenv.anatomy import cohort
+from eval.studies.design import Choice, Design, Environment, Pair
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
@@ -60,16 +59,14 @@ class Cell:
         """The values of `FACTORS`."""
         return tuple(getattr(self, factor) for factor in FACTORS)
 
-    def load(self) -> loading.Entry:
+    def load(self) -> Entry:
         """The entry, ready to be played."""
         return load_entries([self.spec], self.settings.env_kwargs, self.settings.env, trust=self.trust)[0]
 
-    def fingerprint(self) -> str:
-        """Changes with whatever could change a patient's row: the entry's files, the settings, the program."""
-        played = asdict(self.settings) | {"cohort": cohort(self.cohort).to_dict(), "label": self.entry}
-        # How many patients there are, and from which seed on, decides no row of theirs.
-        del played["patients"], played["seed"]
-        return loading.fingerprint(self.load(), played)
+    def fingerprint(self, bound: bool = False) -> str:
+        """The digest of a patient's row, which may have the bound."""
+        settings = self.settings.of_a_patient() | {"label": self.entry, "bound": bound}
+        return fingerprint(self.load(), settings, results)
 
 
 def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
@@ -143,7 +140,7 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
                 yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
 
 
-def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> loading.Entry:
+def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> Entry:
     """An entry, whose label must be another one than those of the entries before.
 
     Raises:

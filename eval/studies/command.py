@@ -2,68 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
 
 from rich.console import Console
 
-from eval.chunks import Backend
+from eval.kept.parts import Run
+from eval.kept.tables import made_with, write_table
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.run import play_study
-from eval.tables import git_state, machine, made_with, write_table
-from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 
 OUTPUT = Path("runs/study")
 PATIENTS = "patients.parquet"
 
 
-@dataclass(frozen=True)
-class Asked:
-    """The arguments of the command.
-
-    Attributes:
-        study: name or file.
-        patients: fewer than the study has; None for all.
-        output: folder of the results; None for one of the study's name.
-        fresh: play again what the folder holds.
-        workers: processes; None for all cores.
-        backend: of the processes, see `eval.chunks.finish`.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
-    """
-
-    study: str
-    patients: int | None
-    output: Path | None
-    fresh: bool
-    workers: int | None
-    backend: str
-    trust: bool = False
-
-
-def study(asked: Asked, command: str, console: Console) -> None:
+def study(
+    given: str, patients: int | None, output: Path | None, run: Run, command: str, console: Console, trust: bool = False
+) -> None:
     """Play a study and write `study.md`, `profiles.svg`, and the Parquet files of patients, cells, pairs and profiles.
 
     Args:
-        asked: the arguments.
-        command: how they were given, for the results.
-        console: where progress and the table are shown.
+        given: name or file of the study.
+        patients: fewer than the study has; None for all.
+        output: folder of the results; None for one of the study's name.
+        run: how it is played.
+        command: how all this was given, for the results.
+        console: where the table is shown.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
 
     Raises:
-        InputError: a study or backend that does not exist or does not fit, or files that cannot be read or written.
+        InputError: a study that does not exist or does not fit, or files that cannot be read or written.
     """
-    if asked.backend not in get_args(Backend):
-        raise InputError(f"backend: {shown(asked.backend)} given, allowed are {', '.join(get_args(Backend))}")
-    backend: Backend = "ray" if asked.backend == "ray" else "loky"
-    name, wanted = design.read(asked.study)
-    if asked.patients is not None:
-        wanted = wanted.model_copy(update={"patients": min(asked.patients, wanted.patients)})
-    output = asked.output or OUTPUT / name
-    rows = play_study(
-        wanted, output, fresh=asked.fresh, trust=asked.trust, workers=asked.workers, backend=backend, console=console
-    )
-    about = made_with(command, study=wanted.model_dump(mode="json"), git=git_state(), machine=machine())
+    name, wanted = design.read(given)
+    if patients is not None:
+        wanted = wanted.model_copy(update={"patients": min(patients, wanted.patients)})
+    output = output or OUTPUT / name
+    rows = play_study(wanted, output, run, trust=trust)
+    about = made_with(command, study=wanted.model_dump(mode="json"))
     write_table(rows, output / PATIENTS, about)
     console.print("estimating figures, pairs and profiles with their intervals")
     figures = {

@@ -33,7 +33,7 @@ def _different(given: tuple[Any, ...]) -> tuple[Any, ...]:
     return given
 
 
-class Entry(InputModel):
+class Choice(InputModel):
     """A maneuver or agent.
 
     Attributes:
@@ -129,7 +129,7 @@ class Design(InputModel):
 
     title: str
     description: str = ""
-    entries: tuple[Annotated[Entry, _named("agent")], ...] = Field(min_length=1)
+    entries: tuple[Annotated[Choice, _named("agent")], ...] = Field(min_length=1)
     environments: tuple[Annotated[Environment, _named("env")], ...] = Field(
         default=(Environment(env="Jaw"),), min_length=1
     )

@@ -148,7 +148,7 @@ def markdown(
         pairs: of `eval.studies.estimates.pairs`.
         profiles: of `eval.studies.estimates.profiles`.
         design: the study.
-        about: of `eval.tables.made_with`.
+        about: of `eval.kept.tables.made_with`.
     """
     last = design.seed + design.patients - 1
     same = [f"{factor} {_level(factor, cells[factor].iloc[0])}" for factor in FACTORS if cells[factor].nunique() == 1]

@@ -16,13 +16,13 @@ from rich.text import Text
 from eval.report import template
 from eval.report.template import picture
 from eval.thesis.item import Finding, Item
-from eval.thesis.run import ENOUGH, Settings
+from eval.thesis.run import ENOUGH, Draws
 
 _COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
 UNDECIDED = "too few draws"
 
 
-def show(items: Sequence[Item], findings: dict[str, Finding], settings: Settings, console: Console) -> None:
+def show(items: Sequence[Item], findings: dict[str, Finding], settings: Draws, console: Console) -> None:
     """Print every result: where it stands, what is measured, the verdict if there are enough draws for one."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
     table.add_column("result", min_width=20)
@@ -43,7 +43,7 @@ def write(
     items: Sequence[Item],
     tables: dict[str, pd.DataFrame],
     findings: dict[str, Finding],
-    settings: Settings,
+    settings: Draws,
     about: dict[str, Any],
     path: Path,
 ) -> Path:

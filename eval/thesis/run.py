@@ -1,41 +1,37 @@
-"""Draw the items: in chunks, on all cores, each chunk kept on disk as soon as it is finished.
+"""Draw the items, in parts of some draws on all cores.
 
-Every draw has random numbers of its own, made from (seed, item, number of the draw), so that results depend neither on
-the number of cores nor on how often a run was interrupted.
+Every draw has random numbers of its own, made from (seed, item, number of the draw).
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from rich.console import Console
 
-import agents
-import jawenv
-from eval.chunks import Chunk, finish, folder_for
-from eval.tables import read_table, write_table
+import eval.thesis
+from eval.kept.digest import digest
+from eval.kept.parts import Part, Run, finish, folder_for, parts_of
+from eval.kept.tables import rows_in, write_table
 from eval.thesis.item import Finding, Item
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 from jawenv.playing.rollout import LARGEST_SEED
-from jawenv.versions import package_versions
+from jawenv.progress import Progress
 
 CHUNK = 10
 ENOUGH = 20
 """Draws, below which no verdict is given."""
-_SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
 
 
 @dataclass(frozen=True)
-class Settings:
+class Draws:
     """How the items are drawn.
 
     Attributes:
@@ -64,47 +60,14 @@ class Settings:
         return self.draws >= ENOUGH and not self.quick
 
 
-def chunks_of(item: Item, settings: Settings, folder: Path) -> list[Chunk]:
-    """The chunks that an item's draws are made in; items with the same draws share them."""
-    key = item.drawn_as
-    chunks = []
-    for first in range(0, settings.draws, CHUNK):
-        number = min(CHUNK, settings.draws - first)
-        what = [key, first, number, settings.seed, settings.quick, program_digest()]
-        name = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
-        chunks.append(Chunk(key, first, number, ((key, folder / f"{key}-{first:05d}-{name}.parquet"),)))
-    return chunks
-
-
-@cache
-def program_digest() -> str:
-    """Changes with whatever could change a draw: packages, sources and data of jawenv, agents and these items."""
-    content = hashlib.sha256(json.dumps(package_versions()).encode())
-    for folder in (Path(jawenv.__file__).parent, Path(agents.__file__).parent, Path(__file__).parent):
-        for file in sorted(file for file in folder.rglob("*") if file.suffix in _SOURCES):
-            content.update(file.name.encode())
-            content.update(file.read_bytes())
-    return content.hexdigest()[:16]
-
-
-def draw_all(
-    items: Sequence[Item],
-    settings: Settings,
-    output: Path,
-    *,
-    fresh: bool = False,
-    workers: int | None = None,
-    console: Console | None = None,
-) -> dict[str, pd.DataFrame]:
+def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | None = None) -> dict[str, pd.DataFrame]:
     """Every draw of every item.
 
     Args:
         items: what to draw.
         settings: how often, and from which random numbers.
-        output: folder; its ``draws`` holds the chunks.
-        fresh: draw again what the folder holds.
-        workers: processes; all cores by default. 1 draws in this process.
-        console: where progress is shown; nowhere by default.
+        output: folder; its ``draws`` holds the parts that are finished.
+        run: how it is done.
 
     Returns:
         Rows of all draws of each item by its key, with a column ``draw``.
@@ -113,28 +76,34 @@ def draw_all(
         InputError: the output folder cannot be used, or a kept file is damaged.
     """
     folder = folder_for(output, "draws")
-    plan = {item.key: chunks_of(item, settings, folder) for item in items}
-    chunks = list(dict.fromkeys(chunk for of_item in plan.values() for chunk in of_item))
-    finish(chunks, partial(draw_chunk, settings=settings), "draws", fresh=fresh, workers=workers, console=console)
+    parts = {item.key: parts_of_item(item, settings, folder) for item in items}
+    every = list(dict.fromkeys(part for of_item in parts.values() for part in of_item))
+    kept = finish(every, partial(draw_part, settings=settings), rows_in, "draws", run)
     return {
-        key: pd.concat([read_table(path)[0] for chunk in of_item for _, path in chunk.files], ignore_index=True)
-        for key, of_item in plan.items()
+        key: pd.concat([kept[path] for part in of_item for _, path in part.files], ignore_index=True)
+        for key, of_item in parts.items()
     }
 
 
-def draw_chunk(chunk: Chunk, settings: Settings) -> None:
-    """Make the draws of a chunk and keep them, all or none."""
+def parts_of_item(item: Item, settings: Draws, folder: Path) -> list[Part]:
+    """The parts that an item's draws are made in; items with the same draws share them."""
+    name = digest([settings.seed, settings.quick], made_by=[eval.thesis])
+    return parts_of(item.drawn_as, range(settings.draws), CHUNK, folder, {item.drawn_as: name})
+
+
+def draw_part(part: Part, progress: Progress, settings: Draws) -> None:
+    """Make the draws of a part and keep them, all or none."""
     from eval.thesis.catalogue import ITEMS
 
-    numbers = range(chunk.first, chunk.first + chunk.number)
-    rngs = [np.random.default_rng([settings.seed, zlib.crc32(chunk.key.encode()), number]) for number in numbers]
-    drawn = zip(ITEMS[chunk.key].draw(rngs, settings.quick), numbers, strict=True)
+    numbers = range(part.first, part.first + part.number)
+    rngs = [np.random.default_rng([settings.seed, zlib.crc32(part.key.encode()), number]) for number in numbers]
+    drawn = zip(ITEMS[part.key].draw(rngs, settings.quick), numbers, strict=True)
     rows = pd.concat([table.assign(draw=number) for table, number in drawn], ignore_index=True)
-    for _, path in chunk.files:
+    for _, path in part.files:
         write_table(rows, path, {})
 
 
-def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Settings, output: Path) -> None:
+def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Draws, output: Path) -> None:
     """Write an item's rows as Parquet and its finding as JSON."""
     write_table(table, output / f"{item.key}.parquet", {})
     content = {

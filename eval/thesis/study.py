@@ -6,36 +6,26 @@ from pathlib import Path
 
 from rich.console import Console
 
-from eval.tables import made_with
+from eval.kept.parts import Run
+from eval.kept.tables import made_with
 from eval.thesis import report
 from eval.thesis.catalogue import chosen
 from eval.thesis.item import Finding
-from eval.thesis.run import Settings, draw_all, keep
+from eval.thesis.run import Draws, draw_all, keep
 
 
 def study(
-    only: list[str] | None,
-    draws: int,
-    seed: int,
-    quick: bool,
-    output: Path,
-    fresh: bool,
-    command: str,
-    console: Console,
-    workers: int | None = None,
+    only: list[str] | None, settings: Draws, output: Path, run: Run, command: str, console: Console
 ) -> dict[str, Finding]:
     """Draw, judge, print and write.
 
     Args:
         only: keys of the items; all by default.
-        draws: of each item.
-        seed: of all draws.
-        quick: short episodes and few cases.
+        settings: how the items are drawn.
         output: folder of results and report.
-        fresh: draw again what it holds.
+        run: how the draws are made.
         command: how the user asked for it.
         console: where to print.
-        workers: processes; all cores by default.
 
     Returns:
         The findings by the items' keys.
@@ -43,8 +33,8 @@ def study(
     Raises:
         InputError: an unknown item, a number out of range, or a folder that cannot be used.
     """
-    items, settings = chosen(only), Settings(draws, seed, quick)
-    tables = draw_all(items, settings, output, fresh=fresh, workers=workers, console=console)
+    items = chosen(only)
+    tables = draw_all(items, settings, output, run)
     findings = {item.key: item.judge(tables[item.key]) for item in items}
     for item in items:
         keep(item, tables[item.key], findings[item.key], settings, output)

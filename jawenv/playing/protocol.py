@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
 Mask = NDArray[np.bool_]
-State = tuple[NDArray[Any], ...] | None
+State = tuple[Any, ...] | None
 
 
 @runtime_checkable

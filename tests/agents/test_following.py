@@ -82,9 +82,9 @@ def test_a_world_that_begins_between_two_decisions_keeps_still() -> None:
     agent, seen = Following(Script(np.full((5, 4), 0.5)), TargetsLaw("trajectory")), observations(2)
     for _ in range(2):
         _, state = agent.predict(seen)
-    assert state is not None and (abs(state[1]["rate"]) > 0).all()
+    assert state is not None and (abs(state.of_worlds[0]["rate"]) > 0).all()
     _, state = agent.predict(seen, state, np.array([False, True]))
-    trackers = state[1]
+    trackers = state.of_worlds[0]
     assert (
         (trackers["target"][1] == 0).all() and (trackers["rate"][1] == 0).all() and (trackers["target"][0] != 0).all()
     )

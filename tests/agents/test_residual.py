@@ -87,11 +87,11 @@ def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was
     _, state = policy.predict(seen)
     _, state = policy.predict(seen, state)
     assert state is not None
-    before = state[0].copy()
+    before = state.of_worlds[0].copy()
     _, after = policy.predict(seen, state, np.array([False, True]))
     assert after is not None
-    np.testing.assert_array_equal(after[0], [3, 1])
-    np.testing.assert_array_equal(state[0], before)
+    np.testing.assert_array_equal(after.of_worlds[0], [3, 1])
+    np.testing.assert_array_equal(state.of_worlds[0], before)
     np.testing.assert_array_equal(policy.policy.seen[:, OBSERVATION_SIZE:], BASE.features(np.array([2, 0])))
 
 
@@ -101,7 +101,7 @@ def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
         action, state = handed.predict(seen, state)
         np.testing.assert_array_equal(action, kept.predict(seen)[0])
         handed._memory = None
-    assert state is not None and state[1].tolist() == [[4.0, 4.0]]  # the policy's own memory went along
+    assert state is not None and state.shared[0][0].tolist() == [4.0, 4.0]  # the policy's own memory went along
 
 
 def test_one_world_without_a_leading_axis() -> None:

@@ -11,7 +11,8 @@ from safetensors.numpy import save
 
 from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from eval.cli import main
-from eval.entries import env_of_runs, fingerprint, load_entries
+from eval.entries import env_of_runs, load_entries
+from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError

@@ -8,8 +8,9 @@ import pytest
 from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.playing.agents import Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver
-from jawenv.playing.maneuvers.player import Memory, Player
+from jawenv.playing.maneuvers.player import Player
 from jawenv.playing.protocol import Agent
 
 DT = 0.05
@@ -151,7 +152,7 @@ def test_the_memory_is_the_state_and_is_never_changed_in_place() -> None:
         jaw.step(action)
     again, _ = agent.predict(observations[12], states[12])
     np.testing.assert_array_equal(again, actions[12])
-    assert isinstance(state, Memory) and (state.step == 30).all()
+    assert isinstance(state, Memory) and (state.of_worlds[0] == 30).all()
 
 
 def test_a_new_episode_starts_in_its_world_alone() -> None:
@@ -161,8 +162,9 @@ def test_a_new_episode_starts_in_its_world_alone() -> None:
         jaw.step(agent.predict(jaw.observe())[0])
     _, state = agent.predict(jaw.observe(), episode_start=np.array([False, True, False]))
     assert state is not None
-    np.testing.assert_array_equal(state[0], [41, 1, 41])
-    assert state[1][1] == agent.predict(jaw.observe()[1:2], None, np.array([True]))[1][1]
+    np.testing.assert_array_equal(state.of_worlds[0], [41, 1, 41])
+    alone = agent.predict(jaw.observe()[1:2], None, np.array([True]))[1]
+    assert state.of_worlds[1][1] == alone.of_worlds[1][0]
 
 
 def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
@@ -173,7 +175,7 @@ def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
     assert used.max() < 1.1 and used[-140:].max() < 0.95
     _, state = agent.predict(jaw.observe())
     assert state is not None
-    size = state[1]["size"]
+    size = state.of_worlds[1]["size"]
     assert (size[:, 2] < 0.6).all() and (size[:, :2] == 1.0).all()
 
 

@@ -18,17 +18,16 @@ from agents.card import (
     FORMAT_VERSION,
     WEIGHTS,
     Architecture,
+    CorrectedManeuver,
     Environment,
     ModelCard,
-    Residual,
     Result,
     ResultsFile,
 )
 from agents.checkpoints import read_data
 from agents.exported import ExportedPolicy
 from agents.policies import TrainedPolicy, load_policy
-from agents.residual import Residual as ResidualSetting
-from agents.residual import ResidualPolicy
+from agents.residual import Residual, ResidualPolicy
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.errors import InputError
 from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json
@@ -146,11 +145,11 @@ def _content(value: Any) -> Any:
     return read_mapping(value) if is_file_name else value
 
 
-def _residual(setting: ResidualSetting | None, folder: Path) -> Residual | None:
+def _residual(setting: Residual | None, folder: Path) -> CorrectedManeuver | None:
     """The maneuver that a run's policies correct, whole."""
     if setting is None:
         return None
-    return Residual(maneuver=setting.load_maneuver(folder), scale=setting.scale)
+    return CorrectedManeuver(maneuver=setting.load_maneuver(folder), scale=setting.scale)
 
 
 def _algorithm(run: RunFolder, config: TrainingConfig) -> str:

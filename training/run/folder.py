@@ -3,7 +3,7 @@
 ::
 
     runs/<name>/config.yaml        every setting, defaults included
-                repeat.json        command lines, versions, git commit, seeds
+                repeat.json        command lines, seeds, versions, git commit, machine
                 env.json           specification of the environment
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
                 distillation.yaml  whose decisions were learnt, if it was distilled from a planner
@@ -18,14 +18,10 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 import re
 import shlex
 import shutil
-import subprocess
 import sys
-from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,7 +30,7 @@ from agents.residual import BASE_FILE
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, read_mapping, write_json
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.versions import package_versions
+from jawenv.versions import made_with
 from training.run.config import TrainingConfig
 
 if TYPE_CHECKING:
@@ -110,11 +106,11 @@ class RunFolder:
             raise InputError(f"output {self.path}: {error.strerror}") from None
         config.save(self.config_file)
         _write_text(self.env_file, env_spec + "\n")
-        repeat = {"sessions": [_session(0, world_seed)], "git": _git_state(), "versions": _versions()}
-        repeat["seeds"] = {
+        seeds = {
             "training": config.seed,
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
         }
+        repeat = made_with(sessions=[_session(0, world_seed)], seeds=seeds)
         _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
     def save_base(self, maneuver: Maneuver) -> None:
@@ -181,26 +177,3 @@ def _session(from_step: int, world_seed: int) -> dict[str, Any]:
         "from_step": from_step,
         "world_seed": world_seed,
     }
-
-
-def _versions() -> dict[str, str]:
-    return {
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "cpus": str(os.cpu_count()),
-        **package_versions(),
-    }
-
-
-def _git_state() -> Mapping[str, object] | None:
-    """The commit that runs and whether files differ from it; None outside a git clone."""
-    here = Path(__file__).parent
-
-    def git(*arguments: str) -> str:
-        done = subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=True, timeout=30)
-        return done.stdout.strip()
-
-    try:
-        return {"commit": git("rev-parse", "HEAD"), "changed": bool(git("status", "--porcelain"))}
-    except (OSError, subprocess.SubprocessError):
-        return None

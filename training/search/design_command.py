@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from jawenv.locks import alone
+from jawenv.playing.maneuvers import Maneuver
 from jawenv.progress import Progress
-from training.search.optimise_command import (
-    Output,
-    Overwrite,
-    already_done,
-    check_output,
-    search_log,
-    title_of,
-    write_found,
-)
+from training.search.session import Anew, ManeuverFile, check_output, named, search_maneuver, write_found
 
 
 def design(
-    output: Output,
+    output: ManeuverFile,
     cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
     horizon_s: Annotated[float, typer.Option(help="Length of the maneuver.", metavar="S")] = 10.0,
     goal: Annotated[str, typer.Option(help="What shall grow: mixed, worst or uncertainty (as the rewards).")] = "mixed",
@@ -32,55 +24,37 @@ def design(
     rounds: Annotated[int, typer.Option(help="Rounds of a plan.", metavar="N")] = 5,
     comfort_weight: Annotated[float, typer.Option(help="Nats that a second of discomfort is worth.")] = 60.0,
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
-    overwrite: Overwrite = False,
+    overwrite: Anew = False,
 ) -> int:
     """Design an open-loop maneuver second by second: all patients are moved alike, by the plan that teaches most.
 
     A few minutes for 10 s of a maneuver. Comfort is a price here; `optimise` has it as a constraint. A design that was
     stopped goes on when the same command is given again. The plans so far stand beside the file, in NAME.search.txt.
     """
+    given = dict(locals())
     from training.search.sequential import SequentialDesign, design_maneuver
 
     check_output(output)
-    settings: dict[str, Any] = {
-        "cohort": cohort,
-        "horizon_s": horizon_s,
-        "goal": goal,
-        "over": over,
-        "patients": patients,
-        "look_ahead_s": look_ahead_s,
-        "candidates": candidates,
-        "rounds": rounds,
-        "comfort_weight": comfort_weight,
-        "seed": seed,
-    }
-    wanted = SequentialDesign(**settings)
-    about = {
-        "name": output.stem,
-        "title": title_of(output),
-        "description": f"Designed second by second: each plan is the one after which {patients} patients of {cohort!r} "
-        f"are known best{', the least known third of them counting,' if over == 'tail' else ''} within comfort.",
-        "source": "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search",
-    }
-    console = Console(highlight=False, markup=False, stderr=True)
-    with alone(output):
-        log = search_log(output, overwrite)
-        try:
-            with Progress(wanted.steps, "steps of the maneuver", console) as progress:
+    wanted = SequentialDesign.of(given)
+    description = (
+        f"Designed second by second: each plan is the one after which {patients} patients of {cohort!r} "
+        f"are known best{', the least known third of them counting,' if over == 'tail' else ''} within comfort."
+    )
+    source = "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search"
+    about = named(output, description, source)
 
-                def report(done: int, planned_now: bool) -> None:
-                    if planned_now:
-                        progress.advance_to(done)
-                    else:
-                        progress.skip(1)
+    def search(log: Path, progress: Progress) -> tuple[Maneuver, bool]:
+        def report(done: int, planned_now: bool) -> None:
+            if planned_now:
+                progress.advance_to(done)
+            else:
+                progress.skip(1)
 
-                maneuver, plans_made = design_maneuver(wanted, about, log, report)
-        except KeyboardInterrupt:
-            console.print(f"stopped; the same command goes on from {log}", soft_wrap=True)
-            return 130
-        if plans_made == 0 and output.exists():
-            console.print(already_done(output, log), soft_wrap=True)
-            return 0
+        maneuver, plans_made = design_maneuver(wanted, about, log, report)
+        return maneuver, plans_made > 0
+
+    def write(maneuver: Maneuver) -> str:
         write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", wanted)
-        console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
-        return 0
+        return f"{horizon_s:g} s"
+
+    return search_maneuver(output, overwrite, wanted.steps, "steps of the maneuver", search, write)

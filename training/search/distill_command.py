@@ -14,6 +14,7 @@ from jawenv.files import atomic_write, read_model, validate
 from jawenv.locks import alone
 from jawenv.progress import Progress
 from training.options import Cohort, Config, Output, Overwrite, ResidualOn, Reward, Seed, configured
+from training.search.session import INTERRUPTED, quiet_console, until_stopped
 
 if TYPE_CHECKING:
     from training.run.config import TrainingConfig
@@ -48,7 +49,7 @@ def distill(
     given = {"planner": planner, "rounds": rounds, "patients": patients}
     settings = validate(Distillation, given, "command line")
     run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
-    console = Console(highlight=False, markup=False, stderr=True)
+    console = quiet_console()
     with alone(run.path):
         return _learn(wanted, settings, run, console, overwrite)
 
@@ -71,13 +72,14 @@ def _learn(wanted: TrainingConfig, settings: Distillation, run: RunFolder, conso
             run.create(wanted, session.env_spec, session.world_seed)
             run.save_base(base.maneuver)
         _save(settings, run.distillation_file)
-        try:
-            total = rounds * settings.patients * seconds_of(wanted)
-            with Progress(total, "seconds of patients", console) as progress:
-                distill(session, settings, run, progress)
-        except KeyboardInterrupt:
-            console.print("stopped; the same command goes on after the last finished round", soft_wrap=True)
-            return 130
+
+        def gather(progress: Progress) -> bool:
+            distill(session, settings, run, progress)
+            return True
+
+        total = rounds * settings.patients * seconds_of(wanted)
+        if not until_stopped(gather, total, "seconds of patients", console, "after the last finished round"):
+            return INTERRUPTED
     console.print(f"the policy of the best round: {run.best_model}", soft_wrap=True)
     return 0
 

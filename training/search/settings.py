@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any, get_args
+from typing import Any, Self, get_args
 
 from jawenv.errors import InputError, shown
 
 
 class SearchSettings:
     """Base of frozen dataclasses."""
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Self:
+        """From arguments of the fields' names, among others.
+
+        Raises:
+            InputError: a field has a value that is not allowed.
+        """
+        return cls(**{field.name: given[field.name] for field in fields(cls)})  # type: ignore[arg-type]
 
     def about(self) -> dict[str, Any]:
         """All fields."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,30 +15,18 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import parameters_of
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
+from jawenv.playing.agents import Memory, Remembering
 from jawenv.playing.maneuvers.maneuver import SUFFIXES, Maneuver, Targets
-from jawenv.playing.protocol import Action, Array, Mask, Observation, State
+from jawenv.playing.protocol import Action, Array, Mask, Observation
 
 _LOW = np.array(LOWEST)
 
 
-class Memory(NamedTuple):
-    """What the player remembers, one row per world.
-
-    Attributes:
-        step: (N,) control steps since the episode began.
-        trackers: (N,) records of the device's law, dtype ``TRACKER``.
-    """
-
-    step: NDArray[np.int64]
-    trackers: NDArray[np.void]
-
-
-class Player:
+class Player(Remembering):
     """A maneuver as an agent, for every control mode.
 
     In targets control it names the targets, and the device follows them. In the other two it takes the device's law
-    (``jawenv.envs.tracking``) along. It works from the observation alone and keeps one memory per world. The memory is
-    handed out as ``state`` and also kept, so a caller may pass it back or leave it out.
+    (``jawenv.envs.tracking``) along. It works from the observation alone and keeps one memory per world.
 
     Args:
         maneuver: the maneuver, the name of one that comes with jawenv, or the path of a file.
@@ -54,6 +42,9 @@ class Player:
     Raises:
         InputError: an unknown maneuver or control mode, or a rate that is not positive.
     """
+
+    # Control steps since the episode began, and records of the device's law.
+    _remembered = (np.int64, TRACKER)
 
     def __init__(
         self,
@@ -74,35 +65,19 @@ class Player:
         self._holds_roll = self.maneuver.channels.roll is not None
         self._device = (device or Device()).records()
         self._dt = 1.0 / hz
-        self._memory: Memory | None = None
 
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """Forget all worlds; the next observations are taken as the start of their episodes."""
-        self._memory = None
-
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Action, State]:
-        """See ``jawenv.playing.protocol.Agent.predict``; a maneuver is always deterministic.
-
-        Raises:
-            InputError: an observation of the wrong size or not finite, or of another number of worlds than before.
-        """
-        rows, single, parameters = checked_rows(observation)
-        memory = self._recall(state, len(rows), episode_start)
-        time = self._dt * memory.step.astype(np.float64)
+    def _decide(
+        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, Memory]:
+        parameters = checked_parameters(rows)
+        step, trackers = memory.of_worlds
+        time = self._dt * step.astype(np.float64)
         if self.control == "targets":
             # Where the jaw is to be at the end of the step.
             action = action_of(self.targets(time + self._dt).value)
         else:
-            action = self._follow(rows, parameters, memory.trackers, self.targets(time))
-        self._memory = Memory(memory.step + 1, memory.trackers)
-        single_precision = action.astype(np.float32)
-        return (single_precision[0] if single else single_precision), self._memory
+            action = self._follow(rows, parameters, trackers, self.targets(time))
+        return action.astype(np.float32), Memory((step + 1, trackers))
 
     def targets(self, time: Array) -> Targets:
         """Targets of N worlds at times (N,) since their episodes began, s."""
@@ -114,22 +89,6 @@ class Player:
         servo = self.control == "trajectory"
         follow_all(self._device, rows, parameters, trackers, servo, self._holds_roll, self._dt, action)
         return action
-
-    def _recall(self, state: State, worlds: int, episode_start: Mask | None) -> Memory:
-        """A copy of the memory to go on from, blank for worlds that begin an episode."""
-        blank = Memory(np.zeros(worlds, int), np.zeros(worlds, dtype=TRACKER))
-        memory = self._memory if state is None else Memory(*state)
-        if memory is None or (episode_start is not None and np.all(episode_start)):
-            return blank
-        if len(memory.step) != worlds:
-            raise InputError(
-                f"observation of {worlds} worlds after {len(memory.step)} worlds: call reset({worlds}) first"
-            )
-        memory = Memory(memory.step.copy(), memory.trackers.copy())
-        if episode_start is not None:
-            starts = np.asarray(episode_start, dtype=bool).reshape(worlds)
-            memory.step[starts], memory.trackers[starts] = 0, blank.trackers[starts]
-        return memory
 
 
 def action_of(targets: Array) -> Array:
@@ -144,21 +103,16 @@ def goals_of(actions: NDArray[Any]) -> Array:
     return goals
 
 
-def checked_rows(observation: Observation) -> tuple[Observation, bool, int]:
-    """N observations (N, size), whether there was one without a leading N, and the number of parameters.
+def checked_parameters(rows: Observation) -> int:
+    """The number of parameters that observations (N, size) are of.
 
     Raises:
         InputError: an observation of another size, or one that is not finite.
     """
-    rows = np.ascontiguousarray(observation, dtype=np.float32)
-    single = rows.ndim == 1
-    rows = rows[None] if single else rows
-    if rows.ndim != 2:
-        raise InputError(f"observation has shape {rows.shape}, allowed are (N, size) and (size,)")
     parameters = parameters_of(rows.shape[1])
     if not np.isfinite(rows).all():
         raise InputError("observation holds a value that is not finite")
-    return rows, single, parameters
+    return parameters
 
 
 def _maneuver(given: Maneuver | str | Path) -> Maneuver:

@@ -10,7 +10,8 @@ import pytest
 from eval.cli import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
-from eval.entries import env_of_runs, fingerprint, load_entries, maneuver_names
+from eval.entries import env_of_runs, load_entries, maneuver_names
+from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from jawenv.errors import InputError
 from tests.eval.studies import study
@@ -63,7 +64,7 @@ def test_a_finished_entry_is_not_played_again(tmp_path, plays, capsys):
     first = pd.read_parquet(tmp_path / "patients.parquet")
     assert run("hold_still", "chirp", *SHORT, *output) == 0
     assert plays == ["hold_still", "chirp"]
-    assert "hold still: kept from an earlier run" in capsys.readouterr().out
+    assert "1 of 2 entries kept from an earlier run" in capsys.readouterr().out
     second = pd.read_parquet(tmp_path / "patients.parquet")
     pd.testing.assert_frame_equal(second[second["entry"] == "hold_still"], first)
     assert run("hold_still", *SHORT, *output, "--fresh") == 0
@@ -104,7 +105,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(comparison, "play", original)
     assert run(*arguments) == 0
     told = capsys.readouterr().out
-    assert "hold still: kept from an earlier run" in told
+    assert "1 of 2 entries kept from an earlier run" in told
     assert "chirp: done" in told
 
 

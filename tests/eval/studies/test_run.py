@@ -13,13 +13,13 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from eval import tables
-from eval.chunks import finish
 from eval.cli import main
+from eval.kept import tables
+from eval.kept.parts import Run, finish
 from eval.studies import run
 from eval.studies.design import Design
 from jawenv.errors import InputError
-from tests.eval.test_chunks import chunks_in, refuse
+from tests.eval.kept.test_parts import parts_in, refuse
 
 ROOT = Path(__file__).parents[3]
 SMALL = {
@@ -185,25 +185,25 @@ def test_a_killed_run_goes_on_without_repeating_a_part(tmp_path):
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     """The rows from one process."""
-    return run.play_study(Design(**SMALL), tmp_path_factory.mktemp("alone"), workers=1)
+    return run.play_study(Design(**SMALL), tmp_path_factory.mktemp("alone"), Run(workers=1))
 
 
 def test_two_processes_give_the_same_numbers(alone, tmp_path):
-    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, workers=2), alone, check_exact=True)
+    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, Run(workers=2)), alone, check_exact=True)
 
 
 def test_parts_of_another_size_give_the_same_numbers(alone, tmp_path, monkeypatch):
     monkeypatch.setattr(run, "PATIENTS_IN_A_PART", 2)
-    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, workers=1), alone, check_exact=True)
+    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, Run(workers=1)), alone, check_exact=True)
 
 
 def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
     ray = pytest.importorskip("ray", reason='ray is not installed: pip install -e ".[cluster]"')
     try:
-        rows = run.play_study(Design(**SMALL), tmp_path, workers=2, backend="ray")
+        rows = run.play_study(Design(**SMALL), tmp_path, Run(workers=2, backend="ray"))
         pd.testing.assert_frame_equal(rows, alone, check_exact=True)
         with pytest.raises(InputError, match="is refused"):
-            finish(chunks_in(tmp_path, 4), refuse, "items", workers=2, backend="ray")
+            finish(parts_in(tmp_path, 4), refuse, Path.read_text, "items", Run(workers=2, backend="ray"))
     finally:
         ray.shutdown()
 

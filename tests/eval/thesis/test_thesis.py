@@ -8,6 +8,7 @@ import pytest
 from rich.console import Console
 
 from eval.cli import main
+from eval.kept.parts import Run
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
 from eval.thesis.histograms import histograms
 from eval.thesis.item import Finding, Item, one_by_one
@@ -102,11 +103,11 @@ def test_a_run_goes_on_where_it_was_interrupted(toy, tmp_path, capsys):
 
 def test_a_damaged_file_says_what_to_do(toy, tmp_path):
     console = Console(quiet=True)
-    study.study(None, 3, 0, True, tmp_path, False, "", console)
+    study.study(None, run.Draws(3, quick=True), tmp_path, Run(), "", console)
     (chunk,) = (tmp_path / "draws").glob("*.parquet")
     chunk.write_text("no parquet")
     with pytest.raises(InputError, match="--fresh"):
-        study.study(None, 3, 0, True, tmp_path, False, "", console)
+        study.study(None, run.Draws(3, quick=True), tmp_path, Run(), "", console)
 
 
 @pytest.mark.parametrize(("options", "shown"), [([], "reproduced"), (["--quick"], None), (["--draws", "19"], None)])
@@ -274,10 +275,10 @@ def test_no_value_in_some_draws_counts_as_wrong_not_as_absent():
     assert rows.rmse(table).value == np.inf
 
 
-def test_chunks_share_what_does_not_change_and_differ_in_what_does(tmp_path):
+def test_parts_share_what_does_not_change_and_differ_in_what_does(tmp_path):
     item = catalogue.ITEMS["physician_view"]
-    ten, more = (run.chunks_of(item, run.Settings(draws), tmp_path) for draws in (10, 20))
+    ten, more = (run.parts_of_item(item, run.Draws(draws), tmp_path) for draws in (10, 20))
     assert ten == more[:1]
-    assert ten == run.chunks_of(catalogue.ITEMS["nonlinear_full"], run.Settings(10), tmp_path)
-    for other in (run.Settings(10, seed=1), run.Settings(10, quick=True)):
-        assert run.chunks_of(item, other, tmp_path)[0].files != ten[0].files
+    assert ten == run.parts_of_item(catalogue.ITEMS["nonlinear_full"], run.Draws(10), tmp_path)
+    for other in (run.Draws(10, seed=1), run.Draws(10, quick=True)):
+        assert run.parts_of_item(item, other, tmp_path)[0].files != ten[0].files

@@ -30,7 +30,7 @@ def connect(workers: int | None = None) -> int:
         from ray.util.joblib.ray_backend import RayBackend
 
     if not ray.is_initialized():
-        root = str(Path(__file__).parents[1])
+        root = str(Path(__file__).parents[2])
         path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
         threads = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         address = os.environ.get("RAY_ADDRESS")

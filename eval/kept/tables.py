@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import platform
-import subprocess
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,45 +12,18 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from jawenv import versions
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.laboratory.recordings.parquet import read_parquet
-from jawenv.versions import package_versions
 
 _KEY = b"jawenv.eval"
 
 
 def made_with(command: str, **more: Any) -> dict[str, Any]:
-    """What results were made with: the command, versions, the time now, and what else is given."""
+    """What results were made with: the command, what else is given, `jawenv.versions.made_with`, and the time now."""
     now = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
-    return {"command": command, **more, "versions": versions(), "finished": now}
-
-
-def versions() -> dict[str, str]:
-    """Python, the machine, and the packages that decide results."""
-    return {"python": platform.python_version(), "machine": platform.platform(), **package_versions()}
-
-
-def git_state() -> dict[str, Any] | None:
-    """Commit of the clone that runs, and whether files were changed since; None where there is none, or no git."""
-    root = Path(__file__).parents[1]
-    answers = []
-    for question in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no")):
-        try:
-            asked = subprocess.run(["git", "-C", str(root), *question], capture_output=True, text=True, check=True)
-        except (OSError, subprocess.CalledProcessError):
-            return None
-        answers.append(asked.stdout.strip())
-    return {"commit": answers[0], "changed": bool(answers[1])}
-
-
-def machine() -> dict[str, Any]:
-    """Processor, cores and system of this machine."""
-    names = [platform.processor()]
-    with contextlib.suppress(OSError):  # Linux alone has it
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")] + names
-    return {"processor": names[0] or platform.machine(), "cores": os.cpu_count(), "system": platform.platform()}
+    return versions.made_with(command=command, **more, finished=now)
 
 
 def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:
@@ -96,3 +65,8 @@ def read_table(
         lacks = f"column {missing[0]!r}" if missing else "what it was made with"
         raise InputError(f"{path} is no table of this program, it lacks {lacks}; {remedy}")
     return frame, about
+
+
+def rows_in(path: Path) -> pd.DataFrame:
+    """The table alone, of `read_table`."""
+    return read_table(path)[0]

@@ -9,7 +9,8 @@ import pytest
 
 from agents.residual import BASE_FILE
 from eval.cli import main
-from eval.entries import fingerprint, load_entries
+from eval.entries import load_entries
+from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from jawenv import versions
 from jawenv.anatomy import cohort
@@ -88,5 +89,5 @@ def test_a_changed_run_is_played_again(
         if part is not None:
             PARTS[part](run)
         assert main(command) == 0
-        kept.append("run: kept from an earlier run" in capsys.readouterr().out)
+        kept.append("1 of 1 entries kept from an earlier run" in capsys.readouterr().out)
     assert kept == [False, True, False, False, False]

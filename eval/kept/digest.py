@@ -1,0 +1,79 @@
+"""Names of what is kept: they change with whatever could change what it holds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import agents
+import jawenv
+from agents import registry
+from eval.entries import Entry
+from jawenv.errors import InputError, shown
+from jawenv.files import FILE_TYPES
+from jawenv.playing.protocol import Agent
+from jawenv.reading import read_bytes
+from jawenv.versions import package_versions
+
+_SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
+
+
+def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[ModuleType] = ()) -> str:
+    """16 hexadecimal digits for values, files, jawenv, the agents, and the packages that they compute with.
+
+    Args:
+        decided_by: values that JSON can hold.
+        files: read for it.
+        made_by: modules beside jawenv and the agents whose source decides it; of a package all of its files count.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    content = hashlib.sha256(json.dumps([decided_by, package_versions()], sort_keys=True).encode())
+    for module in (jawenv, agents, *made_by):
+        content.update(_source(Path(str(module.__file__))).encode())
+    for file in files:
+        content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
+    return content.hexdigest()[:16]
+
+
+def fingerprint(entry: Entry, settings: Any, *made_by: ModuleType) -> str:
+    """The digest of an entry's results.
+
+    An entry is made of its files (`agents.registry.files_of`), those that an agent of one's own names in its attribute
+    ``made_of``, and those among the arguments of its environment, such as a cohort's.
+
+    Args:
+        entry: whose results are kept.
+        settings: on whom and how it is played, and what else decides what is kept.
+        made_by: see `digest`.
+
+    Raises:
+        InputError: a file cannot be read, or ``made_of`` is no list of paths.
+    """
+    texts = [value for value in entry.env_kwargs.values() if isinstance(value, str)]
+    named = [Path(text) for text in texts if Path(text).suffix.lower() in FILE_TYPES]
+    files = (*registry.files_of(entry.spec), *_made_of(entry.agent), *named)
+    return digest([entry.about(), settings], files, made_by)
+
+
+@cache
+def _source(module: Path) -> str:
+    """The digest of a module's file, or of all files of its package."""
+    files = module.parent.rglob("*") if module.name == "__init__.py" else [module]
+    content = hashlib.sha256()
+    for file in sorted(file for file in files if file.suffix in _SOURCES):
+        content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
+    return content.hexdigest()
+
+
+def _made_of(agent: Agent) -> list[Path]:
+    named = getattr(agent, "made_of", ())
+    if not isinstance(named, list | tuple) or not all(isinstance(path, str | Path) for path in named):
+        raise InputError(f"{agent.name}: made_of is {shown(named)}; allowed: a list of paths")
+    return [Path(path) for path in named]

@@ -1,0 +1,181 @@
+"""Work in parts, on all cores, each kept on disk as soon as it is finished; what the disk holds is not done again.
+
+What is made is the same from any number of processes, and however often a run was interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, TypeVar, get_args
+
+from joblib import Parallel, delayed
+from rich.console import Console
+
+from jawenv.errors import InputError, shown
+from jawenv.locks import alone
+from jawenv.progress import Progress
+
+Backend = Literal["loky", "ray"]
+Content = TypeVar("Content")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some items of a piece of work, and the files that keep what comes out.
+
+    Attributes:
+        key: what they are items of.
+        first: number of the first item.
+        number: of items.
+        files: of each kind of result, by its name; one may be made without the others. Their names change with
+            whatever could change what they hold.
+    """
+
+    key: str
+    first: int
+    number: int
+    files: tuple[tuple[str, Path], ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """How work is done.
+
+    Attributes:
+        fresh: do again what is on disk.
+        workers: processes; all cores by default. 1 works in this process.
+        backend: joblib's; "ray" works on the cores of a cluster, whose machines see the folder of the files.
+        console: where progress is shown; nowhere by default.
+
+    Raises:
+        InputError: another backend.
+    """
+
+    fresh: bool = False
+    workers: int | None = None
+    backend: Backend = "loky"
+    console: Console | None = None
+
+    def __post_init__(self) -> None:
+        """Check the backend."""
+        if self.backend not in get_args(Backend):
+            raise InputError(f"backend: {shown(self.backend)} given, allowed are {', '.join(get_args(Backend))}")
+
+
+def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[str, str]) -> list[Part]:
+    """The parts of some items, each kept as a table.
+
+    Args:
+        key: what they are items of.
+        items: their numbers, which follow each other.
+        size: how many a part has: few enough to lose little when interrupted, enough to be quick together.
+        folder: of the files.
+        digests: of each kind of result, by its name: what decides it, but for the items' numbers.
+    """
+    parts = []
+    for first in items[::size]:
+        number = min(size, items.stop - first)
+        names = {kind: f"{kind}-{first:05d}-{number}-{digest}.parquet" for kind, digest in digests.items()}
+        files = tuple((kind, folder / name.replace("/", "_")) for kind, name in names.items())
+        parts.append(Part(key, first, number, files))
+    return parts
+
+
+def folder_for(output: Path, name: str) -> Path:
+    """The folder of finished work in an output folder, made where it is missing.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    folder = output / name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"output {output}: {error.strerror}") from None
+    return folder
+
+
+def finish(
+    parts: Sequence[Part],
+    work: Callable[[Part, Progress], None],
+    read: Callable[[Path], Content],
+    unit: str,
+    run: Run | None = None,
+) -> dict[Path, Content]:
+    """Read what is kept of every part, do what is missing, and read that.
+
+    An interrupt ends the processes at once: a file is on disk or not, and what is not is made by the next run.
+
+    Args:
+        parts: all of the work.
+        work: writes all files of a part, each whole or not at all; a function that processes can be sent. The
+            progress counts items, and is shown where one process works.
+        read: what a file holds. Damage is found before anything is done.
+        unit: what items are called, in the plural.
+        run: how it is done.
+
+    Returns:
+        What each file holds.
+
+    Raises:
+        InputError: another process is at work in the same folder, a kept file is damaged, the package of the backend
+            is not installed, or the cluster cannot be reached.
+    """
+    run = run or Run()
+    paths = list(dict.fromkeys(path for part in parts for _, path in part.files))
+    kept = {path: read(path) for path in paths if not run.fresh and path.exists()}
+    missing = [
+        replace(part, files=tuple((kind, path) for kind, path in part.files if path not in kept)) for part in parts
+    ]
+    missing = [part for part in missing if part.files]
+    total, left = _items(parts), _items(missing)
+    progress = Progress(total, unit, run.console or Console(quiet=True))
+    with ExitStack() as locks, warnings.catch_warnings(), progress:
+        for folder in sorted({path.parent for part in missing for _, path in part.files}):
+            locks.enter_context(alone(folder))
+        progress.say(f"making {total} {unit}")
+        if left < total:
+            progress.skip(total - left)
+            progress.say(f"{total - left} of {total} {unit} kept from an earlier run")
+        # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
+        _do(missing, work, run, progress)
+    return {path: kept[path] if path in kept else read(path) for path in paths}
+
+
+def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
+    parallel = _parallel(run, max(len(parts), 1))
+    if parallel.n_jobs > 1:
+        for part in parallel(delayed(_worked)(work, part) for part in parts):
+            progress.advance_to(progress.done + _items([part]), part.key)
+        return
+    for part in parts:
+        after = progress.done + _items([part])
+        work(part, progress)
+        progress.advance_to(after, part.key)
+
+
+def _parallel(run: Run, most: int) -> Parallel:
+    """Joblib's processes, at most as many as there are parts; one thread each: more would wait for each other."""
+    if run.backend == "ray":
+        from eval.kept.cluster import connect
+
+        cores = connect(run.workers)
+        count = min(run.workers or cores, cores, most)
+        return Parallel(count, run.backend, "generator_unordered", batch_size=1, pre_dispatch=count)
+    count = min(run.workers or os.cpu_count() or 1, most)
+    return Parallel(count, run.backend, "generator_unordered", batch_size=1, inner_max_num_threads=1)
+
+
+def _worked(work: Callable[[Part, Progress], None], part: Part) -> Part:
+    work(part, Progress(_items([part]), "items", Console(quiet=True)))
+    return part
+
+
+def _items(parts: Sequence[Part]) -> int:
+    return sum(part.number * len(part.files) for part in parts)

@@ -1,0 +1,167 @@
+"""Work in parts: what is on disk is not done again, in one process or several, also after an interrupt."""
+
+import io
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from eval.kept.parts import Part, Run, finish, folder_for, parts_of
+from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.locks import alone
+from jawenv.progress import Progress
+
+ROOT = Path(__file__).parents[3]
+
+INTERRUPTED_RUN = """
+import sys
+from pathlib import Path
+from eval.kept.parts import Run, finish
+from tests.eval.kept.test_parts import parts_in, slow_work
+
+finish(parts_in(Path(sys.argv[1]), 40), slow_work, Path.read_text, "items", Run(workers=2))
+"""
+
+
+def parts_in(folder: Path, number: int) -> list[Part]:
+    return [Part("toy", i, 1, (("", folder / f"{i}.txt"),)) for i in range(number)]
+
+
+def write_process(part: Part, progress: Progress) -> None:
+    for _, path in part.files:
+        path.write_text(str(os.getpid()))
+
+
+def slow_work(part: Part, progress: Progress) -> None:
+    time.sleep(0.2)
+    for _, path in part.files:
+        with atomic_write(path) as unfinished:
+            unfinished.write_text("whole")
+
+
+def refuse(part: Part, progress: Progress) -> None:
+    raise InputError(f"part {part.first} is refused")
+
+
+def note_files(part: Part, progress: Progress, done: list[str]) -> None:
+    for kind, path in part.files:
+        done.append(f"{part.first} {kind}")
+        path.write_text("")
+
+
+def test_only_missing_files_are_made(tmp_path):
+    parts = [Part("toy", i, 5, (("a", tmp_path / f"{i}a"), ("b", tmp_path / f"{i}b"))) for i in range(2)]
+    (tmp_path / "0a").write_text("")
+    done, out = [], io.StringIO()
+    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(workers=1, console=Console(file=out)))
+    assert done == ["0 b", "1 a", "1 b"]
+    assert out.getvalue().splitlines()[:2] == ["making 20 draws", "5 of 20 draws kept from an earlier run"]
+    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(workers=1))
+    assert len(done) == 3
+    finish(parts, partial(note_files, done=done), Path.read_text, "draws", Run(True, 1))
+    assert len(done) == 7
+
+
+def test_processes_share_the_parts(tmp_path):
+    finish(parts_in(tmp_path, 6), write_process, Path.read_text, "items", Run(workers=2))
+    processes = {path.read_text() for path in tmp_path.glob("*.txt")}
+    assert len(list(tmp_path.glob("*.txt"))) == 6
+    assert str(os.getpid()) not in processes
+
+
+def test_a_refusal_in_a_process_is_the_callers(tmp_path):
+    with pytest.raises(InputError, match="is refused"):
+        finish(parts_in(tmp_path, 4), refuse, Path.read_text, "items", Run(workers=2))
+
+
+def test_an_interrupt_ends_the_processes_and_leaves_whole_files(tmp_path):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))}
+    command = [sys.executable, "-c", INTERRUPTED_RUN, str(tmp_path)]
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    for _ in range(300):
+        if len(list(tmp_path.glob("*.txt"))) > 2:
+            break
+        assert process.poll() is None
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, error = process.communicate(timeout=30)
+    assert "KeyboardInterrupt" in error
+    kept = list(tmp_path.glob("*.txt"))
+    assert 2 < len(kept) < 40 and all(path.read_text() == "whole" for path in kept)
+    time.sleep(1.0)
+    assert len(list(tmp_path.glob("*.txt"))) == len(kept), "no process goes on"
+
+
+def test_an_output_that_is_a_file_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=f"output {tmp_path / 'file'}: Not a directory"):
+        folder_for(tmp_path / "file", "parts")
+
+
+def test_two_runs_do_not_work_in_one_folder(tmp_path):
+    """The second says so; what is done already asks for no lock."""
+    parts = parts_in(tmp_path, 2)
+    with alone(tmp_path), pytest.raises(InputError, match="in use by another process"):
+        finish(parts, write_process, Path.read_text, "items", Run(workers=1))
+    finish(parts, write_process, Path.read_text, "items", Run(workers=1))
+    with alone(tmp_path):
+        finish(parts, write_process, Path.read_text, "items", Run(workers=1))
+
+
+def test_parts_cover_all_items_and_their_files_name_what_decides_them(tmp_path):
+    parts = parts_of("toy", range(5, 12), 3, tmp_path, {"a/b": "123", "c": "45"})
+    assert [(part.first, part.number) for part in parts] == [(5, 3), (8, 3), (11, 1)]
+    assert [path.name for _, path in parts[2].files] == ["a_b-00011-1-123.parquet", "c-00011-1-45.parquet"]
+
+
+def test_the_work_tells_how_much_of_a_part_is_done(tmp_path):
+    seen = []
+
+    def half(part: Part, progress: Progress) -> None:
+        before = progress.done
+        progress.advance_to(before + 0.5)
+        seen.append((before, progress.done))
+        note_files(part, progress, [])
+
+    finish(parts_in(tmp_path, 2), half, Path.read_text, "items", Run(workers=1))
+    assert seen == [(0.0, 0.5), (1.0, 1.5)]
+
+
+def test_damage_is_found_before_anything_is_done_and_each_file_is_read_once(tmp_path):
+    parts, done, read = parts_in(tmp_path, 3), [], []
+
+    def careful(path: Path) -> str:
+        read.append(path.name)
+        if path.read_text() == "damaged":
+            raise InputError(f"{path} is damaged")
+        return path.stem
+
+    (tmp_path / "2.txt").write_text("damaged")
+    with pytest.raises(InputError, match="2.txt is damaged"):
+        finish(parts, partial(note_files, done=done), careful, "items", Run(workers=1))
+    assert not done
+    (tmp_path / "2.txt").write_text("")
+    read.clear()
+    kept = finish(parts, partial(note_files, done=done), careful, "items", Run(workers=1))
+    assert (
+        list(kept.values()) == ["0", "1", "2"]
+        and done == ["0 ", "1 "]
+        and sorted(read)
+        == [
+            "0.txt",
+            "1.txt",
+            "2.txt",
+        ]
+    )
+
+
+def test_an_unknown_backend_is_named():
+    with pytest.raises(InputError, match="backend: 'dask' given, allowed are loky, ray"):
+        Run(backend="dask")

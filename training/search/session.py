@@ -1,0 +1,145 @@
+"""What the commands that search have in common: one output in use, progress, and going on after they were stopped."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import typer
+import yaml
+from rich.console import Console
+
+from jawenv.errors import InputError
+from jawenv.files import atomic_write
+from jawenv.locks import alone
+from jawenv.progress import Progress
+from training.search.settings import SearchSettings
+
+INTERRUPTED = 130
+Found = TypeVar("Found")
+
+ManeuverFile = Annotated[
+    Path, typer.Option(metavar="FILE", help="Maneuver file to write; its stem is the maneuver's name.")
+]
+Anew = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the file, and begin anew where a search was left off.")
+]
+
+
+def quiet_console() -> Console:
+    """Where a search says how it goes: what is not the result itself."""
+    return Console(highlight=False, markup=False, stderr=True)
+
+
+def until_stopped(
+    work: Callable[[Progress], Found], total: float, unit: str, console: Console, goes_on: str
+) -> Found | None:
+    """Do some work with its progress shown.
+
+    Args:
+        work: gets the progress.
+        total: how much there is to do.
+        unit: what is counted, in the plural.
+        console: where progress is shown.
+        goes_on: how, after an interrupt.
+
+    Returns:
+        What the work has found; None after an interrupt.
+    """
+    try:
+        with Progress(total, unit, console) as progress:
+            return work(progress)
+    except KeyboardInterrupt:
+        console.print(f"stopped; the same command goes on {goes_on}", soft_wrap=True)
+        return None
+
+
+def search_maneuver(
+    output: Path,
+    overwrite: bool,
+    total: float,
+    unit: str,
+    search: Callable[[Path, Progress], tuple[Found, bool]],
+    write: Callable[[Found], str],
+) -> int:
+    """Search a maneuver, and keep what was found so far in a log beside its file.
+
+    Args:
+        output: the maneuver file, checked by `check_output`.
+        overwrite: begin anew.
+        total: how much there is to do.
+        unit: what is counted, in the plural.
+        search: from log and progress to what was found, and whether anything of it was found now.
+        write: writes the file, and says what is in it.
+
+    Returns:
+        The exit code: 0, or 130 after an interrupt.
+
+    Raises:
+        InputError: the file exists, and no search that could go on has left it; or what the search refuses.
+    """
+    console = quiet_console()
+    with alone(output):
+        log = _search_log(output, overwrite)
+        done = until_stopped(lambda progress: search(log, progress), total, unit, console, f"from {log}")
+        if done is None:
+            return INTERRUPTED
+        found, new = done
+        if new or not output.exists():
+            console.print(f"{output}: {write(found)}", soft_wrap=True)
+        else:
+            console.print(
+                f"{output} is there already, and {log} has all of its search; nothing to do (--overwrite begins anew)",
+                soft_wrap=True,
+            )
+        return 0
+
+
+def check_output(output: Path) -> None:
+    """Make sure that a maneuver file can be written there, before minutes are spent on it.
+
+    Raises:
+        InputError: another ending than .yaml, a folder that does not exist or may not be written, or a stem that is no
+            maneuver's name.
+    """
+    if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
+        raise InputError(f"--output: {output} given, but {output.parent} may not be written")
+    if output.suffix != ".yaml" or not output.parent.is_dir():
+        raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
+    if not output.stem.isidentifier() or output.stem != output.stem.lower():
+        raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+
+
+def named(output: Path, description: str, source: str) -> dict[str, str]:
+    """What a maneuver file says of itself; its name and title are those of the file."""
+    title = output.stem.replace("_", " ").capitalize()
+    return {"name": output.stem, "title": title, "description": description, "source": source}
+
+
+def write_found(output: Path, content: dict[str, Any], command: str, design: SearchSettings) -> None:
+    """Write a maneuver file whose first lines are the command that made it.
+
+    Args:
+        output: the file.
+        content: of the maneuver.
+        command: of ``python -m training``.
+        design: its fields that are not the defaults are the command's options.
+    """
+    defaults = type(design)().about()
+    options = [f"--{k.replace('_', '-')} {v}" for k, v in design.about().items() if v != defaults[k]]
+    line = " ".join([f"python -m training {command}", f"--output {output.name}", *options])
+    text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
+    with atomic_write(output) as unfinished:
+        unfinished.write_text(f"# Found, not made by hand, by\n# {line}\n{text}", encoding="utf-8")
+
+
+def _search_log(output: Path, overwrite: bool) -> Path:
+    """The file beside a maneuver file that keeps what its search has found so far; it goes where all begins anew."""
+    log = output.with_suffix(".search.txt")
+    if overwrite:
+        log.unlink(missing_ok=True)
+    elif output.exists() and not log.exists():
+        raise InputError(f"--output: {output} exists already; replace it with --overwrite")
+    return log
