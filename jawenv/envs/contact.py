@@ -24,14 +24,14 @@ from jawenv.reality.joint import articular_push
 
 
 @njit
-def take_planar(world, x, z, theta, x_rate, z_rate, theta_rate):
-    """Set the midline coordinates and the lift of ``world`` from a motion in the sagittal plane."""
-    height, slope, _, _ = fossa(world.jaw, x)
+def take_planar(truth, x, z, theta, x_rate, z_rate, theta_rate):
+    """Set the midline coordinates and the lift of ``truth`` from a motion in the sagittal plane."""
+    height, slope, _, _ = fossa(truth.jaw, x)
     for i in range(10):
-        world.state[i] = 0.0
-    world.state[0], world.state[2] = x, theta
-    world.state[5], world.state[8] = x_rate, theta_rate
-    world.lift[0], world.lift[1] = z - height, z_rate - slope * x_rate
+        truth.state[i] = 0.0
+    truth.state[0], truth.state[2] = x, theta
+    truth.state[5], truth.state[8] = x_rate, theta_rate
+    truth.lift[0], truth.lift[1] = z - height, z_rate - slope * x_rate
 
 
 @njit
@@ -39,10 +39,10 @@ def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
     """Command of one tick of world i."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     begin_tick(device, models[i], world, actions[i], settings, scratch)
-    q, u = split(world.state)
-    _, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.trajectory
-    )
+    truth, known = world.truth, world.known
+    q, u = split(truth.state)
+    lift, servo = lift_of(truth), settings.control.servo
+    _, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, 0.0, servo)
     clear_moments(scratch.wrench)
     scratch.acted = acted
 
@@ -55,31 +55,36 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     ends, as ``WrenchAt`` takes them.
     """
     place, velocity, theta, theta_rate, since = motion
-    device, world, scratch = devices[0], worlds[i], scratches[i]
-    arm_x, arm_z = turned(world.jaw.mouthpiece, theta)
-    x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
-    take_planar(world, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
-    q, u = split(world.state)
-    wrench, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].trajectory
+    device, truth, known, scratch, settings = (
+        devices[0],
+        worlds[i].truth,
+        worlds[i].known,
+        scratches[i],
+        all_settings[0],
     )
+    arm_x, arm_z = turned(truth.jaw.mouthpiece, theta)
+    x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
+    take_planar(truth, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
+    q, u = split(truth.state)
+    lift, servo = lift_of(truth), settings.control.servo
+    wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, since, servo)
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
-    push = articular_push(all_settings[0].reality, world.limits, world.jaw, q, lift_of(world))
+    push = articular_push(settings.reality, known.limits, truth.jaw, q, lift)
     total = plus_wrench(wrench, scratch.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
     return force[0], force[2], total[4]
 
 
 @njit
-def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, motion):
+def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, all_paths, motion):
     """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
-    take_planar(world, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
-    acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
-    end_tick(device, models[i], world, settings, scratch, all_ticks[i])
-    share = 1.0 / settings.ticks_per_step
-    world.governor += share if acted > 0.0 else 0.0
+    take_planar(world.truth, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
+    acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
+    end_tick(device, models[i], world, settings, scratch, all_ticks[i], all_paths[i])
+    share = 1.0 / settings.control.ticks_per_step
+    world.truth.governor += share if acted > 0.0 else 0.0
     take_comfort(world, scratch, share)
 
 
@@ -103,16 +108,17 @@ class ContactPlants:
         models: The filter's jaws.
         worlds: The worlds.
         settings: One record of dtype ``settings_dtype``, in an array.
-        ticks: Records of their ticks.
+        ticks: What they have read, tick by tick.
+        paths: What was true then.
         sizes: Numbers of muscles, lines, states of motion and nodes of the basis.
     """
 
     def __init__(
-        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int]
+        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, paths: Any, sizes: tuple[int, int, int]
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
-        self._ticks = ticks
+        self._ticks, self._paths = ticks, paths
         self._scratches = record_zeros(len(worlds), scratch_dtype(*sizes))
         self._jaws: list[Any] = [None] * len(worlds)
 
@@ -121,10 +127,10 @@ class ContactPlants:
         from jawenv.mechanics.sagittal import SagittalJaw
 
         for i in np.flatnonzero(chosen):
-            world = self._worlds[i]
-            jaw = SagittalJaw(world["jaw"], world["muscles"])
-            x, theta = world["state"][0], world["state"][2]
-            jaw.place((x, fossa(world["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
+            truth = self._worlds["truth"][i]
+            jaw = SagittalJaw(truth["jaw"], truth["muscles"])
+            x, theta = truth["state"][0], truth["state"][2]
+            jaw.place((x, fossa(truth["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
             self._jaws[i] = jaw
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
@@ -143,9 +149,11 @@ class ContactPlants:
 
         jaw.forget_contacts()  # so that a copy of the environment, made between two steps, goes on alike
         contact_clear(worlds, i)
-        for _ in range(int(settings["ticks_per_step"][0])):
+        for _ in range(int(settings["control"]["ticks_per_step"][0])):
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)
             jaw.muscles[:] = scratches["effective"][i]
             jaw.advance(TICK, wrench_at)
-            contact_end(device, self._models, worlds, i, settings, scratches, self._ticks, tuple(jaw.state))
+            contact_end(
+                device, self._models, worlds, i, settings, scratches, self._ticks, self._paths, tuple(jaw.state)
+            )
         contact_inform(worlds, i, settings, scratches)

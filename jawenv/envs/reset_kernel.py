@@ -8,7 +8,7 @@ from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.information import cholesky_parameters, refresh_information
-from jawenv.envs.kept_ticks import keep_tick
+from jawenv.envs.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.step_kernel import clear_step, sense
 from jawenv.filter.encoders import measure
@@ -19,7 +19,6 @@ from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
-from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
@@ -85,9 +84,9 @@ def open_slowly(jaw, muscles, pose, sensitivity, scratch):
 
 
 @njit
-def set_limits(world, last, scratch):
-    """Comfort limits of ``world`` from its path of ``last`` + 1 poses; False when the painless range is too small."""
-    jaw, limits, poses, positions = world.jaw, world.limits, scratch.poses, scratch.places
+def set_limits(jaw, muscles, limits, last, scratch):
+    """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
+    poses, positions = scratch.poses, scratch.places
     limits.rest_opening = jaw.mouthpiece[2] - positions[0, 2]
     limits.rest_side = positions[0, 1]
     limits.rest_condyle_side = poses[0, 1]
@@ -106,26 +105,26 @@ def set_limits(world, last, scratch):
     limits.condyle_middle = 0.5 * (CONDYLE_BACK + high)
     limits.condyle_half = 0.5 * (high - CONDYLE_BACK)
     q = (poses[last, 0], poses[last, 1], poses[last, 2], poses[last, 3], poses[last, 4])
-    for i in range(world.muscles.shape[0]):
-        _, _, _, tension = muscle_pull(jaw, world.muscles, i, contact_point(jaw, q), rotation(q))
+    for i in range(muscles.shape[0]):
+        _, _, _, tension = muscle_pull(jaw, muscles, i, contact_point(jaw, q), rotation(q))
         limits.tension[i] = TENSION_MARGIN * tension
     return True
 
 
 @njit
-def rest_on_two_condyles(world, scratch):
+def rest_on_two_condyles(truth, limits, scratch):
     """Move the jaw from the midline model's rest to that on two condyles; False when it does not rest in reach.
 
     The limits keep their widths, and are counted from the new pose of rest.
     """
-    jaw, limits = world.jaw, world.limits
-    put_on_fossa(jaw, world.state, world.body)
+    jaw = truth.jaw
+    put_on_fossa(jaw, truth.state, truth.body)
     no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if not settle_bilateral(jaw, world.muscles, no_wrench, world.body, scratch.body_matrix, scratch.body_right):
+    if not settle_bilateral(jaw, truth.muscles, no_wrench, truth.body, scratch.body_matrix, scratch.body_right):
         return False
-    take_body(world)
-    q, u = split(world.state)
-    place, _ = mouthpiece_motion(jaw, q, u, lift_of(world), rotation(q))
+    take_body(truth)
+    q, u = split(truth.state)
+    place, _ = mouthpiece_motion(jaw, q, u, lift_of(truth), rotation(q))
     limits.rest_opening = jaw.mouthpiece[2] - place[2]
     limits.rest_side = place[1]
     limits.rest_condyle_side = q[1]
@@ -134,69 +133,62 @@ def rest_on_two_condyles(world, scratch):
 
 
 @njit
-def reset_motors(device, world):
+def reset_motors(device, truth, motors):
     """Motors without thrust, their targets where the resting jaw has put them."""
-    q, u = split(world.state)
+    q, u = split(truth.state)
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(world.jaw, q, u, lift_of(world), body_to_head)
-    motors = world.motors
+    place, velocity = mouthpiece_motion(truth.jaw, q, u, lift_of(truth), body_to_head)
     for i in range(N_MOTORS):
-        _, _, position, _ = motor_point(device, world.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
+        _, _, position, _ = motor_point(device, truth.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
         motors.target[i] = position
         motors.thrust[i], motors.command[i], motors.rate[i] = 0.0, 0.0, 0.0
         motors.heat[i], motors.cap[i] = 0.0, device.thrust_peak
 
 
 @njit
-def prior_covariance(world, settings, covariance):
+def prior_covariance(belief, settings, covariance):
     """The joint prior over motion, log-parameters and gain, for the bound's recursion."""
-    first = world.belief.motion.shape[0]
+    first = belief.motion.shape[0]
     covariance[:, :] = 0.0
     for i in range(first):
-        covariance[i, i] = world.belief.motion_cov[i, i]
+        covariance[i, i] = belief.motion_cov[i, i]
     for i in range(settings.filter.prior_sd.shape[0]):
         covariance[first + i, first + i] = settings.filter.prior_sd[i] * settings.filter.prior_sd[i]
     covariance[covariance.shape[0] - 1, covariance.shape[0] - 1] = settings.filter.gain_variance
 
 
 @njit_within
-def reset_belief(device, model, world, settings, scratch, ticks):
+def reset_belief(device, model, world, settings, scratch, ticks, path):
     """Prior belief over motion, parameters and load-cell gain, then the first measurement."""
-    normals = scratch.normals
-    fill_normals((world.key[0], world.key[1]), -1, normals)
-    size = world.belief.motion.shape[0]
+    truth, known, normals = world.truth, world.known, scratch.normals
+    key, reality = (truth.key[0], truth.key[1]), settings.reality
+    fill_normals(key, -1, normals)
+    belief, filter_settings = known.belief, settings.filter
+    size = belief.motion.shape[0]
     for i in range(size):
-        ticks[0].believed[i] = true_state(model, world, i) + settings.filter.start_sd[i] * normals[i]
-    belief, filter_settings = world.belief, settings.filter
+        ticks[0].believed[i] = true_state(model, truth, i) + filter_settings.start_sd[i] * normals[i]
     begin_filter(belief, ticks[0].believed, filter_settings)
-    world.cell_gain = device.cell_gain * normals[size]
-    world.bound[:, :] = np.nan
+    truth.cell_gain = device.cell_gain * normals[size]
+    truth.bound[:, :] = np.nan
     if settings.bound:
-        prior_covariance(world, settings, world.bound)
-    world.log_det_prior = cholesky_parameters(world.belief.cov, 0, scratch.matrix)
-    world.log_det_bound = np.nan
+        prior_covariance(known.belief, settings, truth.bound)
+    known.log_det_prior = cholesky_parameters(belief.cov, 0, scratch.matrix)
+    truth.log_det_bound = np.nan
     refresh_information(world, settings, scratch.matrix, scratch.right)
-    world.log_score_prior = world.log_score
-    fill_normals((world.key[0], world.key[1]), -2, normals)
-    sense(device, world, scratch, settings)
-    fail(
-        settings.reality,
-        world.reality,
-        (world.key[0], world.key[1]),
-        -2,
-        scratch.measured,
-        scratch.samples,
-        scratch.faults,
-    )
-    keep_tick(model, world, settings, scratch, ticks)
-    filter_tick(model, belief, ticks, world.tick, scratch.measured, scratch.samples, filter_settings, scratch.filter)
+    truth.log_score_prior = truth.log_score
+    fill_normals(key, -2, normals)
+    sense(device, truth, scratch, reality)
+    fail(reality, truth.reality, key, -2, scratch.measured, scratch.samples, scratch.faults)
+    keep_truth(model, truth, known.tick, scratch.wrench, path)
+    keep_reading(known.tick, scratch.measured, scratch.samples, filter_settings.used, ticks)
+    filter_tick(model, belief, ticks, known.tick, scratch.measured, scratch.samples, filter_settings, scratch.filter)
     if settings.bound:
         for i in range(size):
-            scratch.joint.state[i] = true_state(model, world, i)
+            scratch.joint.state[i] = true_state(model, truth, i)
         update_covariance(
             model,
             scratch.joint.state,
-            world.bound,
+            truth.bound,
             filter_settings.measurement_variance,
             filter_settings.used,
             scratch.joint,
@@ -205,49 +197,54 @@ def reset_belief(device, model, world, settings, scratch, ticks):
 
 
 @njit
-def begin_reality(world, settings, scratch):
+def begin_reality(truth, reality, scratch):
     """Tissue, load-cell bias and play of the encoders as the episode begins, at rest."""
-    q, _ = split(world.state)
-    lift = lift_of(world)
-    measure(world.jaw, world.state, scratch.joint.rows, scratch.measured)
+    q, _ = split(truth.state)
+    lift = lift_of(truth)
+    measure(truth.jaw, truth.state, scratch.joint.rows, scratch.measured)
     scratch.measured[2] += lift[0]
-    fill_normals((world.key[0], world.key[1]), -3, scratch.normals)
-    reality, muscles = settings.reality, world.muscles
-    reset_reality(reality, world.reality, world.jaw, muscles, q, lift, scratch.measured, scratch.normals)
+    fill_normals((truth.key[0], truth.key[1]), -3, scratch.normals)
+    reset_reality(reality, truth.reality, truth.jaw, truth.muscles, q, lift, scratch.measured, scratch.normals)
+
+
+@njit
+def begin_device(device, world):
+    """Clock, motors, targets and load cell as an episode begins, of the jaw at rest."""
+    known = world.known
+    known.tick = 0
+    clear_step(world)
+    known.reading[:] = 0.0
+    reset_motors(device, world.truth, known.motors)
+    known.tracker.target[:] = 0.0
+    known.tracker.rate[:] = 0.0
+    known.tracker.size[:] = 1.0
+    known.tracker.begun = 0
 
 
 @njit_within
-def begin_world(device, model, world, settings, scratch, beginning, ticks):
+def begin_world(device, model, world, settings, scratch, beginning, ticks, path):
     """Put one world at rest; False when the device cannot treat its patient."""
-    set_muscles(world.jaw, world.log_parameters, 0, world.muscles)
-    for k in range(N_STATES):
-        world.state[k] = 0.0
-    world.state[0] = 3e-3 if world.jaw.free_x else 0.0
-    world.state[2] = 0.05
-    last = open_slowly(world.jaw, world.muscles, world.state, scratch.joint, beginning)
-    world.lift[0], world.lift[1] = 0.0, 0.0
-    if last < 0 or not set_limits(world, last, beginning):
+    truth, limits = world.truth, world.known.limits
+    set_muscles(truth.jaw, truth.log_parameters, 0, truth.muscles)
+    truth.state[:] = 0.0
+    truth.state[0] = 3e-3 if truth.jaw.free_x else 0.0
+    truth.state[2] = 0.05
+    last = open_slowly(truth.jaw, truth.muscles, truth.state, scratch.joint, beginning)
+    truth.lift[0], truth.lift[1] = 0.0, 0.0
+    if last < 0 or not set_limits(truth.jaw, truth.muscles, limits, last, beginning):
         return False
-    if world.jaw.condyles == 2 and not rest_on_two_condyles(world, beginning):
+    if truth.jaw.condyles == 2 and not rest_on_two_condyles(truth, limits, beginning):
         return False
-    world.tick = 0
-    world.violated = 0
-    world.acted = IDLE
-    clear_step(world)
-    for k in range(6):
-        world.reading[k] = 0.0
-    reset_motors(device, world)
-    world.tracker.target[:] = 0.0
-    world.tracker.rate[:] = 0.0
-    world.tracker.size[:] = 1.0
-    world.tracker.begun = 0
-    begin_reality(world, settings, scratch)
-    reset_belief(device, model, world, settings, scratch, ticks)
+    truth.violated = 0
+    truth.acted = IDLE
+    begin_device(device, world)
+    begin_reality(truth, settings.reality, scratch)
+    reset_belief(device, model, world, settings, scratch, ticks, path)
     return True
 
 
 @world_kernel(place=2)
-def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks, part):
+def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks, all_paths, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     ``accepted`` (N,) becomes False for a chosen world whose jaw has no rest pose in the treatable box or too small a
@@ -264,4 +261,5 @@ def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, 
                 scratches[thread],
                 beginnings[thread],
                 all_ticks[i],
+                all_paths[i],
             )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, default_mandible
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
+from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size, observe
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import BEGINNING_SCRATCH, begin
@@ -64,6 +65,9 @@ class Simulation:
         self._scratches = record_zeros(threads, scratch_dtype(*sizes))
         self._beginnings = record_zeros(threads, BEGINNING_SCRATCH)
         self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
+        """(N, ticks) what was read, as far as it is kept."""
+        self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
+        """(N, ticks) what was true then; one row where no episode is recorded."""
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
@@ -72,12 +76,16 @@ class Simulation:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
         from jawenv.envs.contact import ContactPlants
 
-        return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
+        return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, self.paths, sizes)
 
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
         return ticks if self.configuration.record else min(ticks, LAST_WINDOW)
+
+    def _kept_truths(self) -> int:
+        """How many rows of the truth are kept: of a whole episode to be recorded, else the last one."""
+        return self._kept_ticks() + 1 if self.configuration.record else 1
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration = self.configuration
@@ -86,14 +94,13 @@ class Simulation:
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
         settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
-        settings["trajectory"] = configuration.control != "force"
-        settings["targets"] = configuration.control == "targets"
+        control = settings["control"]
+        control["servo"] = configuration.control != "force"
+        control["targets"] = configuration.control == "targets"
+        control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         settings["bound"] = configuration.needs_bound
-        settings["record"] = configuration.record
         settings["reality"] = self.reality.records()[0]
-        settings["steps"] = configuration.steps
-        settings["ticks_per_step"] = configuration.ticks_per_step
         return records
 
     def _set_filter(self, settings: Any) -> None:
@@ -132,11 +139,11 @@ class Simulation:
             InputError: a given patient has no rest pose that the device can treat.
         """
         numbers = np.flatnonzero(chosen)
-        before = self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0]
+        before = self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0], self.paths[numbers, 0]
         try:
             self._begin(chosen, patients, keys)
         except BaseException:
-            self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0] = before
+            self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0], self.paths[numbers, 0] = before
             raise
         if self._contact is not None:
             self._contact.reset(chosen)
@@ -147,7 +154,7 @@ class Simulation:
         drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
         for i in np.flatnonzero(chosen):
             random_words = philox(tuple(keys[i]), _FIRST_COUNTER)
-            self.worlds["key"][i] = random_words[:2]
+            self.worlds["truth"]["key"][i] = random_words[:2]
             # Patient and geometry errors come from two streams, so that the patients are the same with and without.
             key = np.array(random_words[2:], dtype=np.uint64)
             drawn[int(i)] = _stream(key, 0), _stream(key, 1)
@@ -165,6 +172,7 @@ class Simulation:
                 self._beginnings,
                 accepted,
                 self.ticks,
+                self.paths,
             )
             waiting = waiting & ~accepted
             if not waiting.any():
@@ -198,16 +206,26 @@ class Simulation:
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
-        self.worlds["jaw"][index] = self._jaw
-        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["jaw"][index], geometry_generator)
-        self.worlds["log_parameters"][index] = log_parameters
+        self.worlds["truth"]["jaw"][index] = self._jaw
+        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["truth"]["jaw"][index], geometry_generator)
+        self.worlds["truth"]["log_parameters"][index] = log_parameters
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
         if self._contact is not None:
             self._contact.advance(actions, active)
         else:
-            advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches, self.ticks)
+            advance(
+                self.device,
+                self.models,
+                self.worlds,
+                actions,
+                active,
+                self.settings,
+                self._scratches,
+                self.ticks,
+                self.paths,
+            )
         self.look()
 
     def look(self) -> None:

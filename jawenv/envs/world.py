@@ -30,11 +30,8 @@ MOTORS = record_dtype(
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of one world.
-
-    The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
-    """
+def truth_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of what only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
     n_filter = filter_size(n_muscles, n_states)
     fields = [
         ("jaw", jaw_dtype(n_lines)),
@@ -46,25 +43,40 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("body", "f8", N_BODY),  # of the plant with two condyles
         ("reality", reality_state_dtype(n_lines)),
         ("key", "u8", 2),
-        ("tick", "i8"),
-        ("limits", limits_dtype(n_lines)),
-        ("motors", MOTORS),
-        ("tracker", TRACKER),  # of targets control
         ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
-        ("bound", "f8", (n_filter, n_filter)),
         ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("left_out", "f8"),  # share of the last step's readings that were not used
-        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
-        ("belief", belief_dtype(n_muscles, n_states)),
-        ("reading", "f8", 6),  # load cell, body axes
-        ("log_det_prior", "f8"),
-        ("log_det", "f8"),
+        ("bound", "f8", (n_filter, n_filter)),
         ("log_det_bound", "f8"),
         ("log_score_prior", "f8"),
         ("log_score", "f8"),
         ("nees", "f8"),
     ]
     return record_dtype(fields)
+
+
+@cache
+def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of what the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
+    fields = [
+        ("tick", "i8"),
+        ("limits", limits_dtype(n_lines)),
+        ("motors", MOTORS),
+        ("tracker", TRACKER),  # of targets control
+        ("reading", "f8", 6),  # load cell, body axes
+        ("belief", belief_dtype(n_muscles, n_states)),
+        ("left_out", "f8"),  # share of the last step's readings that were not used
+        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
+        ("log_det_prior", "f8"),
+        ("log_det", "f8"),
+    ]
+    return record_dtype(fields)
+
+
+@cache
+def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone."""
+    sizes = n_muscles, n_lines, n_states
+    return record_dtype([("truth", truth_dtype(*sizes)), ("known", known_dtype(*sizes))])
