@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from jawenv.device.motors import device_wrench
 from jawenv.envs.load_cell import add_moments, clear_moments
 from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
-from jawenv.envs.step_kernel import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
+from jawenv.envs.step_kernel import (
+    begin_first_tick,
+    begin_tick,
+    clear_step,
+    end_step,
+    end_tick,
+    scratch_dtype,
+    take_motion,
+)
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.kernels.vec3 import apply
@@ -78,14 +86,15 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
 
 @njit
 def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, all_paths, motion):
-    """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
+    """Sensors, filter and comfort of one tick of world i, whose jaw has come to ``motion``; or its first reading."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
-    take_planar(world.truth, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
-    acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
+    if world.known.tick < 0:
+        begin_first_tick(world.truth, scratch)
+    else:
+        take_planar(world.truth, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
+        acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
+        take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
     end_tick(device, models[i], world, settings, scratch, all_ticks[i], all_paths[i])
-    share = 1.0 / settings.control.ticks_per_step
-    world.truth.governor += share if acted > 0.0 else 0.0
-    take_comfort(world, scratch, share)
 
 
 @njit
@@ -95,9 +104,9 @@ def contact_clear(worlds, i):
 
 
 @njit
-def contact_inform(worlds, i, all_settings, scratches):
-    """Belief of world i, and what it is worth, at a step's end."""
-    end_step(worlds[i], all_settings[0], scratches[i])
+def contact_inform(devices, models, worlds, i, all_settings, scratches, observation):
+    """Belief of world i, what it is worth, and what is seen, at a step's end."""
+    end_step(devices[0], models[i], worlds[i], all_settings[0], scratches[i], observation[i])
 
 
 class ContactPlants:
@@ -110,28 +119,41 @@ class ContactPlants:
         settings: One record of dtype ``settings_dtype``, in an array.
         ticks: What they have read, tick by tick.
         paths: What was true then.
+        observation: (N, size) float32, filled where a world is moved.
         sizes: Numbers of muscles, lines, states of motion and nodes of the basis.
     """
 
     def __init__(
-        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, paths: Any, sizes: tuple[int, int, int]
+        self,
+        device: Any,
+        models: Any,
+        worlds: Any,
+        settings: Any,
+        ticks: Any,
+        paths: Any,
+        observation: Any,
+        sizes: tuple[int, int, int],
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
-        self._ticks, self._paths = ticks, paths
+        self._ticks, self._paths, self._observation = ticks, paths, observation
         self._scratches = record_zeros(len(worlds), scratch_dtype(*sizes))
         self._jaws: list[Any] = [None] * len(worlds)
 
     def reset(self, chosen: NDArray[np.bool_]) -> None:
-        """Put the jaws of the chosen worlds on their fossae, at rest where the midline model rests."""
+        """Put the jaws of the chosen worlds on their fossae, at rest where the midline model rests, and read them."""
         from jawenv.mechanics.sagittal import SagittalJaw
 
+        jaws = list(self._jaws)
         for i in np.flatnonzero(chosen):
             truth = self._worlds["truth"][i]
             jaw = SagittalJaw(truth["jaw"], truth["muscles"])
             x, theta = truth["state"][0], truth["state"][2]
             jaw.place((x, fossa(truth["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
-            self._jaws[i] = jaw
+            jaws[i] = jaw
+            self._end_tick(int(i), jaw)
+            self._inform(int(i))
+        self._jaws = jaws
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4)."""
@@ -153,7 +175,13 @@ class ContactPlants:
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)
             jaw.muscles[:] = scratches["effective"][i]
             jaw.advance(TICK, wrench_at)
-            contact_end(
-                device, self._models, worlds, i, settings, scratches, self._ticks, self._paths, tuple(jaw.state)
-            )
-        contact_inform(worlds, i, settings, scratches)
+            self._end_tick(i, jaw)
+        self._inform(i)
+
+    def _end_tick(self, i: int, jaw: Any) -> None:
+        rows, motion = (self._ticks, self._paths), tuple(jaw.state)
+        contact_end(self._device, self._models, self._worlds, i, self._settings, self._scratches, *rows, motion)
+
+    def _inform(self, i: int) -> None:
+        scratches, seen = self._scratches, self._observation
+        contact_inform(self._device, self._models, self._worlds, i, self._settings, scratches, seen)

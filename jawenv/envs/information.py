@@ -37,11 +37,9 @@ def cholesky_parameters(covariance, first, lower):
 
 
 @njit
-def refresh_information(world, settings, lower, whitened):
-    """Set log-determinants, NEES and log score of ``world`` from its belief, bound and truth."""
+def refresh_information(world, lower, whitened):
+    """Set log-determinant, NEES and log score of ``world`` from its belief and truth."""
     truth, known = world.truth, world.known
-    if settings.bound:
-        truth.log_det_bound = cholesky_parameters(truth.bound, known.belief.motion.shape[0], lower)
     known.log_det = cholesky_parameters(known.belief.cov, 0, lower)
     nees = 0.0
     for i in range(whitened.shape[0]):

@@ -15,8 +15,13 @@ from jawenv.mechanics.dynamics import N_WRENCH
 
 @cache
 def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of the truth of one tick, beside the filter's ``tick_dtype``: wrench during it, motion at its end."""
-    return record_dtype([("wrench", "f8", (N_SAMPLES, N_WRENCH)), ("state", "f8", (n_states,))])
+    """Dtype of the truth of one tick, beside the filter's ``tick_dtype``."""
+    fields = [
+        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),  # during it
+        ("trend", "f8", N_WRENCH),  # of the load cell, at its start
+        ("state", "f8", (n_states,)),  # the motion at its end
+    ]
+    return record_dtype(fields)
 
 
 @njit
@@ -33,11 +38,12 @@ def keep_reading(tick, measured, samples, used, ticks):
 
 
 @njit
-def keep_truth(model, truth, tick, wrench, path):
-    """Write what was true into row ``tick`` of ``path``, whose last rows are kept where it has fewer than ticks."""
+def keep_truth(model, truth, tick, wrench, trend, path):
+    """Write what was true into row ``tick`` of ``path``, which begins anew where it has fewer rows than ticks."""
     row = path[tick % path.shape[0]]
     for i in range(row.wrench.shape[0]):
         for k in range(6):
             row.wrench[i, k] = wrench[i, k]
+    row.trend[:] = trend
     for i in range(row.state.shape[0]):
         row.state[i] = true_state(model, truth, i)

@@ -17,7 +17,7 @@ from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
 from jawenv.filter.joint_step import set_muscles
-from jawenv.kernels.compiled import njit, world_kernel
+from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.kinematics import rotation, split
@@ -172,14 +172,3 @@ def observe_world(device, model, known, control, prior, scratch, row):
     for i in range(N_LIMITS):
         sensed[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     sensed[_TIME] = 1.0 - known.tick / (control.steps * control.ticks_per_step)
-
-
-@world_kernel(place=2)
-def observe(devices, models, worlds, all_settings, scratches, observation, part):
-    """Fill ``observation`` (N, size), float32."""
-    first, last, thread = part
-    settings, scratch = all_settings[0], scratches[thread].seeing
-    for i in range(first, last):
-        observe_world(
-            devices[0], models[i], worlds[i].known, settings.control, settings.filter, scratch, observation[i]
-        )

@@ -172,13 +172,3 @@ def end_motion(device, world, scratch, trajectory):
         for i in range(N_MOTORS):
             known.motors.target[i] += known.motors.rate[i] * TICK
     return governed
-
-
-@njit
-def true_motion(device, world, scratch, settings):
-    """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
-    if world.truth.jaw.condyles == 2:
-        acted = bilateral_tick(device, world, scratch, settings)
-    else:
-        acted = midline_tick(device, world, scratch, settings)
-    return max(acted, end_motion(device, world, scratch, settings.control.servo))

@@ -1,4 +1,8 @@
-"""The world's clock: one control period of every world, estimator included, in one compiled call."""
+"""The world's clock: one control period of every world, filter and observation included, in one compiled call.
+
+The first call of an episode is its first reading, of the jaw at rest: a tick without motion. So the filter is compiled
+into one kernel only.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +13,14 @@ import numpy as np
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import command_motors
+from jawenv.envs.condyles import true_motion
 from jawenv.envs.information import refresh_information
 from jawenv.envs.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.observation import CONTROL, observation_size, observe_world, seeing_dtype
-from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
+from jawenv.envs.plants import TICK, lift_of
 from jawenv.envs.tracking import LAW_TICKS, aim, follow, move_targets
 from jawenv.filter.cell_trend import mean_force, mean_reading
 from jawenv.filter.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.joint_recursion import (
-    joint_scratch_dtype,
-    move,
-    predict_covariance,
-    update_covariance,
-)
 from jawenv.filter.joint_step import N_NOISE, N_SAMPLES
 from jawenv.filter.learn import learn
 from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
@@ -29,6 +28,7 @@ from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.kinematics import split
 from jawenv.reality import REALITY
 from jawenv.reality.faults import fail
@@ -37,6 +37,8 @@ from jawenv.reality.tissue import update_tissue
 
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
+# Ticks to which the random numbers of an episode's beginning belong.
+START_TICK, FIRST_READING_TICK, REALITY_TICK = -1, -2, -3
 
 
 @cache
@@ -45,7 +47,6 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     fields = [
         ("filter", filter_settings_dtype(n_muscles, n_states)),
         ("control", CONTROL),
-        ("bound", "u1"),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("reality", REALITY),
         ("channels", "i8"),  # readings in a tick
@@ -57,7 +58,7 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
-        ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
+        ("rows", "f8", (N_MEASUREMENTS, N_STATES)),  # of ``measure``
         ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
         ("seeing", seeing_dtype(n_lines)),
         ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
@@ -92,7 +93,7 @@ def read_load_cell(device, truth, scratch):
 def sense(device, truth, scratch, reality):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
-    measure(truth.jaw, truth.state, scratch.joint.rows, scratch.measured)
+    measure(truth.jaw, truth.state, scratch.rows, scratch.measured)
     scratch.measured[2] += truth.lift[0]
     scratch.measured[8] += truth.lift[1]
     play(reality, truth.reality, scratch.measured)
@@ -133,35 +134,25 @@ def begin_tick(device, model, world, action, settings, scratch):
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
-    for i in range(scratch.joint.state.shape[0]):
-        scratch.joint.state[i] = true_state(model, truth, i)
 
 
 @njit_within
-def advance_bound(model, world, settings, scratch):
-    """The bound's recursion along the true motion; ``scratch.joint.state`` is the true state at the tick's start."""
-    truth, state = world.truth, scratch.joint.state
-    move(model, truth.muscles, state, scratch.wrench, world.known.belief.trend, 0.0, TICK, scratch.joint)
-    predict_covariance(truth.bound, settings.noise_variance, scratch.joint)
-    for i in range(state.shape[0]):
-        state[i] = true_state(model, truth, i)
-    update_covariance(
-        model, state, truth.bound, settings.filter.measurement_variance, settings.filter.used, scratch.joint
-    )
+def begin_first_tick(truth, scratch):
+    """Noise of the first reading, at which the encoders alone are read: nothing has moved, and no wrench has acted."""
+    fill_normals((truth.key[0], truth.key[1]), FIRST_READING_TICK, scratch.normals)
+    scratch.wrench[:, :] = 0.0
+    scratch.samples[:, :] = np.nan
 
 
 @njit_within
 def end_tick(device, model, world, settings, scratch, ticks, path):
-    """Load cell, encoders and filter after the motion of a tick; what was read is kept in ``ticks``."""
+    """Encoders and filter after the motion of a tick, or at the start; what was read is kept in ``ticks``."""
     truth, known = world.truth, world.known
-    read_load_cell(device, truth, scratch)
-    if settings.bound:
-        advance_bound(model, world, settings, scratch)
     sense(device, truth, scratch, settings.reality)
-    key = (truth.key[0], truth.key[1])
-    fail(settings.reality, truth.reality, key, known.tick, scratch.measured, scratch.samples, scratch.faults)
+    key, tick = (truth.key[0], truth.key[1]), known.tick if known.tick >= 0 else FIRST_READING_TICK
+    fail(settings.reality, truth.reality, key, tick, scratch.measured, scratch.samples, scratch.faults)
     known.tick += 1
-    keep_truth(model, truth, known.tick, scratch.wrench, path)
+    keep_truth(model, truth, known.tick, scratch.wrench, known.belief.trend, path)
     read(model, known, settings, scratch, ticks)
 
 
@@ -172,23 +163,35 @@ def read(model, known, settings, scratch, ticks):
     belief, gated = known.belief, known.belief.gated
     keep_reading(known.tick, measured, samples, settings.filter.used, ticks)
     left_out = filter_tick(model, belief, ticks, known.tick, measured, samples, settings.filter, scratch.filter)
-    share = 1.0 / settings.control.ticks_per_step
-    known.left_out += share * left_out / settings.channels
-    known.gated += share * (belief.gated - gated)
-    for k in range(6):
-        known.reading[k] = mean_reading(scratch.filter.samples, k)
+    if known.tick > 0:
+        share = 1.0 / settings.control.ticks_per_step
+        known.left_out += share * left_out / settings.channels
+        known.gated += share * (belief.gated - gated)
+        for k in range(6):
+            known.reading[k] = mean_reading(scratch.filter.samples, k)
 
 
 @njit_within
-def end_step(world, settings, scratch):
-    """Belief and its information at the end of a control period."""
-    learn(world.known.belief, settings.filter, scratch.filter.belief)
-    refresh_information(world, settings, scratch.matrix, scratch.right)
+def end_step(device, model, world, settings, scratch, row):
+    """Belief at the end of a control period, its information, and the observation, into ``row``."""
+    known = world.known
+    if known.tick > 0:
+        learn(known.belief, settings.filter, scratch.filter.belief)
+    refresh_information(world, scratch.matrix, scratch.right)
+    observe_world(device, model, known, settings.control, settings.filter, scratch.seeing, row)
+
+
+@njit
+def take_motion(device, world, scratch, share, acted):
+    """Load cell, discomfort and governor of a tick that has passed; ``share`` is its share of the step."""
+    read_load_cell(device, world.truth, scratch)
+    take_comfort(world, scratch, share)
+    world.truth.governor += share if acted > 0.0 else 0.0
 
 
 @njit
 def take_comfort(world, scratch, share):
-    """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
+    """Add one tick's discomfort to the step's record."""
     truth = world.truth
     q, u = split(truth.state)
     force = norm(mean_force(scratch.wrench))
@@ -214,22 +217,24 @@ def clear_step(world):
 
 
 @njit_within
-def advance_world(device, model, world, action, settings, scratch, ticks, path):
-    """Advance one world by one control period."""
+def advance_world(device, model, world, action, settings, scratch, ticks, path, row):
+    """Advance one world by one control period, or read its sensors for the first time."""
+    begins, number = world.known.tick < 0, settings.control.ticks_per_step
     clear_step(world)
-    share = 1.0 / settings.control.ticks_per_step
-    for _ in range(settings.control.ticks_per_step):
-        begin_tick(device, model, world, action, settings, scratch)
-        acted = true_motion(device, world, scratch, settings)
+    for _ in range(1 if begins else number):
+        if begins:
+            begin_first_tick(world.truth, scratch)
+        else:
+            begin_tick(device, model, world, action, settings, scratch)
+            acted = true_motion(device, world, scratch, settings)
+            take_motion(device, world, scratch, 1.0 / number, acted)
         end_tick(device, model, world, settings, scratch, ticks, path)
-        world.truth.governor += share if acted > 0.0 else 0.0
-        take_comfort(world, scratch, share)
-    end_step(world, settings, scratch)
+    end_step(device, model, world, settings, scratch, row)
 
 
 @world_kernel(place=2)
-def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, all_paths, part):
-    """Advance every active world by one control period.
+def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, all_paths, observation, part):
+    """Advance every active world by one control period; one that has just begun gets its first reading alone.
 
     Args:
         devices: One record of dtype ``DEVICE``, in an array.
@@ -241,6 +246,7 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches, a
         scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
         all_ticks: (N, any number) records of dtype ``tick_dtype``, of the first ticks.
         all_paths: (N, any number) records of dtype ``true_tick_dtype``, of the last ticks.
+        observation: (N, size) float32, filled where a world is active.
         part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
     """
     first, last, thread = part
@@ -255,4 +261,5 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches, a
                 scratches[thread],
                 all_ticks[i],
                 all_paths[i],
+                observation[i],
             )

@@ -12,7 +12,6 @@ from jawenv.device.device import N_MOTORS
 from jawenv.filter.joint_recursion import filter_size
 from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
 from jawenv.reality import reality_state_dtype
@@ -30,7 +29,7 @@ MOTORS = record_dtype(
 
 
 @cache
-def truth_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
     """Dtype of what only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
     n_filter = filter_size(n_muscles, n_states)
     fields = [
@@ -40,7 +39,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("cell_gain", "f8"),
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
-        ("body", "f8", N_BODY),  # of the plant with two condyles
+        ("body", "f8", (n_body,)),  # of the plant with two condyles
         ("reality", reality_state_dtype(n_lines)),
         ("key", "u8", 2),
         ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
@@ -76,7 +75,14 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone."""
+def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
+    """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone.
+
+    Args:
+        n_muscles: Those with a stiffness of their own.
+        n_lines: Lines along which they pull.
+        n_states: Of the motion, in the filter's model.
+        n_body: The same of the plant with two condyles, 0 in a world of another.
+    """
     sizes = n_muscles, n_lines, n_states
-    return record_dtype([("truth", truth_dtype(*sizes)), ("known", known_dtype(*sizes))])
+    return record_dtype([("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes))])

@@ -6,7 +6,7 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.observation import OBSERVATION_LAYOUT, observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
 ID = "jawenv/Jaw-v2"
@@ -127,8 +127,11 @@ def test_the_observation_reads_nothing_of_the_truth(control):
         seen, *_ = env.step(swing(k))
     truth = env.simulation.worlds["truth"]
     truth[:] = np.frombuffer(bytes([63]) * truth.nbytes, dtype=truth.dtype)
-    env.simulation.look()
-    np.testing.assert_array_equal(env.simulation.observation[0], seen)
+    simulation, row = env.simulation, np.empty_like(seen)
+    settings, scratch = simulation.settings[0], simulation._scratches[0]["seeing"]
+    parts = simulation.worlds[0]["known"], settings["control"], settings["filter"]
+    observe_world(simulation.device[0], simulation.models[0], *parts, scratch, row)
+    np.testing.assert_array_equal(row, seen)
 
 
 def test_a_world_is_what_is_true_and_what_is_known():
@@ -141,7 +144,7 @@ def test_a_world_is_what_is_true_and_what_is_known():
         "log_det",
     }
     assert set(simulation.ticks.dtype.names) == {"measured", "samples", "believed"}
-    assert set(simulation.paths.dtype.names) == {"wrench", "state"}
+    assert set(simulation.paths.dtype.names) == {"wrench", "trend", "state"}
 
 
 def test_the_first_observation_shows_the_prior_and_the_resting_jaw():
