@@ -151,8 +151,9 @@ class Planner(BatchAgent):
         if len(rows) != len(worlds):
             raise InputError(f"observation has {len(rows)} worlds; allowed: the {len(worlds)} of the environment")
         configuration = self._env.configuration
-        step = (worlds["tick"] // configuration.ticks_per_step).astype(np.intp)
-        running = (step < configuration.steps) & (worlds["violated"] == 0) & np.isfinite(worlds["log_det"])
+        known, violated = worlds["known"], worlds["truth"]["violated"]
+        step = (known["tick"] // configuration.ticks_per_step).astype(np.intp)
+        running = (step < configuration.steps) & (violated == 0) & np.isfinite(known["log_det"])
         since = step - self._planned_at
         due = running & ((self._planned_at < 0) | (since < 0) | (since >= self._follow) | (step == 0))
         if due.any():
@@ -201,7 +202,7 @@ class Planner(BatchAgent):
 
     def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
         """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""
-        start = self._env.simulation.worlds["tracker"]["target"][world].copy()
+        start = self._env.simulation.worlds["known"]["tracker"]["target"][world].copy()
         known = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
         known += self._continued(start, step)
         if self._maneuvers and 0 <= self._planned_at[world] < step:

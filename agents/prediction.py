@@ -90,18 +90,19 @@ class Prediction:
         before = potential(self._goal, worlds)
         if not self._clairvoyant:
             believe(worlds, self._real.models)
-        worlds["key"] = keys
+        worlds["truth"]["key"] = keys
         copies = self._copies
         copies.worlds[:] = np.repeat(worlds, candidates)
+        truth, known = copies.worlds["truth"], copies.worlds["known"]
         copies.models[:] = np.repeat(self._real.models, candidates)
         active = np.repeat(chosen, candidates)
         cost = np.zeros(len(copies.worlds))
         for step in range(actions.shape[2]):
             flat = np.ascontiguousarray(actions[:, :, step].reshape(-1, actions.shape[3]), dtype=np.float64)
             copies.advance(flat, active)
-            cost += copies.worlds["costs"].sum(axis=-1) / self._real.configuration.steps_per_s
+            cost += truth["costs"].sum(axis=-1) / self._real.configuration.steps_per_s
         after, shape = potential(self._goal, copies.worlds), (len(worlds), candidates)
-        lost = (copies.worlds["violated"] != 0) | ~np.isfinite(copies.worlds["log_det"]) | ~np.isfinite(cost)
+        lost = (truth["violated"] != 0) | ~np.isfinite(known["log_det"]) | ~np.isfinite(cost)
         return Outcome(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))
 
 
@@ -112,17 +113,17 @@ def believe(worlds: NDArray[np.void], models: NDArray[np.void]) -> None:
         worlds: N records of dtype ``world_dtype``; changed.
         models: N jaws as the filter knows them.
     """
-    belief = worlds["belief"]
-    worlds["jaw"] = models
-    worlds["log_parameters"] = belief["mean"]
+    truth, belief = worlds["truth"], worlds["known"]["belief"]
+    truth["jaw"] = models
+    truth["log_parameters"] = belief["mean"]
     of_line = 2 * models["muscle"].astype(np.intp)
     for k in range(2):
-        worlds["muscles"][..., k] = np.exp(np.take_along_axis(belief["mean"], of_line + k, axis=1))
-    worlds["cell_gain"] = 0.0
-    worlds["lift"] = 0.0
+        truth["muscles"][..., k] = np.exp(np.take_along_axis(belief["mean"], of_line + k, axis=1))
+    truth["cell_gain"] = 0.0
+    truth["lift"] = 0.0
     if belief["motion"].shape[1] == N_BODY:
-        worlds["body"] = belief["motion"]
+        truth["body"] = belief["motion"]
         for i in range(len(worlds)):
-            take_body(worlds[i])
+            take_body(truth[i])
     else:
-        worlds["state"] = belief["motion"]
+        truth["state"] = belief["motion"]

@@ -54,7 +54,7 @@ class Watched(Listener):
         from jawenv.envs.shown_world import build_scene
 
         world = self._simulation.worlds[0]
-        if world["violated"] or not np.isfinite(world["log_det"]):
+        if world["truth"]["violated"] or not np.isfinite(world["known"]["log_det"]):
             return
         scene = build_scene(self._simulation)
         if self._motion is None:

@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from jawenv.device.motors import device_wrench
 from jawenv.envs.load_cell import add_moments, clear_moments
 from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
-from jawenv.envs.step_kernel import begin_tick, clear_step, end_step, end_tick, scratch_dtype, take_comfort
+from jawenv.envs.step_kernel import (
+    begin_first_tick,
+    begin_tick,
+    clear_step,
+    end_step,
+    end_tick,
+    scratch_dtype,
+    take_motion,
+)
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
 from jawenv.kernels.vec3 import apply
@@ -24,14 +32,14 @@ from jawenv.reality.joint import articular_push
 
 
 @njit
-def take_planar(world, x, z, theta, x_rate, z_rate, theta_rate):
-    """Set the midline coordinates and the lift of ``world`` from a motion in the sagittal plane."""
-    height, slope, _, _ = fossa(world.jaw, x)
+def take_planar(truth, x, z, theta, x_rate, z_rate, theta_rate):
+    """Set the midline coordinates and the lift of ``truth`` from a motion in the sagittal plane."""
+    height, slope, _, _ = fossa(truth.jaw, x)
     for i in range(10):
-        world.state[i] = 0.0
-    world.state[0], world.state[2] = x, theta
-    world.state[5], world.state[8] = x_rate, theta_rate
-    world.lift[0], world.lift[1] = z - height, z_rate - slope * x_rate
+        truth.state[i] = 0.0
+    truth.state[0], truth.state[2] = x, theta
+    truth.state[5], truth.state[8] = x_rate, theta_rate
+    truth.lift[0], truth.lift[1] = z - height, z_rate - slope * x_rate
 
 
 @njit
@@ -39,10 +47,10 @@ def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
     """Command of one tick of world i."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     begin_tick(device, models[i], world, actions[i], settings, scratch)
-    q, u = split(world.state)
-    _, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), 0.0, settings.trajectory
-    )
+    truth, known = world.truth, world.known
+    q, u = split(truth.state)
+    lift, servo = lift_of(truth), settings.control.servo
+    _, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, 0.0, servo)
     clear_moments(scratch.wrench)
     scratch.acted = acted
 
@@ -55,32 +63,38 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     ends, as ``WrenchAt`` takes them.
     """
     place, velocity, theta, theta_rate, since = motion
-    device, world, scratch = devices[0], worlds[i], scratches[i]
-    arm_x, arm_z = turned(world.jaw.mouthpiece, theta)
-    x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
-    take_planar(world, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
-    q, u = split(world.state)
-    wrench, acted = device_wrench(
-        device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, all_settings[0].trajectory
+    device, truth, known, scratch, settings = (
+        devices[0],
+        worlds[i].truth,
+        worlds[i].known,
+        scratches[i],
+        all_settings[0],
     )
+    arm_x, arm_z = turned(truth.jaw.mouthpiece, theta)
+    x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
+    take_planar(truth, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
+    q, u = split(truth.state)
+    lift, servo = lift_of(truth), settings.control.servo
+    wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, since, servo)
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
-    push = articular_push(all_settings[0].reality, world.limits, world.jaw, q, lift_of(world))
+    push = articular_push(settings.reality, known.limits, truth.jaw, q, lift)
     total = plus_wrench(wrench, scratch.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
     return force[0], force[2], total[4]
 
 
 @njit
-def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, motion):
-    """Load cell, filter and comfort of one tick of world i, whose jaw has come to ``motion``."""
+def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, all_paths, motion):
+    """Sensors, filter and comfort of one tick of world i, whose jaw has come to ``motion``; or its first reading."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
-    take_planar(world, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
-    acted = max(scratch.acted, end_motion(device, world, scratch, settings.trajectory))
-    end_tick(device, models[i], world, settings, scratch, all_ticks[i])
-    share = 1.0 / settings.ticks_per_step
-    world.governor += share if acted > 0.0 else 0.0
-    take_comfort(world, scratch, share)
+    if world.known.tick < 0:
+        begin_first_tick(world.truth, scratch)
+    else:
+        take_planar(world.truth, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
+        acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
+        take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
+    end_tick(device, models[i], world, settings, scratch, all_ticks[i], all_paths[i])
 
 
 @njit
@@ -90,9 +104,9 @@ def contact_clear(worlds, i):
 
 
 @njit
-def contact_inform(worlds, i, all_settings, scratches):
-    """Belief of world i, and what it is worth, at a step's end."""
-    end_step(worlds[i], all_settings[0], scratches[i])
+def contact_inform(devices, models, worlds, i, all_settings, scratches, observation):
+    """Belief of world i, what it is worth, and what is seen, at a step's end."""
+    end_step(devices[0], models[i], worlds[i], all_settings[0], scratches[i], observation[i])
 
 
 class ContactPlants:
@@ -103,29 +117,43 @@ class ContactPlants:
         models: The filter's jaws.
         worlds: The worlds.
         settings: One record of dtype ``settings_dtype``, in an array.
-        ticks: Records of their ticks.
+        ticks: What they have read, tick by tick.
+        paths: What was true then.
+        observation: (N, size) float32, filled where a world is moved.
         sizes: Numbers of muscles, lines, states of motion and nodes of the basis.
     """
 
     def __init__(
-        self, device: Any, models: Any, worlds: Any, settings: Any, ticks: Any, sizes: tuple[int, int, int]
+        self,
+        device: Any,
+        models: Any,
+        worlds: Any,
+        settings: Any,
+        ticks: Any,
+        paths: Any,
+        observation: Any,
+        sizes: tuple[int, int, int],
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings
-        self._ticks = ticks
+        self._ticks, self._paths, self._observation = ticks, paths, observation
         self._scratches = record_zeros(len(worlds), scratch_dtype(*sizes))
         self._jaws: list[Any] = [None] * len(worlds)
 
     def reset(self, chosen: NDArray[np.bool_]) -> None:
-        """Put the jaws of the chosen worlds on their fossae, at rest where the midline model rests."""
+        """Put the jaws of the chosen worlds on their fossae, at rest where the midline model rests, and read them."""
         from jawenv.mechanics.sagittal import SagittalJaw
 
+        jaws = list(self._jaws)
         for i in np.flatnonzero(chosen):
-            world = self._worlds[i]
-            jaw = SagittalJaw(world["jaw"], world["muscles"])
-            x, theta = world["state"][0], world["state"][2]
-            jaw.place((x, fossa(world["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
-            self._jaws[i] = jaw
+            truth = self._worlds["truth"][i]
+            jaw = SagittalJaw(truth["jaw"], truth["muscles"])
+            x, theta = truth["state"][0], truth["state"][2]
+            jaw.place((x, fossa(truth["jaw"], x)[0], theta, 0.0, 0.0, 0.0))
+            jaws[i] = jaw
+            self._end_tick(int(i), jaw)
+            self._inform(int(i))
+        self._jaws = jaws
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4)."""
@@ -143,9 +171,17 @@ class ContactPlants:
 
         jaw.forget_contacts()  # so that a copy of the environment, made between two steps, goes on alike
         contact_clear(worlds, i)
-        for _ in range(int(settings["ticks_per_step"][0])):
+        for _ in range(int(settings["control"]["ticks_per_step"][0])):
             contact_begin(device, self._models, worlds, i, actions, settings, scratches)
             jaw.muscles[:] = scratches["effective"][i]
             jaw.advance(TICK, wrench_at)
-            contact_end(device, self._models, worlds, i, settings, scratches, self._ticks, tuple(jaw.state))
-        contact_inform(worlds, i, settings, scratches)
+            self._end_tick(i, jaw)
+        self._inform(i)
+
+    def _end_tick(self, i: int, jaw: Any) -> None:
+        rows, motion = (self._ticks, self._paths), tuple(jaw.state)
+        contact_end(self._device, self._models, self._worlds, i, self._settings, self._scratches, *rows, motion)
+
+    def _inform(self, i: int) -> None:
+        scratches, seen = self._scratches, self._observation
+        contact_inform(self._device, self._models, self._worlds, i, self._settings, scratches, seen)

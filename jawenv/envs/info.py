@@ -34,19 +34,17 @@ class WorldReader:
         """Make the views."""
         self._arguments = worlds, with_bound
         self._bounded = with_bound
-        self._mean, self._covariance = worlds["belief"]["mean"], worlds["belief"]["cov"]
-        self._truth, self._state = worlds["log_parameters"], worlds["state"]
-        self._fractions, self._costs = worlds["fractions"], worlds["costs"]
-        self._prior, self._log_det, self._log_det_bound = (
-            worlds["log_det_prior"],
-            worlds["log_det"],
-            worlds["log_det_bound"],
-        )
-        self._score_prior, self._score, self._nees = worlds["log_score_prior"], worlds["log_score"], worlds["nees"]
-        self._violated, self._tick = worlds["violated"], worlds["tick"]
-        self._governor, self._left_out, self._gated = worlds["governor"], worlds["left_out"], worlds["gated"]
+        truth, known = worlds["truth"], worlds["known"]
+        self._mean, self._covariance = known["belief"]["mean"], known["belief"]["cov"]
+        self._truth, self._state = truth["log_parameters"], truth["state"]
+        self._fractions, self._costs = truth["fractions"], truth["costs"]
+        self._prior, self._log_det = known["log_det_prior"], known["log_det"]
+        self._log_det_bound = truth["log_det_bound"]
+        self._score_prior, self._score, self._nees = truth["log_score_prior"], truth["log_score"], truth["nees"]
+        self._violated, self._governor = truth["violated"], truth["governor"]
+        self._tick, self._left_out, self._gated = known["tick"], known["left_out"], known["gated"]
         first_parameter = -1 - self._mean.shape[1]
-        self._bound_variance = np.diagonal(worlds["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
+        self._bound_variance = np.diagonal(truth["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
         self._variance = np.diagonal(self._covariance, axis1=1, axis2=2)
         self._first = tuple(
             field[0] for field in (self._mean, self._covariance, self._variance, self._truth, self._state, self._costs)

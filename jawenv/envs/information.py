@@ -37,17 +37,16 @@ def cholesky_parameters(covariance, first, lower):
 
 
 @njit
-def refresh_information(world, settings, lower, whitened):
-    """Set log-determinants, NEES and log score of ``world`` from its belief, bound and truth."""
-    if settings.bound:
-        world.log_det_bound = cholesky_parameters(world.bound, world.belief.motion.shape[0], lower)
-    world.log_det = cholesky_parameters(world.belief.cov, 0, lower)
+def refresh_information(world, lower, whitened):
+    """Set log-determinant, NEES and log score of ``world`` from its belief and truth."""
+    truth, known = world.truth, world.known
+    known.log_det = cholesky_parameters(known.belief.cov, 0, lower)
     nees = 0.0
     for i in range(whitened.shape[0]):
-        value = world.log_parameters[i] - world.belief.mean[i]
+        value = truth.log_parameters[i] - known.belief.mean[i]
         for k in range(i):
             value -= lower[i, k] * whitened[k]
         whitened[i] = value / lower[i, i]
         nees += whitened[i] * whitened[i]
-    world.nees = nees
-    world.log_score = -0.5 * (nees + world.log_det)
+    truth.nees = nees
+    truth.log_score = -0.5 * (nees + known.log_det)

@@ -217,14 +217,14 @@ class JawEnv(gym.Env[Observation, Action]):
             gym.logger.warn("step() after the end of the episode does nothing; call reset()")
             return simulation.observation[0].copy(), 0.0, *self._end, simulation.reader.first()
         simulation.advance(checked, _ON)
-        world = simulation.worlds[0]
+        known = simulation.worlds[0]["known"]
         now = float(potential(configuration.reward, simulation.worlds)[0])
         info = simulation.reader.first()
         discomfort = configuration.comfort_weight * info["cost"] / configuration.steps_per_s
         reward = now - self._potential - discomfort
         self._potential = now
-        terminated = bool(info["violation"] or not np.isfinite(world["log_det"]))
-        truncated = bool(world["tick"] >= configuration.steps * configuration.ticks_per_step)
+        terminated = bool(info["violation"] or not np.isfinite(known["log_det"]))
+        truncated = bool(known["tick"] >= configuration.steps * configuration.ticks_per_step)
         if terminated or truncated:
             self._end = terminated, truncated
         if self._renderer is not None:

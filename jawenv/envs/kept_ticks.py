@@ -1,31 +1,49 @@
-"""Keeping what the device measured, tick by tick."""
+"""Keeping what the device measured, tick by tick, and what was true."""
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 
 from jawenv.envs.plants import true_state
+from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+@cache
+def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of the truth of one tick, beside the filter's ``tick_dtype``."""
+    fields = [
+        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),  # during it
+        ("trend", "f8", N_WRENCH),  # of the load cell, at its start
+        ("state", "f8", (n_states,)),  # the motion at its end
+    ]
+    return record_dtype(fields)
 
 
 @njit
-def keep_tick(model, world, settings, scratch, ticks):
-    """Write the tick that has just ended into row ``world.tick`` of ``ticks``, as long as there are rows.
-
-    What is true is kept only where episodes are recorded.
-    """
-    if world.tick >= ticks.shape[0]:
+def keep_reading(tick, measured, samples, used, ticks):
+    """Write what was read into row ``tick`` of ``ticks``, as long as there are rows."""
+    if tick >= ticks.shape[0]:
         return
-    row = ticks[world.tick]
+    row = ticks[tick]
     for i in range(row.measured.shape[0]):
-        row.measured[i] = scratch.measured[i] if settings.filter.used[i] else np.nan
+        row.measured[i] = measured[i] if used[i] else np.nan
     for i in range(row.samples.shape[0]):
         for k in range(6):
-            row.samples[i, k] = scratch.samples[i, k]
-    if not settings.record:
-        return
+            row.samples[i, k] = samples[i, k]
+
+
+@njit
+def keep_truth(model, truth, tick, wrench, trend, path):
+    """Write what was true into row ``tick`` of ``path``, which begins anew where it has fewer rows than ticks."""
+    row = path[tick % path.shape[0]]
     for i in range(row.wrench.shape[0]):
         for k in range(6):
-            row.wrench[i, k] = scratch.wrench[i, k]
+            row.wrench[i, k] = wrench[i, k]
+    row.trend[:] = trend
     for i in range(row.state.shape[0]):
-        row.state[i] = true_state(model, world, i)
+        row.state[i] = true_state(model, truth, i)

@@ -1,12 +1,15 @@
 """What the agent sees: belief, filtered motion, forces, motors, comfort margins and time, scaled to about one.
 
-Nothing here reads the truth: the estimate of the motion, the load cell, the motors and the clinician's limits are all
-that a device would have.
+Nothing here is given the truth: the estimate of the motion, the load cell, the motors and the clinician's limits are
+all that a device would have (``world.known_dtype``).
 """
 
 from __future__ import annotations
 
+from functools import cache
 from math import log10, sqrt
+
+import numpy as np
 
 from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
 from jawenv.device.device import N_MOTORS
@@ -14,7 +17,8 @@ from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
 from jawenv.filter.joint_step import set_muscles
-from jawenv.kernels.compiled import njit, world_kernel
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.kinematics import rotation, split
 
@@ -84,6 +88,23 @@ _MARGIN = _REST["comfort_margin"].start
 _TIME = _REST["time_left"].start
 
 
+CONTROL = record_dtype(
+    [
+        ("servo", "u1"),  # whether servos hold the motors
+        ("targets", "u1"),  # whether the action is the channels' targets
+        ("steps", "i8"),  # in an episode
+        ("ticks_per_step", "i8"),
+    ],
+)
+"""How the device is commanded, for all worlds of an environment."""
+
+
+@cache
+def seeing_dtype(n_lines: int) -> np.dtype[np.void]:
+    """Dtype of the working memory of ``observe_world``."""
+    return record_dtype([("muscles", "f8", (n_lines, 2)), ("fractions", "f8", N_LIMITS)])
+
+
 @njit
 def bounded(value):
     """``value`` inside the observation's bounds; not-a-number becomes the lower bound."""
@@ -104,48 +125,50 @@ def filtered_motion(model, mean):
 
 
 @njit
-def observe_world(device, model, world, settings, scratch, row):
-    """Fill one row of the observation."""
-    parameters = settings.filter.prior_mean.shape[0]
+def observe_world(device, model, known, control, prior, scratch, row):
+    """Fill one row of the observation.
+
+    Args:
+        device: Record of dtype ``DEVICE``.
+        model: The jaw as the filter knows it.
+        known: Record of dtype ``known_dtype``.
+        control: Record of dtype ``CONTROL``.
+        prior: Record with ``prior_mean`` and ``prior_sd``: the filter's settings.
+        scratch: Record of dtype ``seeing_dtype``.
+        row: (size,) float32, filled.
+    """
+    parameters = prior.prior_mean.shape[0]
     for i in range(parameters):
-        sd = sqrt(max(world.belief.cov[i, i], 1e-300))
-        row[i] = bounded((world.belief.mean[i] - settings.filter.prior_mean[i]) / settings.filter.prior_sd[i])
-        row[parameters + i] = bounded(log10(sd / settings.filter.prior_sd[i]))
+        sd = sqrt(max(known.belief.cov[i, i], 1e-300))
+        row[i] = bounded((known.belief.mean[i] - prior.prior_mean[i]) / prior.prior_sd[i])
+        row[parameters + i] = bounded(log10(sd / prior.prior_sd[i]))
     sensed = row[2 * parameters :]
-    q, u, lift = filtered_motion(model, world.belief.motion)
+    q, u, lift = filtered_motion(model, known.belief.motion)
     for i in range(5):
         sensed[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         sensed[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
-    limits = world.limits
+    limits = known.limits
     excursion = excursions(limits, model, place)
     ranges = (limits.opening, limits.side, limits.fore_aft)
     for i in range(3):
         sensed[_JAW + i] = bounded(excursion[i] / ranges[i])
         sensed[_RANGE + i] = bounded(ranges[i] / RANGE_SCALE[i])
-        sensed[_FORCE + i] = bounded(world.reading[i] / SOFT_FORCE)
-        sensed[_FORCE + 3 + i] = bounded(world.reading[3 + i] / MOMENT_SCALE)
+        sensed[_FORCE + i] = bounded(known.reading[i] / SOFT_FORCE)
+        sensed[_FORCE + 3 + i] = bounded(known.reading[3 + i] / MOMENT_SCALE)
     for i in range(N_MOTORS):
-        sensed[_THRUST + i] = bounded(world.motors.thrust[i] / device.full_scale)
+        sensed[_THRUST + i] = bounded(known.motors.thrust[i] / device.full_scale)
         target = 0.0
-        if settings.targets:
-            target = world.tracker.size[i] * world.tracker.target[i]
-        elif settings.trajectory:
+        if control.targets:
+            target = known.tracker.size[i] * known.tracker.target[i]
+        elif control.servo:
             _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
-            target = (world.motors.target[i] - position) / TARGET_SCALE
+            target = (known.motors.target[i] - position) / TARGET_SCALE
         sensed[_TARGET + i] = bounded(target)
-    set_muscles(model, world.belief.mean, 0, scratch.joint.muscles)
-    force = sqrt(world.reading[0] ** 2 + world.reading[1] ** 2 + world.reading[2] ** 2)
-    used_fractions(model, scratch.joint.muscles, limits, q, u, lift, force, scratch.fractions)
+    set_muscles(model, known.belief.mean, 0, scratch.muscles)
+    force = sqrt(known.reading[0] ** 2 + known.reading[1] ** 2 + known.reading[2] ** 2)
+    used_fractions(model, scratch.muscles, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         sensed[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
-    sensed[_TIME] = 1.0 - world.tick / (settings.steps * settings.ticks_per_step)
-
-
-@world_kernel(place=2)
-def observe(devices, models, worlds, all_settings, scratches, observation, part):
-    """Fill ``observation`` (N, size), float32."""
-    first, last, thread = part
-    for i in range(first, last):
-        observe_world(devices[0], models[i], worlds[i], all_settings[0], scratches[thread], observation[i])
+    sensed[_TIME] = 1.0 - known.tick / (control.steps * control.ticks_per_step)

@@ -24,15 +24,15 @@ BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 
 
 @njit_inlined
-def lift_of(world):
+def lift_of(truth):
     """The lift as a tuple."""
-    return world.lift[0], world.lift[1]
+    return truth.lift[0], truth.lift[1]
 
 
 @njit_inlined
-def true_state(model, world, i):
+def true_state(model, truth, i):
     """Number i of the true motion, in the coordinates of the filter's model."""
-    return world.body[i] if model.condyles == 2 else world.state[i]
+    return truth.body[i] if model.condyles == 2 else truth.state[i]
 
 
 @njit_inlined
@@ -64,16 +64,17 @@ def midline_tick(device, world, scratch, settings):
     acted in the last tick asks for. Where something stiffer begins to act, the tick is taken again. The usual steps
     bear the motors' servos.
     """
-    q, u = split(world.state)
-    rate = fastest_rate(world.jaw, scratch.effective, q)
-    parts = parts_of_tick(device, world.jaw, settings, rate, world.acted)
+    truth = world.truth
+    q, u = split(truth.state)
+    rate = fastest_rate(truth.jaw, scratch.effective, q)
+    parts = parts_of_tick(device, truth.jaw, settings, rate, truth.acted)
     acted = midline_steps(device, world, scratch, settings, parts)
-    shorter = parts_of_tick(device, world.jaw, settings, rate, acted)
+    shorter = parts_of_tick(device, truth.jaw, settings, rate, acted)
     if shorter > parts:
         for i in range(5):
-            world.state[i], world.state[5 + i] = q[i], u[i]
+            truth.state[i], truth.state[5 + i] = q[i], u[i]
         acted = midline_steps(device, world, scratch, settings, shorter)
-    world.acted = acted
+    truth.acted = acted
     return acted
 
 
@@ -81,100 +82,93 @@ def midline_tick(device, world, scratch, settings):
 def parts_of_tick(device, jaw, settings, rate, acted):
     """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
     if acted >= BRAKED:
-        rate = held_rate(device, jaw, settings.trajectory, acted, rate)
+        rate = held_rate(device, jaw, settings.control.servo, acted, rate)
     return parts_needed(rate, TICK, SUBSTEPS)
 
 
 @njit
 def midline_steps(device, world, scratch, settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns what of the governor acted."""
-    acted, trajectory = IDLE, settings.trajectory
+    acted, trajectory = IDLE, settings.control.servo
+    truth, known = world.truth, world.known
     h = TICK / parts
     clear_moments(scratch.wrench)
     for step in range(parts):
-        start_q, start_u = split(world.state)
+        start_q, start_u = split(truth.state)
         q, u = start_q, start_u
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             since = stage_time(step, stage, h)
             wrench, governed = device_wrench(
-                device, world.jaw, world.limits, world.motors, q, u, lift_of(world), since, trajectory
+                device, truth.jaw, known.limits, known.motors, q, u, lift_of(truth), since, trajectory
             )
             acted = max(acted, governed)
-            push = articular_push(settings.reality, world.limits, world.jaw, q, lift_of(world))
+            push = articular_push(settings.reality, known.limits, truth.jaw, q, lift_of(truth))
             total = plus_wrench(wrench, scratch.unmodelled, push)
-            q_rate, u_rate = state_rate(world.jaw, scratch.effective, q, u, total)
+            q_rate, u_rate = state_rate(truth.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
             add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
             sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
             q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
         for i in range(5):
-            world.state[i] = start_q[i] + sum_q[i]
-            world.state[5 + i] = start_u[i] + sum_u[i]
+            truth.state[i] = start_q[i] + sum_q[i]
+            truth.state[5 + i] = start_u[i] + sum_u[i]
     return acted
 
 
 @njit
 def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns what of the governor acted."""
-    acted, trajectory = IDLE, settings.trajectory
+    acted, trajectory = IDLE, settings.control.servo
+    truth, known = world.truth, world.known
     h = TICK / BODY_SUBSTEPS
     clear_moments(scratch.wrench)
     for step in range(BODY_SUBSTEPS):
-        start_q, start_u = split_body(world.body)
+        start_q, start_u = split_body(truth.body)
         q, u = start_q, start_u
         sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for stage in range(4):
             since = stage_time(step, stage, h)
-            middle_q, middle_u, lift, lift_rate = midline_motion(world.jaw, q, u)
+            middle_q, middle_u, lift, lift_rate = midline_motion(truth.jaw, q, u)
             wrench, governed = device_wrench(
-                device, world.jaw, world.limits, world.motors, middle_q, middle_u, (lift, lift_rate), since, trajectory
+                device, truth.jaw, known.limits, known.motors, middle_q, middle_u, (lift, lift_rate), since, trajectory
             )
             acted = max(acted, governed)
-            push = articular_push(settings.reality, world.limits, world.jaw, middle_q, (lift, lift_rate))
+            push = articular_push(settings.reality, known.limits, truth.jaw, middle_q, (lift, lift_rate))
             total = plus_wrench(wrench, scratch.unmodelled, push)
-            q_rate, u_rate = bilateral_rate(world.jaw, scratch.effective, q, u, total)
+            q_rate, u_rate = bilateral_rate(truth.jaw, scratch.effective, q, u, total)
             weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
             add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
             sum_q, sum_u = plus_six(sum_q, weight, q_rate), plus_six(sum_u, weight, u_rate)
             reach = h if stage == 2 else 0.5 * h
             q, u = plus_six(start_q, reach, q_rate), plus_six(start_u, reach, u_rate)
         for i in range(6):
-            world.body[i] = start_q[i] + sum_q[i]
-            world.body[6 + i] = start_u[i] + sum_u[i]
-    take_body(world)
+            truth.body[i] = start_q[i] + sum_q[i]
+            truth.body[6 + i] = start_u[i] + sum_u[i]
+    take_body(truth)
     return acted
 
 
 @njit
-def take_body(world):
-    """Set the midline coordinates and the lift of ``world`` from its body with two condyles."""
-    body_q, body_u = split_body(world.body)
-    q, u, lift, lift_rate = midline_motion(world.jaw, body_q, body_u)
+def take_body(truth):
+    """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
+    body_q, body_u = split_body(truth.body)
+    q, u, lift, lift_rate = midline_motion(truth.jaw, body_q, body_u)
     for i in range(5):
-        world.state[i] = q[i]
-        world.state[5 + i] = u[i]
-    world.lift[0], world.lift[1] = lift, lift_rate
+        truth.state[i] = q[i]
+        truth.state[5 + i] = u[i]
+    truth.lift[0], truth.lift[1] = lift, lift_rate
 
 
 @njit
 def end_motion(device, world, scratch, trajectory):
     """The load cell's samples of the tick that has passed, and the motors' targets where they have moved to."""
-    q, u = split(world.state)
-    _, governed = device_wrench(device, world.jaw, world.limits, world.motors, q, u, lift_of(world), TICK, trajectory)
+    truth, known = world.truth, world.known
+    q, u = split(truth.state)
+    _, governed = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift_of(truth), TICK, trajectory)
     take_samples(scratch.wrench)
     if trajectory:
         for i in range(N_MOTORS):
-            world.motors.target[i] += world.motors.rate[i] * TICK
+            known.motors.target[i] += known.motors.rate[i] * TICK
     return governed
-
-
-@njit
-def true_motion(device, world, scratch, settings):
-    """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
-    if world.jaw.condyles == 2:
-        acted = bilateral_tick(device, world, scratch, settings)
-    else:
-        acted = midline_tick(device, world, scratch, settings)
-    return max(acted, end_motion(device, world, scratch, settings.trajectory))

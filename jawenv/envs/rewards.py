@@ -24,9 +24,9 @@ def potential(reward: str, worlds: NDArray[np.void]) -> NDArray[np.float64]:
     """
     nats: Any
     if reward == "bound":
-        nats = 0.5 * (worlds["log_det_prior"] - worlds["log_det_bound"])
+        nats = 0.5 * (worlds["known"]["log_det_prior"] - worlds["truth"]["log_det_bound"])
     elif reward == "score":
-        nats = worlds["log_score"] - worlds["log_score_prior"]
+        nats = worlds["truth"]["log_score"] - worlds["truth"]["log_score_prior"]
     elif reward == "uncertainty":
         nats = claimed_information(worlds)
     elif reward == "worst":
@@ -39,12 +39,12 @@ def potential(reward: str, worlds: NDArray[np.void]) -> NDArray[np.float64]:
 
 def claimed_information(worlds: NDArray[np.void]) -> Any:
     """Half the fall of the log-determinant (N,) since the prior, nats."""
-    return 0.5 * (worlds["log_det_prior"] - worlds["log_det"])
+    return 0.5 * (worlds["known"]["log_det_prior"] - worlds["known"]["log_det"])
 
 
 def worst_sd_potential(worlds: NDArray[np.void]) -> Any:
     """The potential (N,) of ``"worst"``, nats."""
-    variances = np.diagonal(worlds["belief"]["cov"], axis1=-2, axis2=-1)
+    variances = np.diagonal(worlds["known"]["belief"]["cov"], axis1=-2, axis2=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         norm = np.log(np.mean(variances ** (0.5 * NORM), axis=-1)) / NORM
     return -variances.shape[-1] * norm

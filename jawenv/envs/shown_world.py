@@ -19,14 +19,15 @@ def build_scene(simulation: Simulation, title: str | None = None) -> Any:
     from jawenv.rendering.scene import Scene
 
     world, configuration = simulation.worlds[0], simulation.configuration
-    jaw, info = world["jaw"], simulation.reader.first()
-    q, _ = split(world["state"])
+    truth, known = world["truth"], world["known"]
+    jaw, info = truth["jaw"], simulation.reader.first()
+    q, _ = split(truth["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
-    contact[2] += world["lift"][0]
+    contact[2] += truth["lift"][0]
     mouthpiece = contact + body_to_head @ jaw["mouthpiece"]
-    muscles = world["muscles"]
+    muscles = truth["muscles"]
     tensions = [muscle_pull(jaw, muscles, i, tuple(contact), rotation(q))[3] for i in range(len(muscles))]
-    names, limits = simulation.cohort.muscles.names, world["limits"]
+    names, limits = simulation.cohort.muscles.names, known["limits"]
     _, side, fore_aft = excursions(limits, jaw, tuple(mouthpiece))
     rest_opening, painless = float(limits["rest_opening"]), float(limits["opening"])
     return Scene(
@@ -42,7 +43,7 @@ def build_scene(simulation: Simulation, title: str | None = None) -> Any:
         fossa_drop_m=float(jaw["fossa_drop"]),
         fossa_frequency=float(jaw["fossa_frequency"]),
         mouthpiece_m=mouthpiece,
-        mouthpiece_force_N=body_to_head @ world["reading"][:3],
+        mouthpiece_force_N=body_to_head @ known["reading"][:3],
         parameter_names=simulation.parameter_names,
         belief_mean=info["belief_mean"],
         belief_cov=info["belief_cov"],
@@ -52,7 +53,7 @@ def build_scene(simulation: Simulation, title: str | None = None) -> Any:
         comfort={name: info[f"comfort_{name}"] for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
         comfort_hard=dict(zip(COMFORT_LIMITS, HARD, strict=True)),
         governor=info["governor"],
-        time_s=float(world["tick"]) * TICK,
+        time_s=float(known["tick"]) * TICK,
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
         opening_limits_mm=1e3 * (rest_opening + painless * np.array([1.0, HARD[OPENING]])),
@@ -66,13 +67,14 @@ def build_scene(simulation: Simulation, title: str | None = None) -> Any:
 def moment_of(simulation: Simulation) -> tuple[float, float, float, float]:
     """``Moment`` of the first world, as that of its scene."""
     world = simulation.worlds[0]
-    jaw = world["jaw"]
-    q, _ = split(world["state"])
+    truth, known = world["truth"], world["known"]
+    jaw = truth["jaw"]
+    q, _ = split(truth["state"])
     mouthpiece = np.array(contact_point(jaw, q)) + np.array(rotation(q)) @ jaw["mouthpiece"]
-    mouthpiece[2] += world["lift"][0]
-    _, side, fore_aft = excursions(world["limits"], jaw, tuple(mouthpiece))
+    mouthpiece[2] += truth["lift"][0]
+    _, side, fore_aft = excursions(known["limits"], jaw, tuple(mouthpiece))
     opening = float(jaw["mouthpiece"][2] - mouthpiece[2])
-    return float(world["tick"]) * TICK, 1e3 * opening, 1e3 * float(side), 1e3 * float(fore_aft)
+    return float(known["tick"]) * TICK, 1e3 * opening, 1e3 * float(side), 1e3 * float(fore_aft)
 
 
 def _can_be_used(limit: str, simulation: Simulation) -> bool:

@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, default_mandible
+from jawenv.device.device import N_MOTORS
+from jawenv.envs.bound_kernel import bound_scratch_dtype, track_bound
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
-from jawenv.envs.observation import observation_size, observe
+from jawenv.envs.kept_ticks import true_tick_dtype
+from jawenv.envs.observation import observation_size
 from jawenv.envs.plants import TICK
-from jawenv.envs.reset_kernel import BEGINNING_SCRATCH, begin
+from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import advance, scratch_dtype, settings_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
@@ -56,28 +59,41 @@ class Simulation:
         self._known_condyles = 2 if known else 1
         sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
         self.settings = self._build_settings(sizes[2])
-        self.worlds = record_zeros(num_worlds, world_dtype(*sizes))
+        self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
         self._gravity = default_mandible().gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = record_zeros(threads, scratch_dtype(*sizes))
-        self._beginnings = record_zeros(threads, BEGINNING_SCRATCH)
+        self._beginnings = record_zeros(threads, beginning_dtype(sizes[1]))
         self.ticks = record_zeros((num_worlds, self._kept_ticks() + 1), tick_dtype(sizes[2]))
-        self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
-        self.reader = WorldReader(self.worlds, configuration.needs_bound)
+        """(N, ticks) what was read, as far as it is kept."""
+        self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
+        """(N, ticks) what was true then, as far as it is kept."""
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
+        """(N, size) as of the last reset or step."""
+        self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
+        bound_threads = threads if configuration.needs_bound else 0
+        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
+        self.reader = WorldReader(self.worlds, configuration.needs_bound)
 
     def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
         from jawenv.envs.contact import ContactPlants
 
-        return ContactPlants(self.device, self.models, self.worlds, self.settings, self.ticks, sizes)
+        rows = self.ticks, self.paths, self.observation
+        return ContactPlants(self.device, self.models, self.worlds, self.settings, *rows, sizes)
 
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
         ticks = self.configuration.steps * self.configuration.ticks_per_step
         return ticks if self.configuration.record else min(ticks, LAST_WINDOW)
+
+    def _kept_truths(self) -> int:
+        """How many rows of the truth are kept: of an episode to be recorded, of the bound's last period, or one."""
+        if self.configuration.record:
+            return self._kept_ticks() + 1
+        return self.configuration.ticks_per_step + 1 if self.configuration.needs_bound else 1
 
     def _build_settings(self, n_states: int) -> NDArray[np.void]:
         configuration = self.configuration
@@ -86,14 +102,12 @@ class Simulation:
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
         settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
-        settings["trajectory"] = configuration.control != "force"
-        settings["targets"] = configuration.control == "targets"
+        control = settings["control"]
+        control["servo"] = configuration.control != "force"
+        control["targets"] = configuration.control == "targets"
+        control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
-        settings["bound"] = configuration.needs_bound
-        settings["record"] = configuration.record
         settings["reality"] = self.reality.records()[0]
-        settings["steps"] = configuration.steps
-        settings["ticks_per_step"] = configuration.ticks_per_step
         return records
 
     def _set_filter(self, settings: Any) -> None:
@@ -132,22 +146,22 @@ class Simulation:
             InputError: a given patient has no rest pose that the device can treat.
         """
         numbers = np.flatnonzero(chosen)
-        before = self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0]
+        arrays = self.worlds, self.models, self.observation, self.ticks[:, 0], self.paths[:, 0]
+        before = [array[numbers] for array in arrays]
         try:
             self._begin(chosen, patients, keys)
+            self._read_first(chosen)
         except BaseException:
-            self.worlds[numbers], self.models[numbers], self.ticks[numbers, 0] = before
+            for array, values in zip(arrays, before, strict=True):
+                array[numbers] = values
             raise
-        if self._contact is not None:
-            self._contact.reset(chosen)
-        self.look()
 
     def _begin(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
         """Place and put at rest every chosen world, with another patient where a drawn one cannot be treated."""
         drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
         for i in np.flatnonzero(chosen):
             random_words = philox(tuple(keys[i]), _FIRST_COUNTER)
-            self.worlds["key"][i] = random_words[:2]
+            self.worlds["truth"]["key"][i] = random_words[:2]
             # Patient and geometry errors come from two streams, so that the patients are the same with and without.
             key = np.array(random_words[2:], dtype=np.uint64)
             drawn[int(i)] = _stream(key, 0), _stream(key, 1)
@@ -198,21 +212,44 @@ class Simulation:
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
-        self.worlds["jaw"][index] = self._jaw
-        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["jaw"][index], geometry_generator)
-        self.worlds["log_parameters"][index] = log_parameters
+        self.worlds["truth"]["jaw"][index] = self._jaw
+        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["truth"]["jaw"][index], geometry_generator)
+        self.worlds["truth"]["log_parameters"][index] = log_parameters
+
+    def _read_first(self, chosen: NDArray[np.bool_]) -> None:
+        """Read the sensors of the chosen worlds, whose episodes have begun, for the first time."""
+        if self._contact is not None:
+            self._contact.reset(chosen)
+        else:
+            self._advance_compiled(np.zeros((len(chosen), N_MOTORS)), chosen)
+        self._track_bound(chosen)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
         if self._contact is not None:
             self._contact.advance(actions, active)
         else:
-            advance(self.device, self.models, self.worlds, actions, active, self.settings, self._scratches, self.ticks)
-        self.look()
+            self._advance_compiled(actions, active)
+        self._track_bound(active)
 
-    def look(self) -> None:
-        """Refresh ``observation`` (N, size)."""
-        observe(self.device, self.models, self.worlds, self.settings, self._scratches, self.observation)
+    def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
+        advance(
+            self.device,
+            self.models,
+            self.worlds,
+            actions,
+            active,
+            self.settings,
+            self._scratches,
+            self.ticks,
+            self.paths,
+            self.observation,
+        )
+
+    def _track_bound(self, active: NDArray[np.bool_]) -> None:
+        """The bound of the active worlds at the end of their control period, if it is asked for."""
+        if self.configuration.needs_bound:
+            track_bound(self.models, self.worlds, active, self.settings, self._bound_scratches, self.paths)
 
     @property
     def tick_s(self) -> float:

@@ -1,4 +1,8 @@
-"""The world's clock: one control period of every world, estimator included, in one compiled call."""
+"""The world's clock: one control period of every world, filter and observation included, in one compiled call.
+
+The first call of an episode is its first reading, of the jaw at rest: a tick without motion. So the filter is compiled
+into one kernel only.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +13,14 @@ import numpy as np
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import command_motors
+from jawenv.envs.condyles import true_motion
 from jawenv.envs.information import refresh_information
-from jawenv.envs.kept_ticks import keep_tick
-from jawenv.envs.observation import observation_size, observe_world
-from jawenv.envs.plants import TICK, lift_of, true_motion, true_state
+from jawenv.envs.kept_ticks import keep_reading, keep_truth
+from jawenv.envs.observation import CONTROL, observation_size, observe_world, seeing_dtype
+from jawenv.envs.plants import TICK, lift_of
 from jawenv.envs.tracking import LAW_TICKS, aim, follow, move_targets
 from jawenv.filter.cell_trend import mean_force, mean_reading
 from jawenv.filter.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.joint_recursion import (
-    joint_scratch_dtype,
-    move,
-    predict_covariance,
-    update_covariance,
-)
 from jawenv.filter.joint_step import N_NOISE, N_SAMPLES
 from jawenv.filter.learn import learn
 from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
@@ -29,6 +28,7 @@ from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.kinematics import split
 from jawenv.reality import REALITY
 from jawenv.reality.faults import fail
@@ -37,6 +37,8 @@ from jawenv.reality.tissue import update_tissue
 
 N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
+# Ticks to which the random numbers of an episode's beginning belong.
+START_TICK, FIRST_READING_TICK, REALITY_TICK = -1, -2, -3
 
 
 @cache
@@ -44,15 +46,10 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
         ("filter", filter_settings_dtype(n_muscles, n_states)),
-        ("trajectory", "u1"),  # whether servos hold the motors, as in trajectory and targets control
-        ("targets", "u1"),  # whether the action is the channels' targets
-        ("bound", "u1"),
+        ("control", CONTROL),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
-        ("record", "u1"),
         ("reality", REALITY),
         ("channels", "i8"),  # readings in a tick
-        ("steps", "i8"),
-        ("ticks_per_step", "i8"),
     ]
     return record_dtype(fields)
 
@@ -61,8 +58,9 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
-        ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),  # of the bound's recursion
+        ("rows", "f8", (N_MEASUREMENTS, N_STATES)),  # of ``measure``
         ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
+        ("seeing", seeing_dtype(n_lines)),
         ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
         ("action", "f8", N_MOTORS),  # of the motors
         ("normals", "f8", N_NORMALS),
@@ -81,24 +79,24 @@ def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.vo
 
 
 @njit
-def read_load_cell(device, world, scratch):
+def read_load_cell(device, truth, scratch):
     """The load cell's samples: one gain error for the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
         for k in range(6):
             noise = device.cell_force if k < 3 else device.cell_moment
-            value = scratch.wrench[i, k] / (1.0 + world.cell_gain)
+            value = scratch.wrench[i, k] / (1.0 + truth.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
-    biased(world.reality, scratch.samples)
+    biased(truth.reality, scratch.samples)
 
 
 @njit
-def sense(device, world, scratch, settings):
+def sense(device, truth, scratch, reality):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
-    measure(world.jaw, world.state, scratch.joint.rows, scratch.measured)
-    scratch.measured[2] += world.lift[0]
-    scratch.measured[8] += world.lift[1]
-    play(settings.reality, world.reality, scratch.measured)
+    measure(truth.jaw, truth.state, scratch.rows, scratch.measured)
+    scratch.measured[2] += truth.lift[0]
+    scratch.measured[8] += truth.lift[1]
+    play(reality, truth.reality, scratch.measured)
     for i in range(3):
         scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]
         scratch.measured[3 + i] += device.encoder_angle * normals[_ENCODERS + 3 + i]
@@ -107,128 +105,136 @@ def sense(device, world, scratch, settings):
 
 
 @njit_within
-def command(device, model, world, action, settings, scratch):
+def command(device, model, known, action, settings, scratch):
     """What the motors are to do in the next tick, into ``scratch.action``: the action, or what follows targets."""
-    if not settings.targets:
+    control, tracker = settings.control, known.tracker
+    if not control.targets:
         scratch.action[:] = action
-    elif world.tick % LAW_TICKS == 0:
+    elif known.tick % LAW_TICKS == 0:
         dt = LAW_TICKS * TICK
-        if world.tick % settings.ticks_per_step == 0:
-            aim(world.tracker, action, settings.ticks_per_step * TICK)
-        observe_world(device, model, world, settings, scratch, scratch.observation)
+        if known.tick % control.ticks_per_step == 0:
+            aim(tracker, action, control.ticks_per_step * TICK)
+        observe_world(device, model, known, control, settings.filter, scratch.seeing, scratch.observation)
         parameters = settings.filter.prior_mean.shape[0]
-        follow(device, scratch.observation, parameters, world.tracker, True, True, dt, scratch.action)
-        move_targets(world.tracker, dt)
+        follow(device, scratch.observation, parameters, tracker, True, True, dt, scratch.action)
+        move_targets(tracker, dt)
 
 
 @njit
 def begin_tick(device, model, world, action, settings, scratch):
     """Draw the tick's noise and let the motors take their command."""
-    command(device, model, world, action, settings, scratch)
-    fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
+    truth, known = world.truth, world.known
+    command(device, model, known, action, settings, scratch)
+    fill_normals((truth.key[0], truth.key[1]), known.tick, scratch.normals)
     normals = scratch.normals
-    q, u = split(world.state)
-    lift = lift_of(world)
-    command_motors(device, world.jaw, world.motors, q, u, lift, scratch.action, settings.trajectory, TICK)
-    update_tissue(settings.reality, world.reality, world.jaw, world.muscles, q, u, lift, TICK, scratch.effective)
+    q, u = split(truth.state)
+    lift = lift_of(truth)
+    command_motors(device, truth.jaw, known.motors, q, u, lift, scratch.action, settings.control.servo, TICK)
+    update_tissue(settings.reality, truth.reality, truth.jaw, truth.muscles, q, u, lift, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
-    for i in range(scratch.joint.state.shape[0]):
-        scratch.joint.state[i] = true_state(model, world, i)
 
 
 @njit_within
-def advance_bound(model, world, settings, scratch):
-    """The bound's recursion along the true motion; ``scratch.joint.state`` is the true state at the tick's start."""
-    state = scratch.joint.state
-    move(model, world.muscles, state, scratch.wrench, world.belief.trend, 0.0, TICK, scratch.joint)
-    predict_covariance(world.bound, settings.noise_variance, scratch.joint)
-    for i in range(state.shape[0]):
-        state[i] = true_state(model, world, i)
-    update_covariance(
-        model, state, world.bound, settings.filter.measurement_variance, settings.filter.used, scratch.joint
-    )
+def begin_first_tick(truth, scratch):
+    """Noise of the first reading, at which the encoders alone are read: nothing has moved, and no wrench has acted."""
+    fill_normals((truth.key[0], truth.key[1]), FIRST_READING_TICK, scratch.normals)
+    scratch.wrench[:, :] = 0.0
+    scratch.samples[:, :] = np.nan
 
 
 @njit_within
-def end_tick(device, model, world, settings, scratch, ticks):
-    """Load cell, encoders and filter after the motion of a tick; what was read is kept in ``ticks``."""
-    read_load_cell(device, world, scratch)
-    if settings.bound:
-        advance_bound(model, world, settings, scratch)
-    sense(device, world, scratch, settings)
-    fail(
-        settings.reality,
-        world.reality,
-        (world.key[0], world.key[1]),
-        world.tick,
-        scratch.measured,
-        scratch.samples,
-        scratch.faults,
-    )
-    world.tick += 1
-    keep_tick(model, world, settings, scratch, ticks)
-    belief, gated = world.belief, world.belief.gated
-    left_out = filter_tick(
-        model, belief, ticks, world.tick, scratch.measured, scratch.samples, settings.filter, scratch.filter
-    )
-    share = 1.0 / settings.ticks_per_step
-    world.left_out += share * left_out / settings.channels
-    world.gated += share * (belief.gated - gated)
-    for k in range(6):
-        world.reading[k] = mean_reading(scratch.filter.samples, k)
+def end_tick(device, model, world, settings, scratch, ticks, path):
+    """Encoders and filter after the motion of a tick, or at the start; what was read is kept in ``ticks``."""
+    truth, known = world.truth, world.known
+    sense(device, truth, scratch, settings.reality)
+    key, tick = (truth.key[0], truth.key[1]), known.tick if known.tick >= 0 else FIRST_READING_TICK
+    fail(settings.reality, truth.reality, key, tick, scratch.measured, scratch.samples, scratch.faults)
+    known.tick += 1
+    keep_truth(model, truth, known.tick, scratch.wrench, known.belief.trend, path)
+    read(model, known, settings, scratch, ticks)
 
 
 @njit_within
-def end_step(world, settings, scratch):
-    """Belief and its information at the end of a control period."""
-    learn(world.belief, settings.filter, scratch.filter.belief)
-    refresh_information(world, settings, scratch.matrix, scratch.right)
+def read(model, known, settings, scratch, ticks):
+    """The filter takes the readings in ``scratch``, which are kept in ``ticks``."""
+    measured, samples = scratch.measured, scratch.samples
+    belief, gated = known.belief, known.belief.gated
+    keep_reading(known.tick, measured, samples, settings.filter.used, ticks)
+    left_out = filter_tick(model, belief, ticks, known.tick, measured, samples, settings.filter, scratch.filter)
+    if known.tick > 0:
+        share = 1.0 / settings.control.ticks_per_step
+        known.left_out += share * left_out / settings.channels
+        known.gated += share * (belief.gated - gated)
+        for k in range(6):
+            known.reading[k] = mean_reading(scratch.filter.samples, k)
+
+
+@njit_within
+def end_step(device, model, world, settings, scratch, row):
+    """Belief at the end of a control period, its information, and the observation, into ``row``."""
+    known = world.known
+    if known.tick > 0:
+        learn(known.belief, settings.filter, scratch.filter.belief)
+    refresh_information(world, scratch.matrix, scratch.right)
+    observe_world(device, model, known, settings.control, settings.filter, scratch.seeing, row)
+
+
+@njit
+def take_motion(device, world, scratch, share, acted):
+    """Load cell, discomfort and governor of a tick that has passed; ``share`` is its share of the step."""
+    read_load_cell(device, world.truth, scratch)
+    take_comfort(world, scratch, share)
+    world.truth.governor += share if acted > 0.0 else 0.0
 
 
 @njit
 def take_comfort(world, scratch, share):
-    """Add one tick's discomfort to the step's record; ``share`` is the tick's share of the step."""
-    q, u = split(world.state)
+    """Add one tick's discomfort to the step's record."""
+    truth = world.truth
+    q, u = split(truth.state)
     force = norm(mean_force(scratch.wrench))
-    used_fractions(world.jaw, scratch.effective, world.limits, q, u, lift_of(world), force, scratch.fractions)
+    limits, lift = world.known.limits, lift_of(truth)
+    used_fractions(truth.jaw, scratch.effective, limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
-        world.fractions[i] = max(world.fractions[i], fraction)
-        world.costs[i] += share * cost_of(fraction, HARD[i])
+        truth.fractions[i] = max(truth.fractions[i], fraction)
+        truth.costs[i] += share * cost_of(fraction, HARD[i])
         if not fraction <= HARD[i]:
-            world.violated = 1
+            truth.violated = 1
 
 
 @njit
 def clear_step(world):
     """Reset the discomfort and governor record of the last step."""
-    for k in range(N_LIMITS):
-        world.fractions[k] = 0.0
-        world.costs[k] = 0.0
-    world.governor = 0.0
-    world.left_out = 0.0
-    world.gated = 0.0
+    truth, known = world.truth, world.known
+    truth.fractions[:] = 0.0
+    truth.costs[:] = 0.0
+    truth.governor = 0.0
+    known.left_out = 0.0
+    known.gated = 0.0
 
 
 @njit_within
-def advance_world(device, model, world, action, settings, scratch, ticks):
-    """Advance one world by one control period."""
+def advance_world(device, model, world, action, settings, scratch, ticks, path, row):
+    """Advance one world by one control period, or read its sensors for the first time."""
+    begins, number = world.known.tick < 0, settings.control.ticks_per_step
     clear_step(world)
-    share = 1.0 / settings.ticks_per_step
-    for _ in range(settings.ticks_per_step):
-        begin_tick(device, model, world, action, settings, scratch)
-        acted = true_motion(device, world, scratch, settings)
-        end_tick(device, model, world, settings, scratch, ticks)
-        world.governor += share if acted > 0.0 else 0.0
-        take_comfort(world, scratch, share)
-    end_step(world, settings, scratch)
+    for _ in range(1 if begins else number):
+        if begins:
+            begin_first_tick(world.truth, scratch)
+        else:
+            begin_tick(device, model, world, action, settings, scratch)
+            acted = true_motion(device, world, scratch, settings)
+            take_motion(device, world, scratch, 1.0 / number, acted)
+        end_tick(device, model, world, settings, scratch, ticks, path)
+    end_step(device, model, world, settings, scratch, row)
 
 
 @world_kernel(place=2)
-def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, part):
-    """Advance every active world by one control period.
+def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, all_paths, observation, part):
+    """Advance every active world by one control period; one that has just begun gets its first reading alone.
 
     Args:
         devices: One record of dtype ``DEVICE``, in an array.
@@ -238,11 +244,22 @@ def advance(devices, models, worlds, actions, active, all_settings, scratches, a
         active: (N,) bool; a world that is not active stays as it is.
         all_settings: One record of dtype ``settings_dtype``, in an array.
         scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
-        all_ticks: (N, ticks + 1) records of dtype ``tick_dtype``, or (N, 1) where none are kept.
+        all_ticks: (N, any number) records of dtype ``tick_dtype``, of the first ticks.
+        all_paths: (N, any number) records of dtype ``true_tick_dtype``, of the last ticks.
+        observation: (N, size) float32, filled where a world is active.
         part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
     """
     first, last, thread = part
     for i in range(first, last):
         if active[i]:
-            scratch = scratches[thread]
-            advance_world(devices[0], models[i], worlds[i], actions[i], all_settings[0], scratch, all_ticks[i])
+            advance_world(
+                devices[0],
+                models[i],
+                worlds[i],
+                actions[i],
+                all_settings[0],
+                scratches[thread],
+                all_ticks[i],
+                all_paths[i],
+                observation[i],
+            )

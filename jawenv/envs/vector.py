@@ -242,14 +242,13 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise error.ResetNeeded("a world that was ended by hand must be reset")
         waiting = self._done.copy()
         simulation.advance(checked, ~waiting)
-        worlds = simulation.worlds
-        now = potential(configuration.reward, worlds)
+        known, now = simulation.worlds["known"], potential(configuration.reward, simulation.worlds)
         info = simulation.reader.all()
         reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.steps_per_s
         reward[waiting] = 0.0
         self._potential = now
-        terminated = info["violation"] | ~np.isfinite(worlds["log_det"])
-        truncated = worlds["tick"] >= self._last_tick
+        terminated = info["violation"] | ~np.isfinite(known["log_det"])
+        truncated = known["tick"] >= self._last_tick
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and waiting.any():
             terminated, truncated = terminated & ~waiting, truncated & ~waiting
             self._begin_drawn(waiting)

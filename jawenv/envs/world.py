@@ -12,7 +12,6 @@ from jawenv.device.device import N_MOTORS
 from jawenv.filter.joint_recursion import filter_size
 from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import jaw_dtype
 from jawenv.reality import reality_state_dtype
@@ -30,11 +29,8 @@ MOTORS = record_dtype(
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of one world.
-
-    The fields down to ``violated`` belong to the truth; the estimator and the agent never read them.
-    """
+def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
+    """Dtype of what only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
     n_filter = filter_size(n_muscles, n_states)
     fields = [
         ("jaw", jaw_dtype(n_lines)),
@@ -43,28 +39,50 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("cell_gain", "f8"),
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
-        ("body", "f8", N_BODY),  # of the plant with two condyles
+        ("body", "f8", (n_body,)),  # of the plant with two condyles
         ("reality", reality_state_dtype(n_lines)),
         ("key", "u8", 2),
-        ("tick", "i8"),
-        ("limits", limits_dtype(n_lines)),
-        ("motors", MOTORS),
-        ("tracker", TRACKER),  # of targets control
         ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
-        ("bound", "f8", (n_filter, n_filter)),
         ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("left_out", "f8"),  # share of the last step's readings that were not used
-        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
-        ("belief", belief_dtype(n_muscles, n_states)),
-        ("reading", "f8", 6),  # load cell, body axes
-        ("log_det_prior", "f8"),
-        ("log_det", "f8"),
+        ("bound", "f8", (n_filter, n_filter)),
         ("log_det_bound", "f8"),
         ("log_score_prior", "f8"),
         ("log_score", "f8"),
         ("nees", "f8"),
     ]
     return record_dtype(fields)
+
+
+@cache
+def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+    """Dtype of what the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
+    fields = [
+        ("tick", "i8"),
+        ("limits", limits_dtype(n_lines)),
+        ("motors", MOTORS),
+        ("tracker", TRACKER),  # of targets control
+        ("reading", "f8", 6),  # load cell, body axes
+        ("belief", belief_dtype(n_muscles, n_states)),
+        ("left_out", "f8"),  # share of the last step's readings that were not used
+        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
+        ("log_det_prior", "f8"),
+        ("log_det", "f8"),
+    ]
+    return record_dtype(fields)
+
+
+@cache
+def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
+    """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone.
+
+    Args:
+        n_muscles: Those with a stiffness of their own.
+        n_lines: Lines along which they pull.
+        n_states: Of the motion, in the filter's model.
+        n_body: The same of the plant with two condyles, 0 in a world of another.
+    """
+    sizes = n_muscles, n_lines, n_states
+    return record_dtype([("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes))])

@@ -54,15 +54,10 @@ def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 
 @cache
 def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of the record of one tick: readings at its end, load cell and true wrench during it, true motion.
-
-    A replay of the filter reads ``measured``, ``samples`` and ``believed`` alone.
-    """
+    """Dtype of what a replay of the filter reads of one tick: encoders at its end, load cell during it."""
     fields = [
         ("measured", "f8", N_MEASUREMENTS),
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),
-        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),
-        ("state", "f8", (n_states,)),
         ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
     ]
     return record_dtype(fields)

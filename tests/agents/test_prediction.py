@@ -34,15 +34,16 @@ def test_the_believed_world_has_nothing_of_the_truth(env):
     simulation = env.unwrapped.simulation
     hidden = simulation.worlds.copy()
     for name in ("log_parameters", "muscles", "cell_gain", "state", "lift", "jaw"):
-        hidden[name] = np.zeros_like(hidden[name])
+        hidden["truth"][name] = np.zeros_like(hidden["truth"][name])
     seen = simulation.worlds.copy()
     believe(hidden, simulation.models)
     believe(seen, simulation.models)
-    for name in seen.dtype.names:
-        np.testing.assert_equal(hidden[name].tolist(), seen[name].tolist())
-    np.testing.assert_array_equal(seen["state"], simulation.worlds["belief"]["motion"])
-    muscles = np.exp(simulation.worlds["belief"]["mean"]).reshape(2, -1, 2)
-    np.testing.assert_allclose(np.unique(seen["muscles"][0, :, 0]), np.unique(muscles[0, :, 0]))
+    for part in ("truth", "known"):
+        for name in seen[part].dtype.names:
+            np.testing.assert_equal(hidden[part][name].tolist(), seen[part][name].tolist())
+    np.testing.assert_array_equal(seen["truth"]["state"], simulation.worlds["known"]["belief"]["motion"])
+    muscles = np.exp(simulation.worlds["known"]["belief"]["mean"]).reshape(2, -1, 2)
+    np.testing.assert_allclose(np.unique(seen["truth"]["muscles"][0, :, 0]), np.unique(muscles[0, :, 0]))
 
 
 @pytest.mark.parametrize("clairvoyant", [False, True])
@@ -71,7 +72,7 @@ def test_candidates_with_the_same_actions_have_the_same_future(env):
 
 def test_what_crosses_a_hard_limit_is_lost(env):
     simulation = env.unwrapped.simulation
-    simulation.worlds["limits"]["side"][0] = 1e-4
+    simulation.worlds["known"]["limits"]["side"][0] = 1e-4
     outcome = Prediction(simulation, 3, goal=GOAL, clairvoyant=False).try_out(actions_for(2), ALL, keys(2))
     assert outcome.lost[0].any() and not outcome.lost[1].any()
     assert outcome.cost[0].max() > outcome.cost[1].max()

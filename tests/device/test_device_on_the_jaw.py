@@ -49,16 +49,17 @@ def test_the_servo_takes_the_jaw_where_the_target_goes():
     """A quarter of the largest rate for a second opens by 10 mm, less what the servos' springs give way."""
     env = gym.make_vec(ID, num_envs=PATIENTS, control="trajectory", episode_s=3.0)
     env.reset(seed=100)
-    worlds, jaw = env.simulation.worlds, env.simulation.worlds["jaw"][0]
+    worlds, jaw = env.simulation.worlds, env.simulation.worlds["truth"]["jaw"][0]
 
     def opening():
-        return np.array([jaw["mouthpiece"][2] - twin.measurement(jaw, state)[2] for state in worlds["state"]])
+        return np.array([jaw["mouthpiece"][2] - twin.measurement(jaw, state)[2] for state in worlds["truth"]["state"]])
 
-    start, thrust = opening(), worlds["motors"]["thrust"][:, :2].mean(axis=1)
+    start, thrust = opening(), worlds["known"]["motors"]["thrust"][:, :2].mean(axis=1)
     for k in range(60):
         env.step(np.tile(np.array([0.25, 0.25, 0, 0], dtype=np.float32) * (k < 20), (PATIENTS, 1)))
     moved = opening() - start
-    given_way = (worlds["motors"]["thrust"][:, :2].mean(axis=1) - thrust) / env.simulation.device["servo_stiffness"][0]
+    rise = worlds["known"]["motors"]["thrust"][:, :2].mean(axis=1) - thrust
+    given_way = rise / env.simulation.device["servo_stiffness"][0]
     assert (np.abs(moved + given_way - 0.010) < 2e-4).all(), moved + given_way
     assert (moved > 0.007).all() and given_way.max() > 1e-3
 
@@ -76,8 +77,9 @@ def biting(t):
 def simulate(environment, motion, trajectory, substeps):
     """(600, 10) states of six seconds of the truth without noise, by Runge-Kutta steps of TICK / substeps."""
     world, device = environment.simulation.worlds[0].copy(), environment.simulation.device[0]
-    jaw, limits, motors, start = world["jaw"], world["limits"], world["motors"], world["state"]
-    muscles, state, path = world["muscles"], start.copy(), []
+    truth, limits, motors = world["truth"], world["known"]["limits"], world["known"]["motors"]
+    jaw, start = truth["jaw"], truth["state"]
+    muscles, state, path = truth["muscles"], start.copy(), []
     h = TICK / substeps
     for tick in range(600):
         action = motion(tick * TICK)

@@ -7,7 +7,8 @@ import pytest
 
 from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, STOPPED_AND_BRAKED, device_wrench
 from jawenv.device.stiffness import held_rate
-from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick, true_motion
+from jawenv.envs.condyles import true_motion
+from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick
 from jawenv.filter.cell_trend import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate
@@ -24,8 +25,8 @@ class Tick:
         simulation = env.simulation
         self.world, self.device, self.settings = simulation.worlds[0], simulation.device[0], simulation.settings[0]
         self.scratch, self.trajectory = simulation._scratches[0], np.uint8(control == "trajectory")
-        self.scratch["effective"], self.scratch["unmodelled"] = self.world["muscles"], 0.0
-        self.world["motors"]["cap"] = 50.0
+        self.scratch["effective"], self.scratch["unmodelled"] = self.world["truth"]["muscles"], 0.0
+        self.world["known"]["motors"]["cap"] = 50.0
 
     def wrench(self, state, since=0.0):
         """The device's, and the state as two tuples."""
@@ -34,21 +35,22 @@ class Tick:
 
     def governed(self, state, since=0.0):
         """The same, and what of the governor acts."""
-        world, (q, u) = self.world, (tuple(float(v) for v in half) for half in np.split(state, 2))
+        truth, known = self.world["truth"], self.world["known"]
+        q, u = (tuple(float(v) for v in half) for half in np.split(state, 2))
         wrench, acted = device_wrench(
-            self.device, world["jaw"], world["limits"], world["motors"], q, u, ON_PATH, since, self.trajectory
+            self.device, truth["jaw"], known["limits"], known["motors"], q, u, ON_PATH, since, self.trajectory
         )
         return wrench, acted, q, u
 
     def rate(self, state, since=0.0):
         """(10,) rate of the state under the device."""
         wrench, q, u = self.wrench(state, since)
-        q_rate, u_rate = state_rate(self.world["jaw"], self.world["muscles"], q, u, wrench)
+        q_rate, u_rate = state_rate(self.world["truth"]["jaw"], self.world["truth"]["muscles"], q, u, wrench)
         return np.array(q_rate + u_rate)
 
     def hurried(self, rng):
         """The tick's first state, at several times the soft speed."""
-        state = self.world["state"].copy()
+        state = self.world["truth"]["state"].copy()
         state[5:] += rng.normal(size=5) * [0.05, 0.05, 2.0, 3.0, 2.0]
         return state
 
@@ -65,8 +67,8 @@ class Tick:
         return np.abs(np.linalg.eigvals(np.column_stack(columns))).max()
 
     def bound(self, state):
-        jaw = self.world["jaw"]
-        own = fastest_rate(jaw, self.world["muscles"], tuple(float(v) for v in state[:5]))
+        jaw = self.world["truth"]["jaw"]
+        own = fastest_rate(jaw, self.world["truth"]["muscles"], tuple(float(v) for v in state[:5]))
         return held_rate(self.device, jaw, self.trajectory, self.governed(state)[1], own)
 
 
@@ -78,7 +80,7 @@ def test_no_mode_is_faster_than_the_bound(control, rng):
     """
     tick, shares = Tick(control), {}
     for _ in range(90):
-        state = tick.world["state"].copy()
+        state = tick.world["truth"]["state"].copy()
         state[:5] += rng.uniform(0.0, 1.0, 5) * [3e-3, 5e-3, 0.3, 0.05, 0.05] * rng.choice([0.1, 1.0])
         state[5:] += rng.normal(size=5) * [0.05, 0.05, 1.0, 1.0, 1.0] * rng.choice([0.05, 1.0])
         acted = tick.governed(state)[1]
@@ -95,7 +97,7 @@ def test_no_mode_is_faster_than_the_bound(control, rng):
 def test_each_part_of_the_governor_adds_to_the_rate():
     """The cap adds nothing; servos do where there are any; of springs and dampers the faster counts."""
     tick = Tick("force")
-    jaw, device = tick.world["jaw"], tick.device
+    jaw, device = tick.world["truth"]["jaw"], tick.device
 
     def rate(acted, trajectory=0, free_rate=0.0):
         return held_rate(device, jaw, np.uint8(trajectory), acted, free_rate)
@@ -121,12 +123,12 @@ def test_a_tick_in_which_the_brake_works_is_resolved(control, rng):
         start = tick.hurried(rng)
         fine = tick.path(start)[-1]
         for name in apart:
-            tick.world["state"] = start
+            tick.world["truth"]["state"] = start
             if name == "taken":
                 assert midline_tick(tick.device, tick.world, tick.scratch, tick.settings) >= BRAKED
             else:
                 midline_steps(tick.device, tick.world, tick.scratch, tick.settings, SUBSTEPS)
-            apart[name] = max(apart[name], np.abs(tick.world["state"] - fine)[2:5].max())
+            apart[name] = max(apart[name], np.abs(tick.world["truth"]["state"] - fine)[2:5].max())
     assert apart["taken"] < 1e-4 < apart["usual"], apart
 
 
@@ -138,7 +140,7 @@ def test_the_load_cell_reads_the_mean_of_what_the_brake_does(control, rng):
         tick = Tick(control)
         start = tick.hurried(rng)
         forces = [tick.wrench(state, step * TICK / 64)[0][:3] for step, state in enumerate(tick.path(start))]
-        tick.world["state"] = start
+        tick.world["truth"]["state"] = start
         assert true_motion(tick.device, tick.world, tick.scratch, tick.settings) >= BRAKED
         exact = np.trapezoid(forces, dx=1 / 64, axis=0)
         read = [mean_reading(tick.scratch["wrench"], k) for k in range(3)]

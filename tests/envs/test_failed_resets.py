@@ -29,6 +29,7 @@ def test_a_failed_reset_changes_nothing(env_id, patient, seed):
         env.reset(seed=seed, options={"patient": patient})
     assert env.simulation.worlds.tobytes() == untouched.simulation.worlds.tobytes()
     assert env.simulation.ticks.tobytes() == untouched.simulation.ticks.tobytes()
+    assert env.simulation.paths.tobytes() == untouched.simulation.paths.tobytes()
     assert env.np_random_seed == untouched.np_random_seed == 1
     for _ in range(3):
         for mine, theirs in zip(env.step(ACTION)[:2], untouched.step(ACTION)[:2], strict=True):

@@ -6,7 +6,7 @@ import pytest
 
 import jawenv
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.observation import OBSERVATION_LAYOUT, observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
 ID = "jawenv/Jaw-v2"
@@ -119,23 +119,32 @@ def test_time_left_falls_from_one_to_zero():
     np.testing.assert_allclose(times, np.arange(6) / 10)
 
 
-# What a device knows: its clock, motors and load cell, the clinician's limits, and its own estimate.
-KNOWN = {"key", "tick", "limits", "motors", "reading", "belief"}
-
-
-@pytest.mark.parametrize("control", ["force", "trajectory"])
+@pytest.mark.parametrize("control", ["force", "trajectory", "targets"])
 def test_the_observation_reads_nothing_of_the_truth(control):
     env = gym.make(ID, control=control).unwrapped
     env.reset(seed=0)
     for k in range(10):
         seen, *_ = env.step(swing(k))
-    world = env.simulation.worlds
-    for name in set(world.dtype.names) - KNOWN:
-        world[name] = np.frombuffer(bytes([63]) * world[name].nbytes, dtype=world[name].dtype).reshape(
-            world[name].shape
-        )
-    env.simulation.look()
-    np.testing.assert_array_equal(env.simulation.observation[0], seen)
+    truth = env.simulation.worlds["truth"]
+    truth[:] = np.frombuffer(bytes([63]) * truth.nbytes, dtype=truth.dtype)
+    simulation, row = env.simulation, np.empty_like(seen)
+    settings, scratch = simulation.settings[0], simulation._scratches[0]["seeing"]
+    parts = simulation.worlds[0]["known"], settings["control"], settings["filter"]
+    observe_world(simulation.device[0], simulation.models[0], *parts, scratch, row)
+    np.testing.assert_array_equal(row, seen)
+
+
+def test_a_world_is_what_is_true_and_what_is_known():
+    """The filter is given the second and its rows of readings; neither has a field that only the simulation knows."""
+    simulation = gym.make(ID, record=True).unwrapped.simulation
+    assert simulation.worlds.dtype.names == ("truth", "known")
+    known = set(simulation.worlds["known"].dtype.names)
+    assert known == {"tick", "limits", "motors", "tracker", "reading", "belief", "left_out", "gated"} | {
+        "log_det_prior",
+        "log_det",
+    }
+    assert set(simulation.ticks.dtype.names) == {"measured", "samples", "believed"}
+    assert set(simulation.paths.dtype.names) == {"wrench", "trend", "state"}
 
 
 def test_the_first_observation_shows_the_prior_and_the_resting_jaw():
@@ -158,16 +167,16 @@ def test_the_scales_of_the_observation(control):
     for _ in range(40):
         observation, _, _, _, info = env.step(np.array([0.2, 0.2, 0.1, 0.1], dtype=np.float32))
     part = {name: observation[place] for name, place in OBSERVATION_LAYOUT.items()}
-    world, prior = env.simulation.worlds[0], env.prior
+    known, prior = env.simulation.worlds["known"][0], env.prior
     np.testing.assert_allclose(part["belief_mean"], (info["belief_mean"] - prior.mean) / prior.sd, atol=1e-5)
     np.testing.assert_allclose(part["belief_sd"], np.log10(info["belief_sd"] / prior.sd), atol=1e-5)
     np.testing.assert_allclose(part["pose"] * [0.005, 0.005, 0.25, 0.1, 0.1], info["jaw_state"][:5], atol=5e-3)
-    ranges = [world["limits"][name] for name in ("opening", "side", "fore_aft")]
+    ranges = [known["limits"][name] for name in ("opening", "side", "fore_aft")]
     np.testing.assert_allclose(part["jaw_range"] * [0.03, 0.01, 0.01], ranges, rtol=1e-6)
     assert part["jaw"][0] == pytest.approx(info["comfort_opening"], abs=0.05)
-    np.testing.assert_allclose(part["force"][:3] * 15.0, world["reading"][:3], rtol=1e-6)
+    np.testing.assert_allclose(part["force"][:3] * 15.0, known["reading"][:3], rtol=1e-6)
     assert part["force"][2] < 0.0 < part["force"][0], "opening pushes down, and the motors push forward"
-    np.testing.assert_allclose(part["motor_thrust"] * world_full_scale(env), world["motors"]["thrust"], rtol=1e-6)
+    np.testing.assert_allclose(part["motor_thrust"] * world_full_scale(env), known["motors"]["thrust"], rtol=1e-6)
     assert (part["motor_target"] != 0.0).all() == (control == "trajectory")
     for i, name in enumerate(COMFORT_LIMITS):
         if name != "speed":  # instantaneous here, the largest of the step there

@@ -54,13 +54,13 @@ def test_minutes_leave_the_covariances_symmetric_and_positive_definite(motion, o
     env = gym.make(ID, control="trajectory", episode_s=seconds, track_bound=True, reality=reality)
     env.reset(seed=5001, options=options)
     world, left_out, steps = env.unwrapped.simulation.worlds[0], 0.0, round(20 * seconds)
-    belief = world["belief"]
+    belief = world["known"]["belief"]
     for k in range(steps):
         _, _, terminated, truncated, info = env.step(motion(k))
         assert not terminated
         left_out += info["left_out"] / steps
         if k % 400 == 399:
-            for P in (belief["cov"], belief["motion_cov"], world["bound"][:GAIN, :GAIN]):
+            for P in (belief["cov"], belief["motion_cov"], world["truth"]["bound"][:GAIN, :GAIN]):
                 assert_covariance(P)
             assert np.isfinite(belief["motion"]).all()
             assert (info["belief_sd"] < 1.05 * env.unwrapped.prior.sd).all()

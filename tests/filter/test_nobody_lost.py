@@ -50,7 +50,7 @@ def test_nobody_is_lost(cohort, control):
     refused, active, moved = np.zeros(everybody.worlds), np.ones(everybody.worlds, dtype=bool), 0.0
     for _ in range(round(20 * SECONDS)):
         observation, reward, terminated, truncated, info = env.step(everybody.act())
-        refused += np.where(active, 5.0 * worlds["gated"], 0.0)
+        refused += np.where(active, 5.0 * worlds["known"]["gated"], 0.0)
         active = ~(terminated | truncated)
         assert np.isfinite(observation).all() and np.isfinite(reward).all()
         for name, values in info.items():
@@ -58,7 +58,7 @@ def test_nobody_is_lost(cohort, control):
         moved = max(moved, np.abs(info["jaw_state"][:, 2]).max())
     lost = info["nees"] / 12.0 > 10.0
     assert not lost.any(), dict(zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True))
-    np.testing.assert_allclose(refused, worlds["belief"]["gated"], atol=1e-9)
+    np.testing.assert_allclose(refused, worlds["known"]["belief"]["gated"], atol=1e-9)
     assert (terminated == info["violation"]).all()
     assert moved > 0.1
     assert (info["information_claimed"] > 1.0).all(), "and everybody teaches it something"

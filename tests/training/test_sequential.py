@@ -60,7 +60,7 @@ def test_the_seed_of_the_search_is_not_that_of_the_patients(tmp_path):
 def test_the_tail_is_of_those_who_are_known_least(tmp_path):
     agent = _Designer(SequentialDesign(**{**QUICK.about(), "over": "tail"}), "tail", tmp_path / "log.txt")
     played(agent)
-    potential = -np.log(agent._env.simulation.worlds["belief"]["cov"].diagonal(axis1=1, axis2=2).max(axis=1))
+    potential = -np.log(agent._env.simulation.worlds["known"]["belief"]["cov"].diagonal(axis1=1, axis2=2).max(axis=1))
     assert agent._least_known(np.ones(3, dtype=bool)).tolist() == [int(np.argmin(potential))]
     assert agent._least_known(np.arange(3) != np.argmin(potential)).tolist() != [int(np.argmin(potential))]
 

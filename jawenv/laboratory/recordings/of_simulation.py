@@ -11,9 +11,10 @@ from jawenv.mechanics.dynamics import N_WRENCH
 
 def record_of(simulation: Simulation, index: int) -> Record:
     """What the device of world ``index`` has measured in its present episode; the simulation must keep ticks."""
-    world, ticks, settings = simulation.worlds[index], simulation.ticks[index], simulation.settings["filter"][0]
+    world, settings = simulation.worlds[index], simulation.settings["filter"][0]
     noise_variance = simulation.settings["noise_variance"][0]
-    rows = ticks[: int(world["tick"]) + 1]
+    count = int(world["known"]["tick"]) + 1
+    rows, true = simulation.ticks[index, :count], simulation.paths[index, :count]
     return Record(
         time=np.arange(len(rows), dtype=np.float64) * simulation.tick_s,
         measured=rows["measured"].copy(),
@@ -29,7 +30,7 @@ def record_of(simulation: Simulation, index: int) -> Record:
         parameter_names=simulation.cohort.muscles.parameter_names,
         device=simulation.configuration.build_device(),
         control=simulation.configuration.control,
-        truth=world["log_parameters"].copy(),
-        states=rows["state"].copy(),
-        wrenches=rows["wrench"][1:].copy(),
+        truth=world["truth"]["log_parameters"].copy(),
+        states=true["state"].copy(),
+        wrenches=true["wrench"][1:].copy(),
     )

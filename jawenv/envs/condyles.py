@@ -1,0 +1,91 @@
+"""A jaw on one point or on two condyles: the plant and its rest, chosen from the type of a world.
+
+``truth.body`` has no numbers in a world whose plant is not the one with two condyles. What is then never called is not
+compiled either.
+"""
+
+from __future__ import annotations
+
+from numba.extending import overload
+
+from jawenv.device.motors import mouthpiece_motion
+from jawenv.envs.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
+from jawenv.kernels.compiled import njit, njit_within
+from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
+from jawenv.mechanics.kinematics import rotation, split
+
+# A jaw that rests outside this box is not one that the device can treat.
+REST_OPENING_MAX = 0.035
+REST_SIDE_MAX = 0.005
+
+
+@njit_within
+def either_tick(device, world, scratch, settings):
+    """One tick of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
+    if world.truth.jaw.condyles == 2:
+        return bilateral_tick(device, world, scratch, settings)
+    return midline_tick(device, world, scratch, settings)
+
+
+def plant_tick(device, world, scratch, settings):
+    """``midline_tick``, or ``either_tick`` where the world has a body."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(plant_tick, inline="always")
+def _choose_tick(device, world, scratch, settings):
+    chosen = either_tick if world.typeof("truth").typeof("body").shape[0] else midline_tick
+
+    def call(device, world, scratch, settings):
+        return chosen(device, world, scratch, settings)
+
+    return call
+
+
+@njit
+def true_motion(device, world, scratch, settings):
+    """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
+    acted = plant_tick(device, world, scratch, settings)
+    return max(acted, end_motion(device, world, scratch, settings.control.servo))
+
+
+@njit
+def rest_on_two_condyles(truth, limits, scratch):
+    """Move the jaw from the midline model's rest to that on two condyles; False when it does not rest in reach.
+
+    The limits keep their widths, and are counted from the new pose of rest.
+    """
+    jaw = truth.jaw
+    put_on_fossa(jaw, truth.state, truth.body)
+    no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if not settle_bilateral(jaw, truth.muscles, no_wrench, truth.body, scratch.body_matrix, scratch.body_right):
+        return False
+    take_body(truth)
+    q, u = split(truth.state)
+    place, _ = mouthpiece_motion(jaw, q, u, lift_of(truth), rotation(q))
+    limits.rest_opening = jaw.mouthpiece[2] - place[2]
+    limits.rest_side = place[1]
+    limits.rest_condyle_side = q[1]
+    limits.path[0] = place[0]
+    return limits.rest_opening <= REST_OPENING_MAX and abs(limits.rest_side) <= REST_SIDE_MAX
+
+
+@njit_within
+def rest_on_one_point(truth, limits, scratch):
+    """The midline model's rest is the plant's own."""
+    return True
+
+
+def rest_on_condyles(truth, limits, scratch):
+    """``rest_on_one_point``, or ``rest_on_two_condyles`` where the world has a body."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(rest_on_condyles, inline="always")
+def _choose_rest(truth, limits, scratch):
+    chosen = rest_on_two_condyles if truth.typeof("body").shape[0] else rest_on_one_point
+
+    def call(truth, limits, scratch):
+        return chosen(truth, limits, scratch)
+
+    return call
