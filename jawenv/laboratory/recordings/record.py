@@ -104,7 +104,7 @@ class Record:
 
     @property
     def noise_variance(self) -> Array:
-        """(12,) variance of the wrench not known, as ``jawenv.filter.joint_step`` has it: constant over a tick, and tilting."""
+        """(12,) variance of the wrench not known, as ``joint_step`` has it: constant over a tick, and tilting."""
         return np.concatenate([self.wrench_sd**2, self.cell_sd**2])
 
     def until(self, seconds: float) -> Record:
