@@ -19,7 +19,7 @@ from agents.following import Following
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.playing.agents import BatchAgent, Listener
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import goals_of
@@ -231,6 +231,5 @@ def save_maneuver(maneuver: Maneuver, path: Path) -> Path:
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
     text = yaml.safe_dump(maneuver.model_dump(mode="json"), sort_keys=False, default_flow_style=None, width=120)
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
+    write_text(path, text)
     return path

@@ -8,15 +8,15 @@ from typing import Annotated, cast
 
 import typer
 
+from eval import options
 from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
-from eval.options import Cohort, Control, Fresh, Output, Seed, Sensors, Trust
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
-from jawenv.errors import InputError, out_of_memory
+from jawenv.errors import InputError
 from jawenv.seeds import REPORTS
-from training.help import Commands
+from training.help import Commands, run
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
@@ -53,18 +53,18 @@ def play_command(
     env: Annotated[
         str | None, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = None,
-    cohort: Cohort = "trismus",
+    cohort: options.Cohort = "trismus",
     patient: Annotated[
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
     ] = None,
-    seed: Seed = REPORTS[0].start,
-    control: Control = DEFAULT_CONTROL,
-    sensors: Sensors = "pose",
+    seed: options.Seed = REPORTS[0].start,
+    control: options.Control = DEFAULT_CONTROL,
+    sensors: options.Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of the episode, s.", metavar="S")] = 30.0,
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
-    trust: Trust = False,
+    trust: options.Trust = False,
 ) -> None:
     """Show one episode in a window, or write it as a film."""
     if video is None:
@@ -92,12 +92,12 @@ def study_command(
     output: Annotated[
         Path | None, typer.Option(help="Folder of the results; runs/study/NAME by default.", metavar="FOLDER")
     ] = None,
-    fresh: Fresh = False,
+    fresh: options.Fresh = False,
     workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
     backend: Annotated[
         str, typer.Option(help="loky, this machine; ray, the cluster that RAY_ADDRESS names.", metavar="NAME")
     ] = "loky",
-    trust: Trust = False,
+    trust: options.Trust = False,
 ) -> None:
     """Play a study's file: every entry under every setting on the same patients, on all cores (docs/studies.md).
 
@@ -114,8 +114,8 @@ def study_command(
         raise InputError(f"study: none given; allowed: {', '.join(design.shipped())}, or a file")
     else:
         console = terminal()
-        run = Run(fresh, workers, cast(Backend, backend), console)
-        command.study(study, patients, output, run, typed(), console, trust)
+        how = Run(fresh, workers, cast(Backend, backend), console)
+        command.study(study, patients, output, how, typed(), console, trust)
 
 
 @app.command("thesis")
@@ -125,8 +125,8 @@ def thesis_command(
         list[str] | None, typer.Option(help="One result by its name, as ekf_sides; may be repeated.", metavar="ITEM")
     ] = None,
     seed: Annotated[int, typer.Option(help="Of all draws.", metavar="N")] = 0,
-    output: Output = Path("runs/thesis"),
-    fresh: Fresh = False,
+    output: options.Output = Path("runs/thesis"),
+    fresh: options.Fresh = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="Short episodes and few cases, to try it out; at most 4 draws.")
     ] = False,
@@ -155,18 +155,7 @@ def main(arguments: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 done, 2 unusable input, 130 interrupted.
     """
-    if arguments is None:
-        arguments = sys.argv[1:]
-    try:
-        code = int(app(arguments or ["--help"], prog_name="python -m eval", standalone_mode=False) or 0)
-        if code == INTERRUPTED:  # typer catches Ctrl-C itself
-            print("interrupted: what is finished is kept, the same command goes on from there", file=sys.stderr)
-        return code
-    except InputError as error:
-        message = str(error)
-    except MemoryError as error:
-        message = f"{out_of_memory(error)}; fewer patients, or shorter episodes, need less"
-    except typer.TyperException as error:
-        message = error.format_message()
-    print(f"error: {' '.join(message.split())}", file=sys.stderr)
-    return 2
+    code = run(app, "python -m eval", arguments, "fewer patients, or shorter episodes,")
+    if code == INTERRUPTED:  # typer catches Ctrl-C itself
+        print("interrupted: what is finished is kept, the same command goes on from there", file=sys.stderr)
+    return code

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +32,15 @@ class Interval:
     def known(self) -> bool:
         """Whether there is an interval: it takes two patients."""
         return not (np.isnan(self.low) or np.isnan(self.high))
+
+    @classmethod
+    def of(cls, row: Any, name: str) -> Interval:
+        """From the columns of `columns`."""
+        return cls(row[name], row[f"{name}_low"], row[f"{name}_high"])
+
+    def columns(self, name: str) -> dict[str, float]:
+        """As columns of a table: ``name``, and with ``_low`` and ``_high`` behind it the ends."""
+        return {name: self.value, f"{name}_low": self.low, f"{name}_high": self.high}
 
     def overlaps(self, other: Interval) -> bool:
         """Whether the two intervals share a value."""

@@ -6,7 +6,9 @@ import os
 import shlex
 import sys
 
+from rich import box
 from rich.console import Console
+from rich.table import Table
 
 
 class _Terminal(Console):
@@ -26,3 +28,8 @@ def terminal() -> Console:
 def typed() -> str:
     """The command as it was given, for the results."""
     return shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+
+
+def printed_table(title: str = "") -> Table:
+    """A table without columns as yet, below a bold title."""
+    return Table(title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)

@@ -30,6 +30,7 @@ __all__ = [
     "read_model",
     "validate",
     "write_json",
+    "write_text",
 ]
 
 Source: TypeAlias = Mapping[str, Any] | str | os.PathLike[str]
@@ -208,6 +209,16 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
             unfinished.unlink()
 
 
+def write_text(path: Path, text: str) -> None:
+    """Write a text, wholly or not at all.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
 def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
     """Write a model as JSON, wholly or not at all.
 
@@ -217,8 +228,7 @@ def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
     path = Path(path)
     if path.suffix.lower() != ".json":
         raise InputError(f"{path}: is written as JSON, its name must end in .json")
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(model.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    write_text(path, model.model_dump_json(indent=2) + "\n")
 
 
 def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

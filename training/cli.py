@@ -10,32 +10,10 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from jawenv.errors import InputError, out_of_memory
-from training.help import Commands
-from training.options import (
-    Cohort,
-    Config,
-    Continue,
-    Control,
-    Device,
-    Environment,
-    Figure,
-    Output,
-    Overwrite,
-    ResidualOn,
-    Resume,
-    Reward,
-    Runs,
-    Seed,
-    Seeds,
-    Steps,
-    Storage,
-    Study,
-    TargetDiscomfort,
-    Trials,
-    Worlds,
-    configured,
-)
+from jawenv.errors import InputError
+from training import options
+from training.help import Commands, run
+from training.options import configured
 from training.search.design_command import design
 from training.search.distill_command import distill
 from training.search.optimise_command import optimise
@@ -59,22 +37,22 @@ def _root() -> None:
 
 @app.command("train")
 def train(
-    config: Config = None,
-    env: Environment = None,
-    residual_on: ResidualOn = None,
-    control: Control = None,
-    cohort: Cohort = None,
-    reward: Reward = None,
-    target_discomfort: TargetDiscomfort = None,
-    output: Output = None,
-    steps: Steps = None,
-    seed: Seed = None,
-    seeds: Seeds = None,
-    n_envs: Worlds = None,
-    device: Device = None,
-    resume: Resume = None,
-    continue_: Continue = False,
-    overwrite: Overwrite = False,
+    config: options.Config = None,
+    env: options.Environment = None,
+    residual_on: options.ResidualOn = None,
+    control: options.Control = None,
+    cohort: options.Cohort = None,
+    reward: options.Reward = None,
+    target_discomfort: options.TargetDiscomfort = None,
+    output: options.Output = None,
+    steps: options.Steps = None,
+    seed: options.Seed = None,
+    seeds: options.Seeds = None,
+    n_envs: options.Worlds = None,
+    device: options.Device = None,
+    resume: options.Resume = None,
+    continue_: options.Continue = False,
+    overwrite: options.Overwrite = False,
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
@@ -123,7 +101,7 @@ def train(
 
 
 @app.command("plot")
-def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
+def plot(runs: options.Runs, output: options.Figure = Path("runs/learning_curves.png")) -> int:
     """Draw learning curves: worst sd and discomfort over steps, mean and 95 % interval over seeds."""
     from training.run.plot import draw
 
@@ -133,14 +111,14 @@ def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
 
 @app.command("tune")
 def tune(
-    config: Config = None,
-    trials: Trials = 20,
-    storage: Storage = "sqlite:///runs/tune.db",
-    study: Study = None,
-    env: Environment = None,
-    residual_on: ResidualOn = None,
-    steps: Steps = None,
-    output: Output = None,
+    config: options.Config = None,
+    trials: options.Trials = 20,
+    storage: options.Storage = "sqlite:///runs/tune.db",
+    study: options.Study = None,
+    env: options.Environment = None,
+    residual_on: options.ResidualOn = None,
+    steps: options.Steps = None,
+    output: options.Output = None,
 ) -> int:
     """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
     from training.run.tune import search
@@ -183,15 +161,4 @@ def main(arguments: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 done, 2 unusable input, 130 stopped by a signal.
     """
-    if arguments is None:
-        arguments = sys.argv[1:]
-    try:
-        return int(app(arguments or ["--help"], prog_name="python -m training", standalone_mode=False) or 0)
-    except InputError as error:
-        message = str(error)
-    except MemoryError as error:
-        message = f"{out_of_memory(error)}; fewer worlds (--n-envs), or a smaller buffer, need less"
-    except typer.TyperException as error:
-        message = error.format_message()
-    print(f"error: {' '.join(message.split())}", file=sys.stderr)
-    return 2
+    return run(app, "python -m training", arguments, "fewer worlds (--n-envs), or a smaller buffer,")

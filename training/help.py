@@ -1,10 +1,14 @@
-"""Help of the commands: a flag is shown without a value, which it does not take."""
+"""How commands are run, and their help: a flag is shown without a value, which it does not take."""
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
+import typer
 from typer.core import TyperGroup, TyperOption
+
+from jawenv.errors import InputError, out_of_memory
 
 
 class Commands(TyperGroup):
@@ -27,3 +31,29 @@ def _without_values(params: list[Any]) -> list[Any]:
         if isinstance(param, TyperOption) and param.is_bool_flag:
             param.metavar = ""
     return params
+
+
+def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: str) -> int:
+    """Run a command line, and say what is wrong with it in one line.
+
+    Args:
+        app: the commands.
+        name: of the program.
+        arguments: those of this process by default.
+        less_memory: what needs less, where memory does not suffice.
+
+    Returns:
+        Exit code: 0 done, 2 unusable input, 130 interrupted.
+    """
+    if arguments is None:
+        arguments = sys.argv[1:]
+    try:
+        return int(app(arguments or ["--help"], prog_name=name, standalone_mode=False) or 0)
+    except InputError as error:
+        message = str(error)
+    except MemoryError as error:
+        message = f"{out_of_memory(error)}; {less_memory} need less"
+    except typer.TyperException as error:
+        message = error.format_message()
+    print(f"error: {' '.join(message.split())}", file=sys.stderr)
+    return 2

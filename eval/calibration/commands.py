@@ -8,31 +8,17 @@ from typing import Annotated
 
 import typer
 
-from eval.options import (
-    ENTRIES,
-    Believed,
-    Changes,
-    Cohort,
-    Control,
-    Effects,
-    Fresh,
-    Output,
-    Patients,
-    Seed,
-    Sensors,
-    Trust,
-    settings_of,
-)
+from eval import options
 from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.seeds import REPORTS
 
 
 def calibrate_command(
     entries: Annotated[
-        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=ENTRIES)
+        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)
     ] = None,
     filters: Annotated[
         str,
@@ -42,23 +28,23 @@ def calibrate_command(
             metavar="NAME,...",
         ),
     ] = "tension",
-    patients: Patients = 200,
-    seed: Seed = REPORTS[0].start,
-    cohort: Cohort = "trismus",
-    control: Control = DEFAULT_CONTROL,
-    sensors: Sensors = "pose",
+    patients: options.Patients = 200,
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    control: options.Control = DEFAULT_CONTROL,
+    sensors: options.Sensors = "pose",
     env: Annotated[
         str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",
-    reality: Effects = None,
-    device: Changes = None,
-    estimator: Believed = None,
-    output: Output = Path("runs/calibrate"),
-    fresh: Fresh = False,
-    trust: Trust = False,
+    reality: options.Effects = None,
+    device: options.Changes = None,
+    estimator: options.Believed = None,
+    output: options.Output = Path("runs/calibrate"),
+    fresh: options.Fresh = False,
+    trust: options.Trust = False,
 ) -> None:
     """Say whether filters are honest: whether the truth lies where they claim, on all cores.
 
@@ -71,15 +57,16 @@ def calibrate_command(
     from eval.kept.tables import made_with, write_table
 
     moments = tuple(_seconds(text) for text in times.split(","))
-    settings = settings_of(patients, cohort, seed, control, sensors, moments[-1], env, reality, device, estimator)
+    settings = options.settings_of(
+        patients, cohort, seed, control, sensors, moments[-1], env, reality, device, estimator
+    )
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)
     table, about = summary.summarise(rows), made_with(typed(), calibration=asdict(wanted))
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)
-    with atomic_write(output / "calibration.md") as unfinished:
-        unfinished.write_text(summary.markdown(table, f"`{typed()}`"), encoding="utf-8")
+    write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))
     summary.show(table, console)
     console.print(
         f"table:   {output / 'calibration.md'}\n"

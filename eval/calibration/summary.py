@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
-from rich import box
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from eval import statistics
 from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
 from eval.report import words
 from eval.statistics import Interval
+from eval.terminal import printed_table
 from jawenv.metrics import nees_band
 
 NOTHING = Interval(float("nan"), float("nan"), float("nan"))
@@ -72,7 +73,7 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
     known = number > 0 and np.isfinite(bound).all()
     intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else NOTHING
     for key, interval in intervals.items():
-        figures |= {key: interval.value, f"{key}_low": interval.low, f"{key}_high": interval.high}
+        figures |= interval.columns(key)
     low, high = nees_band(number, size) if number else (float("nan"), float("nan"))
     figures |= {"honest_low": low / size, "honest_high": high / size}
     figures |= {f"inside_{sigmas}": judged[f"inside_{sigmas}"].mean() if number else float("nan") for sigmas in SIGMAS}
@@ -82,27 +83,22 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
 
 def cells(row: pd.Series) -> list[str]:
     """A row's figures in the order of ``COLUMNS``, each with its interval."""
-    interval = {key: Interval(row[key], row[f"{key}_low"], row[f"{key}_high"]) for key in _WITH_ENDS}
+    interval = {key: Interval.of(row, key) for key in _WITH_ENDS}
     return [
         words.label(row["entry"]),
         row["filter"],
         f"{row['time_s']:g}",
         str(row["patients"]),
-        _with_interval(interval["nees_per_parameter"], 2),
+        words.with_interval(interval["nees_per_parameter"], 2),
         words.interval(Interval(1.0, row["honest_low"], row["honest_high"]), 2) or words.NOTHING,
         " / ".join(words.percent(row[f"inside_{sigmas}"]) for sigmas in SIGMAS),
-        _with_interval(interval["claimed"], 1),
-        _with_interval(interval["true"], 1),
-        _with_interval(interval["gap"], 1),
-        _with_interval(interval["rmse_over_bound"], 2),
+        words.with_interval(interval["claimed"], 1),
+        words.with_interval(interval["true"], 1),
+        words.with_interval(interval["gap"], 1),
+        words.with_interval(interval["rmse_over_bound"], 2),
         str(row[ENDED]),
         str(row[DIVERGED]),
     ]
-
-
-def _with_interval(interval: Interval, digits: int) -> str:
-    ends = words.interval(interval, digits)
-    return words.number(interval.value, digits) + (f" ({ends})" if ends else "")
 
 
 def show(table: pd.DataFrame, console: Console) -> None:
@@ -120,16 +116,10 @@ def show(table: pd.DataFrame, console: Console) -> None:
         "ended/\ndiverged",
     )
     for entry, rows in table.groupby("entry", sort=False):
-        printed = Table(
-            title=words.label(str(entry)),
-            title_justify="left",
-            title_style="bold",
-            box=box.SIMPLE_HEAD,
-            pad_edge=False,
-        )
+        printed = printed_table(words.label(str(entry)))
         for head in heads:
             printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
-        for _, row in rows.iterrows():
+        for row in _rows(rows):
             texts = cells(row)
             nees, *rest = (_two_lines(texts[i]) for i in (4, 8, 9, 10))
             nees.stylize(_colour(row))
@@ -155,14 +145,8 @@ def _two_lines(cell: str) -> Text:
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
     """A summary as a Markdown table, below a line that says what it was made with."""
-    left = 2
-    lines = [
-        lead,
-        "",
-        "| " + " | ".join(COLUMNS) + " |",
-        "|" + "|".join("---" if i < left else "--:" for i in range(len(COLUMNS))) + "|",
-        *("| " + " | ".join(cells(row)) + " |" for _, row in table.iterrows()),
-        "",
-        NOTE,
-    ]
-    return "\n".join(lines) + "\n"
+    return "\n".join([lead, "", words.table(COLUMNS, map(cells, _rows(table)), (0, 1)), "", NOTE]) + "\n"
+
+
+def _rows(table: pd.DataFrame) -> Iterator[pd.Series]:
+    return (row for _, row in table.iterrows())

@@ -8,24 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from eval.options import (
-    ENTRIES,
-    Believed,
-    Changes,
-    Cohort,
-    Control,
-    Effects,
-    Fresh,
-    LargestDiscomfort,
-    LargestViolation,
-    Output,
-    Patients,
-    Reference,
-    Seed,
-    Sensors,
-    Trust,
-    settings_of,
-)
+from eval import options
 from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
@@ -40,7 +23,7 @@ if TYPE_CHECKING:
 def compare_command(
     entries: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=ENTRIES),
+        typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES),
     ] = None,
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
@@ -52,18 +35,18 @@ def compare_command(
             metavar="NAME",
         ),
     ] = None,
-    patients: Patients = 64,
-    cohort: Cohort = "trismus",
-    seed: Seed = REPORTS[0].start,
-    control: Control = DEFAULT_CONTROL,
-    sensors: Sensors = "pose",
+    patients: options.Patients = 64,
+    cohort: options.Cohort = "trismus",
+    seed: options.Seed = REPORTS[0].start,
+    control: options.Control = DEFAULT_CONTROL,
+    sensors: options.Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
-    reality: Effects = None,
-    device: Changes = None,
-    estimator: Believed = None,
-    reference: Reference = None,
-    largest_discomfort_s: LargestDiscomfort = 0.1,
-    largest_violation: LargestViolation = 0.01,
+    reality: options.Effects = None,
+    device: options.Changes = None,
+    estimator: options.Believed = None,
+    reference: options.Reference = None,
+    largest_discomfort_s: options.LargestDiscomfort = 0.1,
+    largest_violation: options.LargestViolation = 0.01,
     with_replay: Annotated[
         bool,
         typer.Option(
@@ -72,9 +55,9 @@ def compare_command(
             "looking: an entry that adapts to its patient does better.",
         ),
     ] = False,
-    output: Output = Path("runs/compare"),
-    fresh: Fresh = False,
-    trust: Trust = False,
+    output: options.Output = Path("runs/compare"),
+    fresh: options.Fresh = False,
+    trust: options.Trust = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
@@ -88,7 +71,7 @@ def compare_command(
 
     admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = settings_of(
+    settings = options.settings_of(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
     )
     loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
@@ -106,9 +89,9 @@ def compare_command(
 
 def report_command(
     folder: Annotated[Path, typer.Argument(help="Folder of a finished comparison.", metavar="FOLDER")],
-    reference: Reference = None,
-    largest_discomfort_s: LargestDiscomfort = 0.1,
-    largest_violation: LargestViolation = 0.01,
+    reference: options.Reference = None,
+    largest_discomfort_s: options.LargestDiscomfort = 0.1,
+    largest_violation: options.LargestViolation = 0.01,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
@@ -142,15 +125,15 @@ def card_command(
 def replay_command(
     agent: Annotated[str, typer.Argument(metavar="AGENT", help="A planner, a training run or any other entry.")],
     output: Annotated[Path, typer.Option(help="Maneuver file to write.", metavar="FILE.yaml")],
-    patients: Patients = 64,
-    cohort: Cohort = "trismus",
-    seed: Seed = REPLAYS.start,
-    sensors: Sensors = "pose",
+    patients: options.Patients = 64,
+    cohort: options.Cohort = "trismus",
+    seed: options.Seed = REPLAYS.start,
+    sensors: options.Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
     env: Annotated[
         str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
     ] = "Jaw",
-    trust: Trust = False,
+    trust: options.Trust = False,
 ) -> None:
     """Write what an agent does in targets control, averaged over patients, as a maneuver file.
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.playing.agents import Listener
 from jawenv.playing.protocol import Action
 from jawenv.reading import read_bytes
@@ -109,8 +109,7 @@ def save(motions: dict[str, Any], path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(json.dumps(motions, separators=(",", ":")), encoding="utf-8")
+    write_text(path, json.dumps(motions, separators=(",", ":")))
 
 
 def load(path: Path) -> dict[str, Any]:

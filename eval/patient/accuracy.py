@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from eval import statistics
 from eval.comparison.results import Results
 from eval.report import words
 from eval.statistics import Interval
+from eval.terminal import printed_table
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 
 Mask = NDArray[np.bool_]
@@ -73,7 +72,7 @@ def _figures(made: Diagnosis, muscles: slice) -> dict[str, object]:
     }
     figures: dict[str, object] = {"raised": int(raised.sum()), "normal": int((~raised).sum())}
     for name, found in shares.items():
-        figures |= {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
+        figures |= found.columns(name)
     return figures
 
 
@@ -85,13 +84,8 @@ def _share(hits: Mask, among: Mask) -> Interval:
 
 def cells(row: pd.Series) -> list[str]:
     """A row's figures: muscle, numbers of raised and normal ones, and every share with its interval."""
-    shares = [Interval(*(100.0 * row[f"{name}{end}"] for end in ("", "_low", "_high"))) for name in SHARES]
-    return [str(row["muscle"]), str(row["raised"]), str(row["normal"]), *(_with_ends(each) for each in shares)]
-
-
-def _with_ends(share: Interval) -> str:
-    ends = words.interval(share)
-    return words.number(share.value) + (f" ({ends})" if ends else "")
+    shares = [words.scaled(Interval.of(row, name), 100.0) for name in SHARES]
+    return [str(row["muscle"]), str(row["raised"]), str(row["normal"]), *map(words.with_interval, shares)]
 
 
 def _heading(row: pd.Series) -> str:
@@ -104,7 +98,7 @@ _COLUMNS = ("muscle", "raised", "normal", *SHARES.values())
 
 def show(table: pd.DataFrame, console: Console) -> None:
     """Print the rows of all muscles together, a line per entry and property."""
-    printed = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    printed = printed_table()
     for column in ("maneuver", "property"):
         printed.add_column(column)
     for column in _COLUMNS[1:]:
@@ -119,10 +113,6 @@ def markdown(table: pd.DataFrame, lead: str) -> str:
     """A Markdown table per entry and property, below a line that says what they were made with."""
     parts = [lead]
     for _, rows in table.groupby(["entry", "property"], sort=False):
-        lines = [
-            "| " + " | ".join(_COLUMNS) + " |",
-            "|---|" + "--:|" * (len(_COLUMNS) - 1),
-            *("| " + " | ".join(cells(row)) + " |" for _, row in rows.iterrows()),
-        ]
-        parts += [f"## {_heading(rows.iloc[0])}", "\n".join(lines)]
+        table_of_rows = words.table(_COLUMNS, (cells(row) for _, row in rows.iterrows()))
+        parts += [f"## {_heading(rows.iloc[0])}", table_of_rows]
     return "\n\n".join([*parts, NOTE]) + "\n"

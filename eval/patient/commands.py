@@ -8,25 +8,12 @@ from typing import Annotated
 
 import typer
 
-from eval.options import (
-    Believed,
-    Changes,
-    Cohort,
-    Control,
-    Effects,
-    Fresh,
-    Output,
-    Patients,
-    Seed,
-    Sensors,
-    Trust,
-    settings_of,
-)
+from eval import options
 from eval.report import words
 from eval.terminal import terminal, typed
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.seeds import REPORTS
 
 
@@ -55,17 +42,17 @@ def patient_command(
     env: Annotated[
         str | None, typer.Option(help="Environment with six muscles: Jaw or JawBilateral.", metavar="NAME")
     ] = None,
-    cohort: Cohort = "trismus",
-    seed: Seed = REPORTS[0].start,
-    control: Control = DEFAULT_CONTROL,
-    sensors: Sensors = "pose",
+    cohort: options.Cohort = "trismus",
+    seed: options.Seed = REPORTS[0].start,
+    control: options.Control = DEFAULT_CONTROL,
+    sensors: options.Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
-    reality: Effects = None,
-    device: Changes = None,
-    estimator: Believed = None,
-    output: Output = Path("runs/patient"),
-    fresh: Fresh = False,
-    trust: Trust = False,
+    reality: options.Effects = None,
+    device: options.Changes = None,
+    estimator: options.Believed = None,
+    output: options.Output = Path("runs/patient"),
+    fresh: options.Fresh = False,
+    trust: options.Trust = False,
 ) -> None:
     """Treat one patient or a few, and write for each a page that says which muscles are stiff and how sure that is.
 
@@ -81,7 +68,7 @@ def patient_command(
     from eval.patient.treatments import Course
 
     plan = Course(treatments, drift)
-    settings = settings_of(
+    settings = options.settings_of(
         1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]), reality, device, estimator
     )
     page.check_env(settings.env)
@@ -108,18 +95,18 @@ def diagnose_command(
     env: Annotated[
         str | None, typer.Option(help="Environment; that of the trained runs by default.", metavar="NAME")
     ] = None,
-    patients: Patients = 200,
-    cohort: Cohort = "one_sided",
-    seed: Seed = REPORTS[0].start,
-    control: Control = DEFAULT_CONTROL,
-    sensors: Sensors = "pose",
+    patients: options.Patients = 200,
+    cohort: options.Cohort = "one_sided",
+    seed: options.Seed = REPORTS[0].start,
+    control: options.Control = DEFAULT_CONTROL,
+    sensors: options.Sensors = "pose",
     episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
-    reality: Effects = None,
-    device: Changes = None,
-    estimator: Believed = None,
-    output: Output = Path("runs/diagnose"),
-    fresh: Fresh = False,
-    trust: Trust = False,
+    reality: options.Effects = None,
+    device: options.Changes = None,
+    estimator: options.Believed = None,
+    output: options.Output = Path("runs/diagnose"),
+    fresh: options.Fresh = False,
+    trust: options.Trust = False,
 ) -> None:
     """Say how often the verdicts of one treatment are right, over a cohort: sensitivity, specificity, and both errors.
 
@@ -134,7 +121,7 @@ def diagnose_command(
     wanted = entries or []
     if not wanted:
         raise InputError("nothing to diagnose with: name a maneuver or a training run")
-    settings = settings_of(
+    settings = options.settings_of(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
     )
     loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), terminal()
@@ -145,8 +132,7 @@ def diagnose_command(
         f"`{typed()}`: {patients} patients of the cohort {words.label(cohort)}, seeds {seed} to "
         f"{seed + patients - 1}, {episode_s:g} s, {control} control."
     )
-    with atomic_write(output / "diagnosis.md") as unfinished:
-        unfinished.write_text(accuracy.markdown(table, lead), encoding="utf-8")
+    write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
     accuracy.show(table, console)
     console.print(accuracy.NOTE, style="dim")
     console.print(f"table:   {output / 'diagnosis.md'}\nresults: {output / 'diagnosis.parquet'}", soft_wrap=True)

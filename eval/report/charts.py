@@ -67,7 +67,9 @@ def information(ranking: Ranking) -> Chart:
     traces = []
     for i, row in enumerate(ranking.rows):
         true, name = row.information_true, words.label(row.entry)
-        hover = f"{name}<br>true {_said(true)} nats<br>claimed {words.number(row.information_claimed.value)}"
+        hover = (
+            f"{name}<br>true {words.with_interval(true)} nats<br>claimed {words.number(row.information_claimed.value)}"
+        )
         below = true.value < floor
         point = _point(ranking, i, max(true.value, floor), i, true, hover)
         if below:
@@ -112,7 +114,7 @@ def differences(study: Results, ranking: Ranking) -> Chart:
         gained = table["information_true"].to_numpy() - reference
         low, high = min(low, float(gained.min())), max(high, float(gained.max()))
         traces.append(_cloud(ranking, i, gained, table["seed"].to_numpy(), "%{x:.1f} nats"))
-        hover = f"{words.label(row.entry)}<br>mean difference {_said(row.difference)} nats"
+        hover = f"{words.label(row.entry)}<br>mean difference {words.with_interval(row.difference)} nats"
         traces.append(_point(ranking, i, row.difference.value, i + _BELOW, row.difference, hover))
     title = f"true information minus that of {words.label(ranking.reference)}, nats"
     return _down(
@@ -126,7 +128,7 @@ def nees(ranking: Ranking) -> Chart:
     """Mean NEES of every entry, with the band of honest filters."""
     traces = []
     for i, row in enumerate(ranking.rows):
-        hover = f"{words.label(row.entry)}<br>mean NEES {_said(row.nees)}: {ranking.calibration(row)}"
+        hover = f"{words.label(row.entry)}<br>mean NEES {words.with_interval(row.nees)}: {ranking.calibration(row)}"
         traces.append(_point(ranking, i, row.nees.value, i, row.nees, hover))
     chart = _down(ranking, traces, {"title": "mean NEES at the end", "type": "log", **_NEES_TICKS})
     chart["layout"]["shapes"] = [_band(ranking, "x")]
@@ -309,11 +311,6 @@ def _band(ranking: Ranking, axis: str) -> Chart:
         "layer": "below",
         "line": {"width": 0},
     }
-
-
-def _said(interval: Interval) -> str:
-    ends = words.interval(interval)
-    return words.number(interval.value) + (f" ({ends})" if ends else "")
 
 
 def _plain(values: Array) -> list[float | None]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -14,6 +13,7 @@ from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S
 from eval.report import verdict, words
 from eval.statistics import Interval
+from eval.terminal import printed_table
 
 _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
 _MEANING = {"honest": "honest", "overconfident": "too small", "cautious": "too large"}
@@ -67,7 +67,7 @@ def show_adaptations(found: tuple[Adaptation, ...], console: Console) -> None:
 
 
 def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = printed_table(title)
     table.add_column("#", justify="right")
     table.add_column("maneuver", min_width=16)
     for column in columns:

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from eval.report import svg, words
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -42,8 +42,7 @@ def write(page: str, path: Path) -> Path:
         The path.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(page, encoding="utf-8")
+    write_text(path, page)
     return path
 
 

@@ -10,7 +10,7 @@ from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.run import play_study
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 
 OUTPUT = Path("runs/study")
 PATIENTS = "patients.parquet"
@@ -49,8 +49,7 @@ def study(
     for each, table in figures.items():
         write_table(table, output / f"{each}.parquet", about)
     page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], wanted, about)
-    with atomic_write(output / "study.md") as unfinished:
-        unfinished.write_text(page, encoding="utf-8")
+    write_text(output / "study.md", page)
     drawing.draw(figures["profiles"], wanted, output / "profiles.svg")
     tables.show(figures["cells"], wanted, console)
     console.print(f"tables:  {output / 'study.md'}\nfigure:  {output / 'profiles.svg'}", soft_wrap=True)

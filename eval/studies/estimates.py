@@ -142,7 +142,7 @@ def _compared(table: pd.DataFrame) -> dict[str, float]:
     for name in ("difference", "probability"):
         values = table[name].to_numpy(dtype=np.float64)
         interval = NOT_KNOWN if np.isnan(values).any() or not len(values) else statistics.mean(values)
-        figures |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
+        figures |= interval.columns(name)
     return figures
 
 

@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from eval.report import words
 from eval.statistics import Interval
@@ -17,6 +15,7 @@ from eval.studies.cells import FACTORS
 from eval.studies.design import Design
 from eval.studies.estimates import ALL
 from eval.studies.metrics import COMPARED, METRICS
+from eval.terminal import printed_table
 
 Rows = list[list[str]]
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
@@ -41,10 +40,8 @@ def _varying(table: pd.DataFrame) -> list[str]:
 
 
 def _cell(value: Interval, metric: str) -> str:
-    shown, digits = METRICS[metric], METRICS[metric].digits
-    scaled = words.scaled(value, shown.scale)
-    ends = words.interval(scaled, digits)
-    return words.number(scaled.value, digits) + (f" ({ends})" if ends else "")
+    shown = METRICS[metric]
+    return words.with_interval(words.scaled(value, shown.scale), shown.digits)
 
 
 def _level(factor: str, level: Any) -> str:
@@ -96,10 +93,9 @@ def of_pairs(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
 
 def _compared(row: Mapping[Any, Any]) -> str:
     """Difference, and probability of improvement where a direction is better."""
-    difference = Interval(row["difference"], row["difference_low"], row["difference_high"])
-    better = Interval(row["probability"], row["probability_low"], row["probability_high"])
-    ends = words.interval(words.scaled(better, 100.0), 0)
-    share = f"better: {words.percent(better.value, 0)} %" + (f" ({ends})" if ends else "")
+    difference = Interval.of(row, "difference")
+    better = Interval.of(row, "probability")
+    share = f"better: {words.with_interval(words.scaled(better, 100.0), 0, ' %')}"
     return _cell(difference, row["metric"]) + ("" if np.isnan(better.value) else f"; {share}")
 
 
@@ -129,13 +125,8 @@ def of_profiles(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
 
 
 def _lines(head: Sequence[str], rows: Rows) -> list[str]:
-    numbers = ["--:" if any(char.isdigit() for row in rows for char in row[i][:2]) else "---" for i in range(len(head))]
-    return [
-        "| " + " | ".join(head) + " |",
-        "|" + "|".join(numbers) + "|",
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
-    ]
+    texts = [i for i in range(len(head)) if not any(char.isdigit() for row in rows for char in row[i][:2])]
+    return [words.table(head, rows, texts), ""]
 
 
 def markdown(
@@ -169,7 +160,7 @@ def markdown(
 def show(cells: pd.DataFrame, design: Design, console: Console) -> None:
     """Print the table of cells, without intervals."""
     head, rows = of_cells(cells, design)
-    table = Table(title=design.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = printed_table(design.title)
     for name in head:
         table.add_column(name.replace(", ", "\n"))
     for row in rows:

@@ -61,10 +61,8 @@ def last(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_interval(estimate: Interval, factor: float = 100.0, unit: str = " %", digits: int = 1) -> str:
-    """A figure with its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
-    scaled = words.scaled(estimate, factor)
-    ends = words.interval(scaled, digits)
-    return f"{words.number(scaled.value, digits)}{unit}" + (f" ({ends})" if ends else "")
+    """A figure with its interval, in another unit."""
+    return words.with_interval(words.scaled(estimate, factor), digits, unit)
 
 
 def of_case(table: pd.DataFrame, case: str, parameter: str | None = None) -> pd.DataFrame:

@@ -21,7 +21,7 @@ from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
 from eval.thesis.item import Finding, Item
 from jawenv.errors import InputError, shown
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.playing.rollout import LARGEST_SEED
 from jawenv.progress import Progress
 
@@ -114,5 +114,4 @@ def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Draws, out
         "settings": asdict(settings),
         **asdict(finding),
     }
-    with atomic_write(output / f"{item.key}.json") as unfinished:
-        unfinished.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
+    write_text(output / f"{item.key}.json", json.dumps(content, indent=2, ensure_ascii=False))

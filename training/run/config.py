@@ -10,7 +10,7 @@ from pydantic import Field, JsonValue, model_validator
 
 from agents.residual import Residual
 from jawenv.errors import InputError
-from jawenv.files import InputModel, atomic_write, read_model, validate
+from jawenv.files import InputModel, read_model, validate, write_text
 from jawenv.seeds import VALIDATION
 from training.run.algorithm_configs import (
     PositiveInt,
@@ -201,8 +201,7 @@ class TrainingConfig(InputModel):
 
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""
-        with atomic_write(path) as unfinished:
-            unfinished.write_text(yaml.safe_dump(self.as_mapping(), sort_keys=False), encoding="utf-8")
+        write_text(path, yaml.safe_dump(self.as_mapping(), sort_keys=False))
 
     @classmethod
     def load(cls, path: Path) -> TrainingConfig:

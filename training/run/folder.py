@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from agents.residual import BASE_FILE
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, read_mapping, write_json
+from jawenv.files import atomic_write, read_mapping, write_json, write_text
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.versions import made_with
 from training.run.config import TrainingConfig
@@ -105,13 +105,13 @@ class RunFolder:
         except OSError as error:
             raise InputError(f"output {self.path}: {error.strerror}") from None
         config.save(self.config_file)
-        _write_text(self.env_file, env_spec + "\n")
+        write_text(self.env_file, env_spec + "\n")
         seeds = {
             "training": config.seed,
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
         }
         repeat = made_with(sessions=[_session(0, world_seed)], seeds=seeds)
-        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+        write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
     def save_base(self, maneuver: Maneuver) -> None:
         """Keep a copy of the maneuver that the policy corrects: its file may change or go."""
@@ -125,7 +125,7 @@ class RunFolder:
             repeat["sessions"].append(_session(from_step, world_seed))
         except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
-        _write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+        write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
     def open(self) -> TrainingConfig:
         """The configuration of the run that this folder holds.
@@ -163,11 +163,6 @@ class RunFolder:
             (path for path in self.checkpoints.iterdir() if _CHECKPOINT.fullmatch(path.name)),
             key=lambda path: int(path.stem.removeprefix("step_")),
         )
-
-
-def _write_text(path: Path, text: str) -> None:
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
 
 
 def _session(from_step: int, world_seed: int) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import yaml
 from rich.console import Console
 
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, read_model, validate
+from jawenv.files import read_model, validate, write_text
 from jawenv.locks import alone
 from jawenv.progress import Progress
 from training.options import Cohort, Config, Output, Overwrite, ResidualOn, Reward, Seed, configured
@@ -103,5 +103,4 @@ def _is_begun(run: RunFolder, wanted: TrainingConfig, settings: Distillation) ->
 
 
 def _save(settings: Distillation, path: Path) -> None:
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(yaml.safe_dump(settings.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+    write_text(path, yaml.safe_dump(settings.model_dump(mode="json"), sort_keys=False))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.reading import LARGEST_DATA, read_text
 
 
@@ -48,8 +48,7 @@ class SearchLog:
             raise InputError(f"{self.path} is of another search ({shown}); allowed: the same settings, or --overwrite")
         rows = [self._row(line, number) for number, line in enumerate(lines, start=2)]
         if whole != text:
-            with atomic_write(self.path) as unfinished:
-                unfinished.write_text(whole, encoding="utf-8")
+            write_text(self.path, whole)
         return rows
 
     def append(self, row: Sequence[float]) -> None:

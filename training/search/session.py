@@ -12,7 +12,7 @@ import yaml
 from rich.console import Console
 
 from jawenv.errors import InputError
-from jawenv.files import atomic_write
+from jawenv.files import write_text
 from jawenv.locks import alone
 from jawenv.progress import Progress
 from training.search.settings import SearchSettings
@@ -131,8 +131,7 @@ def write_found(output: Path, content: dict[str, Any], command: str, design: Sea
     options = [f"--{k.replace('_', '-')} {v}" for k, v in design.about().items() if v != defaults[k]]
     line = " ".join([f"python -m training {command}", f"--output {output.name}", *options])
     text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
-    with atomic_write(output) as unfinished:
-        unfinished.write_text(f"# Found, not made by hand, by\n# {line}\n{text}", encoding="utf-8")
+    write_text(output, f"# Found, not made by hand, by\n# {line}\n{text}")
 
 
 def _search_log(output: Path, overwrite: bool) -> Path:
