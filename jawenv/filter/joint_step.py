@@ -18,7 +18,8 @@ from typing import Any
 
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.functions import sin_cos
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration, plus
+from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
@@ -172,7 +173,7 @@ def between_samples(samples, share):
 @njit_inlined
 def stage_share(part, stage, parts):
     """Share of the whole step at which a stage of a part is evaluated."""
-    return (part + (0.0 if stage == 0 else (1.0 if stage == 3 else 0.5))) / parts
+    return (part + stage_place(stage)) / parts
 
 
 @njit
@@ -192,32 +193,43 @@ def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
 
 
+@njit_within
+def joint_rate(q, u, stage, h, given):
+    """(q', u') at a stage; moves the derivative, too, through the stage."""
+    jaw, muscles, samples, trend, gain, part, parts, scratch = given
+    share = stage_share(part, stage, parts)
+    sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+    rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+    move_derivative(stage, h, scratch)
+    return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration
+
+
+@njit
+def begin_derivative(scratch):
+    """The derivative at the start of a Runge-Kutta step is what the parts before have left."""
+    copy_matrix(scratch.start, scratch.total)
+    copy_matrix(scratch.stage, scratch.total)
+
+
+@njit_inlined
+def move_derivative(stage, h, scratch):
+    """The derivative through a stage, whose rate is ``slope``: as the state in ``runge_kutta_step``."""
+    accumulate(scratch.total, stage_weight(stage, h), scratch.slope)
+    if stage < STAGES - 1:
+        combine(scratch.stage, scratch.start, stage_reach(stage, h), scratch.slope)
+
+
 @njit
 def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
     """As ``propagate``, with the step divided into ``parts``, whatever the state."""
     set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
-        copy_matrix(scratch.start, scratch.total)
-        copy_matrix(scratch.stage, scratch.total)
-        start_q, start_u = split(state)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-        for step in range(4):
-            share = stage_share(part, step, parts)
-            sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
-            rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
-            velocity = (u[0], u[1], rates[0], rates[1], rates[2])
-            weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
-            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
-            accumulate(scratch.total, weight, scratch.slope)
-            if step < 3:
-                reach = h if step == 2 else 0.5 * h
-                q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
-                combine(scratch.stage, scratch.start, reach, scratch.slope)
-        for i in range(5):
-            state[i] = start_q[i] + sum_q[i]
-            state[5 + i] = start_u[i] + sum_u[i]
+        begin_derivative(scratch)
+        q, u = split(state)
+        given = (jaw, muscles, samples, trend, gain, part, parts, scratch)
+        q, u = runge_kutta_step(joint_rate, q, u, h, given)
+        set_state(state, q, u)
 
 
 @njit
