@@ -4,10 +4,10 @@ import newton_euler as twin
 import numpy as np
 import pytest
 import two_condyles
-from jawenv.estimation.online import step
 from scipy.linalg import expm
 
 import jawenv
+from jawenv.filter import motion_step as step
 from jawenv.laboratory.references.numpy_model import fastest_rate, parts_needed, reading_at
 from jawenv.mechanics import build_jaw
 
