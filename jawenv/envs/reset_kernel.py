@@ -7,7 +7,7 @@ import numpy as np
 from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
-from jawenv.envs.information import cholesky_parameters, refresh_information
+from jawenv.envs.information import decompose_parameters, refresh_information
 from jawenv.envs.kept_ticks import keep_tick
 from jawenv.envs.plants import lift_of, take_body, true_state
 from jawenv.envs.step_kernel import clear_step, sense
@@ -173,7 +173,7 @@ def reset_belief(device, model, world, settings, scratch, ticks):
     world.bound[:, :] = np.nan
     if settings.bound:
         prior_covariance(world, settings, world.bound)
-    world.log_det_prior = cholesky_parameters(world.belief.cov, 0, scratch.matrix)
+    world.log_det_prior = decompose_parameters(world.belief.cov, 0, scratch.matrix)
     world.log_det_bound = np.nan
     refresh_information(world, settings, scratch.matrix, scratch.right)
     world.log_score_prior = world.log_score

@@ -12,12 +12,14 @@ from jawenv.filter.joint_step import (
     fill_angle_rate_derivatives,
     move_derivative,
     set_identity,
+    set_jacobian,
     stage_share,
     with_gain,
 )
 from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.linalg import multiply
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
-from jawenv.mechanics.bilateral import N_BODY, midline_pose, split_body
+from jawenv.mechanics.bilateral import midline_pose, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.kinematics import angle_rates
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -35,22 +37,9 @@ def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scr
     omega = (u[3], u[4], u[5])
     pose = midline_pose(q)
     fill_angle_rate_derivatives(pose, omega, scratch.by_angle)
-    stage, slope, by_state, by_angle = scratch.stage, scratch.slope, scratch.by_state, scratch.by_angle
-    columns = slope.shape[1]
-    for i in range(3):
-        a, b = by_angle[i, 0], by_angle[i, 1]
-        c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
-        for j in range(columns):
-            slope[i, j] = stage[6 + i, j]
-            slope[3 + i, j] = a * stage[4, j] + b * stage[5, j] + c * stage[9, j] + d * stage[10, j] + e * stage[11, j]
-    for i in range(6):
-        for j in range(columns):
-            slope[6 + i, j] = 0.0
-        for k in range(0, N_BODY, 4):
-            a, b, c, d = by_state[i, k], by_state[i, k + 1], by_state[i, k + 2], by_state[i, k + 3]
-            for j in range(columns):
-                slope[6 + i, j] += a * stage[k, j] + b * stage[k + 1, j] + c * stage[k + 2, j] + d * stage[k + 3, j]
-    add_inputs(slope, scratch.by_input, trend, tilt)
+    set_jacobian(1.0, scratch.by_state, scratch.by_angle, scratch.jacobian)
+    multiply(scratch.jacobian, scratch.stage, scratch.slope)
+    add_inputs(scratch.slope, scratch.by_input, trend, tilt)
     return angle_rates(pose, omega), acceleration
 
 

@@ -20,7 +20,13 @@ import numpy as np
 from numba.extending import overload
 
 from jawenv.filter.joint_body_step import body_step_parts
-from jawenv.filter.joint_step import between_samples, fill_angle_rate_derivatives, stage_share, step_parts
+from jawenv.filter.joint_step import (
+    between_samples,
+    fill_angle_rate_derivatives,
+    set_jacobian,
+    stage_share,
+    step_parts,
+)
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
@@ -62,21 +68,13 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 @njit
 def set_rates(h, scratch):
     """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
-    rates, by_state, by_wrench, by_angle = scratch.rates, scratch.by_state, scratch.by_wrench, scratch.by_angle
+    rates, by_wrench = scratch.rates, scratch.by_wrench
+    set_jacobian(h, scratch.by_state, scratch.by_angle, rates)
     size = rates.shape[0]
     half = size // 2
-    first = half - 3  # of the angles
-    rates[:, :] = 0.0
-    for i in range(first):
-        rates[i, half + i] = h
-    for i in range(3):
-        rates[first + i, first + 1], rates[first + i, first + 2] = h * by_angle[i, 0], h * by_angle[i, 1]
-        for j in range(3):
-            rates[first + i, half + first + j] = h * by_angle[i, 2 + j]
     for i in range(half):
-        for j in range(size):
-            rates[half + i, j] = h * by_state[i, j]
         for k in range(N_WRENCH):
+            rates[i, size + k] = 0.0
             rates[half + i, size + k] = h * by_wrench[i, k]
 
 

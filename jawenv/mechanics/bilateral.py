@@ -29,11 +29,12 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.runge_kutta import plus
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 from jawenv.mechanics.dynamics import inertia_times
-from jawenv.mechanics.equilibrium import TOLERANCE, solve_in_place
+from jawenv.mechanics.equilibrium import TOLERANCE
 from jawenv.mechanics.forces import capsule_force, carried_forces, smooth_ramp
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 
