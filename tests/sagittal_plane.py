@@ -3,11 +3,11 @@
 import numpy as np
 
 from jawenv.filter.joint_recursion import joint_scratch_dtype
-from jawenv.filter.joint_step import plus
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import fossa, rotation
+from jawenv.mechanics.newton_euler import runge_kutta
 
 LAW = (1.5, 7.0)  # F_o (N) and b of every line: opens by some 24 mm under 5 N at the incisors
 
@@ -42,21 +42,18 @@ def midline_rest(jaw, law=LAW):
 def midline_opening(jaw, seconds, down_at, tick=0.01, step=2.5e-3):
     """(n, 2) x and theta of the midline model after each tick under the force ``down_at(t)`` (N), from rest."""
     x, theta = midline_rest(jaw)
-    q, u = (x, 0.0, theta, 0.0, 0.0), (0.0,) * 5
+    state = np.array([x, 0.0, theta, *np.zeros(7)])
     law, rows, substeps = muscles(), [], round(tick / step)
     for i in range(round(seconds / tick) * substeps):
-        start_q, start_u, sum_q, sum_u = q, u, (0.0,) * 5, (0.0,) * 5
-        for stage in range(4):
-            down = down_at((i + (0.0, 0.5, 0.5, 1.0)[stage]) * step)
-            wrench = (down * np.sin(q[2]), 0.0, -down * np.cos(q[2]), 0.0, 0.0, 0.0)
-            q_rate, u_rate = state_rate(jaw, law, q, u, wrench)
-            weight = step / (6.0, 3.0, 3.0, 6.0)[stage]
-            sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
-            reach = step if stage == 2 else 0.5 * step
-            q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
-        q, u = plus(start_q, 1.0, sum_q), plus(start_u, 1.0, sum_u)
+
+        def rate(since, state, start=i * step):
+            down = down_at(start + since)
+            wrench = (down * np.sin(state[2]), 0.0, -down * np.cos(state[2]), 0.0, 0.0, 0.0)
+            return np.concatenate(state_rate(jaw, law, tuple(state[:5]), tuple(state[5:]), wrench))
+
+        state = runge_kutta(rate, state, step)
         if (i + 1) % substeps == 0:
-            rows.append((q[0], q[2]))
+            rows.append((state[0], state[2]))
     return np.array(rows)
 
 

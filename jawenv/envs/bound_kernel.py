@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from jawenv.envs.information import cholesky_parameters
+from jawenv.envs.information import decompose_parameters
 from jawenv.envs.plants import TICK
 from jawenv.filter.joint_recursion import joint_scratch_dtype, move, predict_covariance, update_covariance
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
@@ -55,7 +55,7 @@ def follow_bound(model, world, settings, scratch, path):
             predict_covariance(truth.bound, settings.noise_variance, joint)
         joint.state[:] = row.state
         update_covariance(model, joint.state, truth.bound, known.measurement_variance, known.used, joint)
-    truth.log_det_bound = cholesky_parameters(truth.bound, joint.state.shape[0], scratch.matrix)
+    truth.log_det_bound = decompose_parameters(truth.bound, joint.state.shape[0], scratch.matrix)
 
 
 @world_kernel(place=1)

@@ -7,46 +7,33 @@ that the belief really holds.
 
 from __future__ import annotations
 
-from math import log, sqrt
-
 import numpy as np
 
+from jawenv.kernels.cholesky import log_det, solve_lower
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose
 
 
 @njit
-def cholesky_parameters(covariance, first, lower):
+def decompose_parameters(covariance, first, factor):
     """Cholesky factor of the parameters' block, which begins at ``first``; its log-determinant, NaN if not PD."""
-    log_det = 0.0
-    size = lower.shape[0]
-    for j in range(size):
-        pivot = covariance[first + j, first + j]
-        for k in range(j):
-            pivot -= lower[j, k] * lower[j, k]
-        if not pivot > 0.0:
-            return np.nan
-        root = sqrt(pivot)
-        lower[j, j] = root
-        log_det += 2.0 * log(root)
-        for i in range(j + 1, size):
-            value = covariance[first + i, first + j]
-            for k in range(j):
-                value -= lower[i, k] * lower[j, k]
-            lower[i, j] = value / root
-    return log_det
+    size = factor.shape[0]
+    for i in range(size):
+        for j in range(i + 1):
+            factor[i, j] = covariance[first + i, first + j]
+    return log_det(factor) if decompose(factor) else np.nan
 
 
 @njit
-def refresh_information(world, lower, whitened):
+def refresh_information(world, factor, whitened):
     """Set log-determinant, NEES and log score of ``world`` from its belief and truth."""
     truth, known = world.truth, world.known
-    known.log_det = cholesky_parameters(known.belief.cov, 0, lower)
+    known.log_det = decompose_parameters(known.belief.cov, 0, factor)
+    for i in range(whitened.shape[0]):
+        whitened[i] = truth.log_parameters[i] - known.belief.mean[i]
+    solve_lower(factor, whitened)
     nees = 0.0
     for i in range(whitened.shape[0]):
-        value = truth.log_parameters[i] - known.belief.mean[i]
-        for k in range(i):
-            value -= lower[i, k] * whitened[k]
-        whitened[i] = value / lower[i, i]
         nees += whitened[i] * whitened[i]
     truth.nees = nees
     truth.log_score = -0.5 * (nees + known.log_det)

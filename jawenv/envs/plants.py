@@ -11,9 +11,10 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import held_rate
 from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
-from jawenv.kernels.compiled import njit, njit_inlined
-from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, plus_six, split_body
-from jawenv.mechanics.dynamics import plus, state_rate
+from jawenv.kernels.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
+from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, split_body
+from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import articular_push
@@ -48,12 +49,36 @@ def plus_wrench(wrench, extra, push):
     )
 
 
-@njit_inlined
-def stage_time(step, stage, h):
-    """Seconds since the tick's start at a stage of a Runge-Kutta step of length ``h``."""
-    if stage == 0:
-        return step * h
-    return step * h + (h if stage == 3 else 0.5 * h)
+@njit_within
+def wrench_at_stage(device, world, scratch, settings, step, stage, h, q, u, lift):
+    """The wrench on the jaw at a stage of a Runge-Kutta step, with what the load cell and the governor have of it."""
+    since = step * h + stage_place(stage) * h
+    wrench, governed = device_wrench(
+        device, world.truth.jaw, world.known.limits, world.known.motors, q, u, lift, since, settings.control.servo
+    )
+    scratch.acted = max(scratch.acted, governed)
+    add_moments(scratch.wrench, wrench, stage_weight(stage, h) / TICK, 2.0 * since / TICK - 1.0)
+    push = (0.0, 0.0, 0.0)
+    if settings.reality.articular_stiffness > 0.0:
+        push = articular_push(settings.reality, world.known.limits, world.truth.jaw, q, lift)
+    return plus_wrench(wrench, scratch.unmodelled, push)
+
+
+@njit_within
+def midline_rate(q, u, stage, h, given):
+    """(q', u') of the midline plant under the device; ``given`` as in ``midline_steps``."""
+    device, world, scratch, settings, step = given
+    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, q, u, lift_of(world.truth))
+    return state_rate(world.truth.jaw, scratch.effective, q, u, total)
+
+
+@njit_within
+def body_rate(q, u, stage, h, given):
+    """(q', u') of the plant with two condyles under the device; ``given`` as in ``bilateral_tick``."""
+    device, world, scratch, settings, step = given
+    middle_q, middle_u, lift, lift_rate = midline_motion(world.truth.jaw, q, u)
+    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, middle_q, middle_u, (lift, lift_rate))
+    return bilateral_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
 @njit
@@ -71,8 +96,7 @@ def midline_tick(device, world, scratch, settings):
     acted = midline_steps(device, world, scratch, settings, parts)
     shorter = parts_of_tick(device, truth.jaw, settings, rate, acted)
     if shorter > parts:
-        for i in range(5):
-            truth.state[i], truth.state[5 + i] = q[i], u[i]
+        set_state(world.truth.state, q, u)
         acted = midline_steps(device, world, scratch, settings, shorter)
     truth.acted = acted
     return acted
@@ -89,65 +113,28 @@ def parts_of_tick(device, jaw, settings, rate, acted):
 @njit
 def midline_steps(device, world, scratch, settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns what of the governor acted."""
-    acted, trajectory = IDLE, settings.control.servo
-    truth, known = world.truth, world.known
     h = TICK / parts
+    scratch.acted = IDLE
     clear_moments(scratch.wrench)
     for step in range(parts):
-        start_q, start_u = split(truth.state)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-        for stage in range(4):
-            since = stage_time(step, stage, h)
-            wrench, governed = device_wrench(
-                device, truth.jaw, known.limits, known.motors, q, u, lift_of(truth), since, trajectory
-            )
-            acted = max(acted, governed)
-            push = articular_push(settings.reality, known.limits, truth.jaw, q, lift_of(truth))
-            total = plus_wrench(wrench, scratch.unmodelled, push)
-            q_rate, u_rate = state_rate(truth.jaw, scratch.effective, q, u, total)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
-            sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
-            reach = h if stage == 2 else 0.5 * h
-            q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)
-        for i in range(5):
-            truth.state[i] = start_q[i] + sum_q[i]
-            truth.state[5 + i] = start_u[i] + sum_u[i]
-    return acted
+        q, u = split(world.truth.state)
+        q, u = runge_kutta_step(midline_rate, q, u, h, (device, world, scratch, settings, step))
+        set_state(world.truth.state, q, u)
+    return scratch.acted
 
 
 @njit
 def bilateral_tick(device, world, scratch, settings):
     """Move the plant with two condyles through one tick; returns what of the governor acted."""
-    acted, trajectory = IDLE, settings.control.servo
-    truth, known = world.truth, world.known
     h = TICK / BODY_SUBSTEPS
+    scratch.acted = IDLE
     clear_moments(scratch.wrench)
     for step in range(BODY_SUBSTEPS):
-        start_q, start_u = split_body(truth.body)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for stage in range(4):
-            since = stage_time(step, stage, h)
-            middle_q, middle_u, lift, lift_rate = midline_motion(truth.jaw, q, u)
-            wrench, governed = device_wrench(
-                device, truth.jaw, known.limits, known.motors, middle_q, middle_u, (lift, lift_rate), since, trajectory
-            )
-            acted = max(acted, governed)
-            push = articular_push(settings.reality, known.limits, truth.jaw, middle_q, (lift, lift_rate))
-            total = plus_wrench(wrench, scratch.unmodelled, push)
-            q_rate, u_rate = bilateral_rate(truth.jaw, scratch.effective, q, u, total)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            add_moments(scratch.wrench, wrench, weight / TICK, 2.0 * since / TICK - 1.0)
-            sum_q, sum_u = plus_six(sum_q, weight, q_rate), plus_six(sum_u, weight, u_rate)
-            reach = h if stage == 2 else 0.5 * h
-            q, u = plus_six(start_q, reach, q_rate), plus_six(start_u, reach, u_rate)
-        for i in range(6):
-            truth.body[i] = start_q[i] + sum_q[i]
-            truth.body[6 + i] = start_u[i] + sum_u[i]
-    take_body(truth)
-    return acted
+        q, u = split_body(world.truth.body)
+        q, u = runge_kutta_step(body_rate, q, u, h, (device, world, scratch, settings, step))
+        set_state(world.truth.body, q, u)
+    take_body(world.truth)
+    return scratch.acted
 
 
 @njit
@@ -155,9 +142,7 @@ def take_body(truth):
     """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
     body_q, body_u = split_body(truth.body)
     q, u, lift, lift_rate = midline_motion(truth.jaw, body_q, body_u)
-    for i in range(5):
-        truth.state[i] = q[i]
-        truth.state[5 + i] = u[i]
+    set_state(truth.state, q, u)
     truth.lift[0], truth.lift[1] = lift, lift_rate
 
 

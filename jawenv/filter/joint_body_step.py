@@ -6,18 +6,20 @@ Discs are stiff: the step is always divided so that the explicit method bears th
 from __future__ import annotations
 
 from jawenv.filter.joint_step import (
-    accumulate,
     add_inputs,
+    begin_derivative,
     between_samples,
-    combine,
-    copy_matrix,
     fill_angle_rate_derivatives,
+    move_derivative,
     set_identity,
+    set_jacobian,
     stage_share,
     with_gain,
 )
 from jawenv.kernels.compiled import njit, njit_within
-from jawenv.mechanics.bilateral import N_BODY, midline_pose, plus_six, split_body
+from jawenv.kernels.linalg import multiply
+from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
+from jawenv.mechanics.bilateral import midline_pose, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.kinematics import angle_rates
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
@@ -35,22 +37,9 @@ def body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scr
     omega = (u[3], u[4], u[5])
     pose = midline_pose(q)
     fill_angle_rate_derivatives(pose, omega, scratch.by_angle)
-    stage, slope, by_state, by_angle = scratch.stage, scratch.slope, scratch.by_state, scratch.by_angle
-    columns = slope.shape[1]
-    for i in range(3):
-        a, b = by_angle[i, 0], by_angle[i, 1]
-        c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
-        for j in range(columns):
-            slope[i, j] = stage[6 + i, j]
-            slope[3 + i, j] = a * stage[4, j] + b * stage[5, j] + c * stage[9, j] + d * stage[10, j] + e * stage[11, j]
-    for i in range(6):
-        for j in range(columns):
-            slope[6 + i, j] = 0.0
-        for k in range(0, N_BODY, 4):
-            a, b, c, d = by_state[i, k], by_state[i, k + 1], by_state[i, k + 2], by_state[i, k + 3]
-            for j in range(columns):
-                slope[6 + i, j] += a * stage[k, j] + b * stage[k + 1, j] + c * stage[k + 2, j] + d * stage[k + 3, j]
-    add_inputs(slope, scratch.by_input, trend, tilt)
+    set_jacobian(1.0, scratch.by_state, scratch.by_angle, scratch.jacobian)
+    multiply(scratch.jacobian, scratch.stage, scratch.slope)
+    add_inputs(scratch.slope, scratch.by_input, trend, tilt)
     return angle_rates(pose, omega), acceleration
 
 
@@ -70,29 +59,25 @@ def propagate_body(jaw, muscles, state, samples, trend, gain, dt, scratch):
     propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, body_step_parts(jaw, muscles, state, dt), scratch)
 
 
+@njit_within
+def joint_body_rate(q, u, stage, h, given):
+    """(q', u') at a stage; moves the derivative, too, through the stage."""
+    jaw, muscles, samples, trend, gain, part, parts, scratch = given
+    share = stage_share(part, stage, parts)
+    sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+    rates, acceleration = body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+    move_derivative(stage, h, scratch)
+    return (u[0], u[1], u[2], rates[0], rates[1], rates[2]), acceleration
+
+
 @njit
 def propagate_body_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
     """As ``propagate_body``, with the step divided into ``parts``, whatever the state."""
     set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
-        copy_matrix(scratch.start, scratch.total)
-        copy_matrix(scratch.stage, scratch.total)
-        start_q, start_u = split_body(state)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for step in range(4):
-            share = stage_share(part, step, parts)
-            sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
-            rates, acceleration = body_rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
-            velocity = (u[0], u[1], u[2], rates[0], rates[1], rates[2])
-            weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
-            sum_q, sum_u = plus_six(sum_q, weight, velocity), plus_six(sum_u, weight, acceleration)
-            accumulate(scratch.total, weight, scratch.slope)
-            if step < 3:
-                reach = h if step == 2 else 0.5 * h
-                q, u = plus_six(start_q, reach, velocity), plus_six(start_u, reach, acceleration)
-                combine(scratch.stage, scratch.start, reach, scratch.slope)
-        for i in range(6):
-            state[i] = start_q[i] + sum_q[i]
-            state[6 + i] = start_u[i] + sum_u[i]
+        begin_derivative(scratch)
+        q, u = split_body(state)
+        given = (jaw, muscles, samples, trend, gain, part, parts, scratch)
+        q, u = runge_kutta_step(joint_body_rate, q, u, h, given)
+        set_state(state, q, u)

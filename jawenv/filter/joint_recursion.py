@@ -11,9 +11,9 @@ gain error g of the load cell (1); 23 in all by default. The sizes come with the
   linear part.
 
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
-bound (Tichavsky, Muravchik & Nehorai 1998). Measurements have independent noise and are taken one by one, which
-equals the joint update to rounding: all are linearised at the predicted mean. The environments' own filter does not
-carry the parameters in its state (``filter.state``).
+bound (Tichavsky, Muravchik & Nehorai 1998). The bound takes all measurements of a tick at once. The reference filters
+take them one by one, which equals that to rounding: their noise is independent, and all are linearised at the predicted
+mean. The environments' own filter does not carry the parameters in its state (``filter.state``).
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from numba.extending import overload
 from jawenv.filter.cell_trend import mean_reading
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.joint_body_step import propagate_body
-from jawenv.filter.joint_step import N_NOISE, propagate, sensitivity_fields
+from jawenv.filter.joint_step import N_NOISE, copy_matrix, propagate, sensitivity_fields
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
@@ -47,8 +48,15 @@ def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_
         *sensitivity_fields(n_muscles, n_lines, n_states),
         ("muscles", "f8", (n_lines, 2)),
         ("state", "f8", (n_states,)),
-        ("product", "f8", (n_states, n_columns)),
+        ("covariance", "f8", (n_filter, n_filter)),
+        ("moved_cov", "f8", (n_states, n_filter)),  # F P
+        ("weighted", "f8", (n_states, n_columns)),  # [F P, G W]
         ("turned", "f8", (n_columns, n_states)),
+        ("next_cov", "f8", (n_states, n_states)),
+        ("turned_rows", "f8", (n_states, N_MEASUREMENTS)),  # H^T
+        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L of the innovations' covariance
+        ("whitened", "f8", (N_MEASUREMENTS, n_filter)),  # L^-1 H P
+        ("gains", "f8", (n_filter, N_MEASUREMENTS)),  # its transpose
         ("row", "f8", (n_states,)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
@@ -63,35 +71,27 @@ def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_
 def predict_covariance(covariance, noise_variance, scratch):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
-    ``noise_variance`` (12) is W's diagonal. Both products share one pass: [F P, G W] times [F, G]^T.
+    ``noise_variance`` (12) is W's diagonal. The motion's block is one product: [F P, G W] times [F, G]^T.
     """
-    total, product, turned = scratch.total, scratch.product, scratch.turned
+    total, weighted, moved = scratch.total, scratch.weighted, scratch.moved_cov
     size, columns, n_states = covariance.shape[0], total.shape[1], total.shape[0]
+    copy_matrix(scratch.covariance, covariance)
+    multiply(total, scratch.covariance, moved)
     for i in range(n_states):
         for j in range(size):
-            product[i, j] = 0.0
-        for k in range(size):
-            factor = total[i, k]
-            for j in range(size):
-                product[i, j] += factor * covariance[k, j]
+            weighted[i, j] = moved[i, j]
+        for k in range(size, columns):
+            weighted[i, k] = total[i, k] * noise_variance[k - size]
         for k in range(columns):
-            turned[k, i] = total[i, k]
-    for i in range(n_states):
-        for j in range(n_states, size):
-            covariance[i, j] = product[i, j]
-            covariance[j, i] = product[i, j]
-        for k in range(N_NOISE):
-            product[i, size + k] = total[i, size + k] * noise_variance[k]
+            scratch.turned[k, i] = total[i, k]
+    multiply(weighted, scratch.turned, scratch.next_cov)
     for i in range(n_states):
         for j in range(n_states):
-            scratch.row[j] = 0.0
-        for k in range(columns):
-            factor = product[i, k]
-            for j in range(n_states):
-                scratch.row[j] += factor * turned[k, j]
-        for j in range(i + 1):
-            covariance[i, j] = scratch.row[j]
-            covariance[j, i] = scratch.row[j]
+            # One of two numbers that differ by rounding, so that P stays symmetric.
+            covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
+        for j in range(n_states, size):
+            covariance[i, j] = moved[i, j]
+            covariance[j, i] = moved[i, j]
 
 
 @njit
@@ -158,9 +158,35 @@ def reduce_covariance(covariance, gain, variance):
 
 @njit
 def update_covariance(jaw, state, covariance, variances, used, scratch):
-    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound."""
+    """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound.
+
+    All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
+    """
     expect(jaw, state, scratch.rows, scratch.expected)
+    rows, factor, whitened, gains = scratch.rows, scratch.factor, scratch.whitened, scratch.gains
+    size, n_states = covariance.shape[0], rows.shape[1]
     for i in range(N_MEASUREMENTS):
-        if used[i]:
-            variance = innovation_variance(covariance, scratch.rows[i], variances[i], scratch.gain)
-            reduce_covariance(covariance, scratch.gain, variance)
+        if not used[i]:
+            rows[i, :] = 0.0
+    copy_matrix(scratch.covariance, covariance)
+    for i in range(n_states):
+        for j in range(size):
+            scratch.moved_cov[i, j] = covariance[i, j]
+    multiply(rows, scratch.moved_cov, whitened)
+    for i in range(N_MEASUREMENTS):
+        for k in range(n_states):
+            scratch.turned_rows[k, i] = rows[i, k]
+    multiply(whitened, scratch.turned_rows, factor)
+    for i in range(N_MEASUREMENTS):
+        factor[i, i] += variances[i] if used[i] else 1.0
+    if not decompose(factor):
+        covariance[:, :] = np.nan
+        return
+    whiten(factor, whitened)
+    for i in range(size):
+        for k in range(N_MEASUREMENTS):
+            gains[i, k] = whitened[k, i]
+    subtract_product(gains, whitened, scratch.covariance)
+    considered = covariance[size - 1, size - 1]
+    copy_matrix(covariance, scratch.covariance)
+    covariance[size - 1, size - 1] = considered

@@ -18,7 +18,9 @@ from typing import Any
 
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.functions import sin_cos
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration, plus
+from jawenv.kernels.linalg import add_scaled, multiply
+from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
 from jawenv.mechanics.kinematics import angle_rates, split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
@@ -39,6 +41,7 @@ def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -
         ("stiffness", "f8", (3, 3, 3)),
         ("pulls", "f8", (n_lines, 7)),
         ("by_angle", "f8", (3, 5)),
+        ("jacobian", "f8", (n_states, n_states)),
         ("start", "f8", (n_states, n_columns)),
         ("stage", "f8", (n_states, n_columns)),
         ("slope", "f8", (n_states, n_columns)),
@@ -69,6 +72,26 @@ def fill_angle_rate_derivatives(q, omega, by_angle):
     by_angle[1, 2], by_angle[1, 3], by_angle[1, 4] = 0.0, sa, ca
     by_angle[2, 0], by_angle[2, 1] = -across / (cp * cp), along * tangent
     by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
+
+
+@njit
+def set_jacobian(h, by_state, by_angle, jacobian):
+    """Into the first n columns of ``jacobian`` (n rows) ``h`` times the derivative of the state's rate by the state.
+
+    ``by_state`` (n / 2, n) is that of the accelerations, ``by_angle`` (3, 5) that of the angles' rates.
+    """
+    half, size = by_state.shape
+    first = half - 3  # of the angles
+    for i in range(half):
+        for j in range(size):
+            jacobian[i, j] = 0.0
+            jacobian[half + i, j] = h * by_state[i, j]
+    for i in range(first):
+        jacobian[i, half + i] = h
+    for i in range(3):
+        jacobian[first + i, first + 1], jacobian[first + i, first + 2] = h * by_angle[i, 0], h * by_angle[i, 1]
+        for j in range(3):
+            jacobian[first + i, half + first + j] = h * by_angle[i, 2 + j]
 
 
 @njit
@@ -115,26 +138,9 @@ def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
     )
     omega = (u[2], u[3], u[4])
     fill_angle_rate_derivatives(q, omega, scratch.by_angle)
-    stage, slope = scratch.stage, scratch.slope
-    by_state, by_input, by_angle = scratch.by_state, scratch.by_input, scratch.by_angle
-    columns = slope.shape[1]
-    for j in range(columns):
-        slope[0, j] = stage[5, j]
-        slope[1, j] = stage[6, j]
-    for i in range(3):
-        a, b = by_angle[i, 0], by_angle[i, 1]
-        c, d, e = by_angle[i, 2], by_angle[i, 3], by_angle[i, 4]
-        for j in range(columns):
-            slope[2 + i, j] = a * stage[3, j] + b * stage[4, j] + c * stage[7, j] + d * stage[8, j] + e * stage[9, j]
-    for i in range(5):
-        # One pass over the columns with all factors in registers: this product is the filter's largest cost.
-        a0, a1, a2, a3, a4 = by_state[i, 0], by_state[i, 1], by_state[i, 2], by_state[i, 3], by_state[i, 4]
-        a5, a6, a7, a8, a9 = by_state[i, 5], by_state[i, 6], by_state[i, 7], by_state[i, 8], by_state[i, 9]
-        for j in range(columns):
-            slope[5 + i, j] = (
-                a0 * stage[0, j] + a1 * stage[1, j] + a2 * stage[2, j] + a3 * stage[3, j] + a4 * stage[4, j]
-            ) + (a5 * stage[5, j] + a6 * stage[6, j] + a7 * stage[7, j] + a8 * stage[8, j] + a9 * stage[9, j])
-    add_inputs(slope, by_input, trend, tilt)
+    set_jacobian(1.0, scratch.by_state, scratch.by_angle, scratch.jacobian)
+    multiply(scratch.jacobian, scratch.stage, scratch.slope)
+    add_inputs(scratch.slope, scratch.by_input, trend, tilt)
     return angle_rates(q, omega), acceleration
 
 
@@ -172,7 +178,7 @@ def between_samples(samples, share):
 @njit_inlined
 def stage_share(part, stage, parts):
     """Share of the whole step at which a stage of a part is evaluated."""
-    return (part + (0.0 if stage == 0 else (1.0 if stage == 3 else 0.5))) / parts
+    return (part + stage_place(stage)) / parts
 
 
 @njit
@@ -192,45 +198,40 @@ def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
     propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
 
 
+@njit_within
+def joint_rate(q, u, stage, h, given):
+    """(q', u') at a stage; moves the derivative, too, through the stage."""
+    jaw, muscles, samples, trend, gain, part, parts, scratch = given
+    share = stage_share(part, stage, parts)
+    sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
+    rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+    move_derivative(stage, h, scratch)
+    return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration
+
+
+@njit
+def begin_derivative(scratch):
+    """The derivative at the start of a Runge-Kutta step is what the parts before have left."""
+    copy_matrix(scratch.start, scratch.total)
+    copy_matrix(scratch.stage, scratch.total)
+
+
+@njit_inlined
+def move_derivative(stage, h, scratch):
+    """The derivative through a stage, whose rate is ``slope``: as the state in ``runge_kutta_step``."""
+    add_scaled(scratch.total, scratch.total, stage_weight(stage, h), scratch.slope)
+    if stage < STAGES - 1:
+        add_scaled(scratch.stage, scratch.start, stage_reach(stage, h), scratch.slope)
+
+
 @njit
 def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
     """As ``propagate``, with the step divided into ``parts``, whatever the state."""
     set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
-        copy_matrix(scratch.start, scratch.total)
-        copy_matrix(scratch.stage, scratch.total)
-        start_q, start_u = split(state)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-        for step in range(4):
-            share = stage_share(part, step, parts)
-            sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
-            rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
-            velocity = (u[0], u[1], rates[0], rates[1], rates[2])
-            weight = h / 3.0 if step == 1 or step == 2 else h / 6.0
-            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
-            accumulate(scratch.total, weight, scratch.slope)
-            if step < 3:
-                reach = h if step == 2 else 0.5 * h
-                q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
-                combine(scratch.stage, scratch.start, reach, scratch.slope)
-        for i in range(5):
-            state[i] = start_q[i] + sum_q[i]
-            state[5 + i] = start_u[i] + sum_u[i]
-
-
-@njit
-def combine(target, start, factor, source):
-    """Target = start + factor * source for three arrays of the same shape."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] = start[i, j] + factor * source[i, j]
-
-
-@njit
-def accumulate(target, factor, source):
-    """Target += factor * source for two arrays of the same shape."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] += factor * source[i, j]
+        begin_derivative(scratch)
+        q, u = split(state)
+        given = (jaw, muscles, samples, trend, gain, part, parts, scratch)
+        q, u = runge_kutta_step(joint_rate, q, u, h, given)
+        set_state(state, q, u)

@@ -20,13 +20,20 @@ import numpy as np
 from numba.extending import overload
 
 from jawenv.filter.joint_body_step import body_step_parts
-from jawenv.filter.joint_step import between_samples, fill_angle_rate_derivatives, stage_share, step_parts
+from jawenv.filter.joint_step import (
+    between_samples,
+    fill_angle_rate_derivatives,
+    set_jacobian,
+    stage_share,
+    step_parts,
+)
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, plus_six, split_body
+from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
+from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
-from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, plus, state_rate
+from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, state_rate
 from jawenv.mechanics.kinematics import angle_rates, split
 
 ORDER = 4  # of the series
@@ -61,21 +68,13 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 @njit
 def set_rates(h, scratch):
     """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
-    rates, by_state, by_wrench, by_angle = scratch.rates, scratch.by_state, scratch.by_wrench, scratch.by_angle
+    rates, by_wrench = scratch.rates, scratch.by_wrench
+    set_jacobian(h, scratch.by_state, scratch.by_angle, rates)
     size = rates.shape[0]
     half = size // 2
-    first = half - 3  # of the angles
-    rates[:, :] = 0.0
-    for i in range(first):
-        rates[i, half + i] = h
-    for i in range(3):
-        rates[first + i, first + 1], rates[first + i, first + 2] = h * by_angle[i, 0], h * by_angle[i, 1]
-        for j in range(3):
-            rates[first + i, half + first + j] = h * by_angle[i, 2 + j]
     for i in range(half):
-        for j in range(size):
-            rates[half + i, j] = h * by_state[i, j]
         for k in range(N_WRENCH):
+            rates[i, size + k] = 0.0
             rates[half + i, size + k] = h * by_wrench[i, k]
 
 
@@ -121,37 +120,49 @@ def is_half_way(part, stage, parts):
 
 
 @njit_within
+def midline_rate(q, u, stage, h, given):
+    """(q', u') of the midline model; half way through the step also the Jacobian, into ``scratch``."""
+    jaw, samples, part, parts, scratch = given
+    sample = between_samples(samples, stage_share(part, stage, parts))
+    if not is_half_way(part, stage, parts):
+        return state_rate(jaw, scratch.muscles, q, u, sample)
+    acceleration = linearise_acceleration(
+        jaw, scratch.muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
+    )
+    omega = (u[2], u[3], u[4])
+    fill_angle_rate_derivatives(q, omega, scratch.by_angle)
+    turning = angle_rates(q, omega)
+    return (u[0], u[1], turning[0], turning[1], turning[2]), acceleration
+
+
+@njit_within
 def midline_step(jaw, motion, samples, dt, scratch):
     """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
-    muscles = scratch.muscles
-    parts = step_parts(jaw, muscles, motion, dt)
+    parts = step_parts(jaw, scratch.muscles, motion, dt)
     h = dt / parts
     for part in range(parts):
-        start_q, start_u = split(motion)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-        for stage in range(4):
-            sample = between_samples(samples, stage_share(part, stage, parts))
-            if is_half_way(part, stage, parts):
-                acceleration = linearise_acceleration(
-                    jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
-                )
-                omega = (u[2], u[3], u[4])
-                fill_angle_rate_derivatives(q, omega, scratch.by_angle)
-                turning = angle_rates(q, omega)
-                velocity = (u[0], u[1], turning[0], turning[1], turning[2])
-            else:
-                velocity, acceleration = state_rate(jaw, muscles, q, u, sample)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            sum_q, sum_u = plus(sum_q, weight, velocity), plus(sum_u, weight, acceleration)
-            reach = h if stage == 2 else 0.5 * h
-            q, u = plus(start_q, reach, velocity), plus(start_u, reach, acceleration)
-        for i in range(5):
-            motion[i] = start_q[i] + sum_q[i]
-            motion[5 + i] = start_u[i] + sum_u[i]
+        q, u = split(motion)
+        q, u = runge_kutta_step(midline_rate, q, u, h, (jaw, samples, part, parts, scratch))
+        set_state(motion, q, u)
     set_part(h, scratch)
     for part in range(parts):
         append_part(part == 0, scratch)
+
+
+@njit_within
+def body_rate(q, u, stage, h, given):
+    """(q', u') of the jaw with two condyles; half way through each part also the Jacobian, into ``scratch``."""
+    jaw, samples, part, parts, scratch = given
+    sample = between_samples(samples, stage_share(part, stage, parts))
+    if stage != 2:
+        return bilateral_rate(jaw, scratch.muscles, q, u, sample)
+    acceleration = linearise_body(
+        jaw, scratch.muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
+    )
+    omega = (u[3], u[4], u[5])
+    fill_angle_rate_derivatives(midline_pose(q), omega, scratch.by_angle)
+    turning = angle_rates(midline_pose(q), omega)
+    return (u[0], u[1], u[2], turning[0], turning[1], turning[2]), acceleration
 
 
 @njit_within
@@ -160,32 +171,12 @@ def body_step(jaw, motion, samples, dt, scratch):
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
     """
-    muscles = scratch.muscles
-    parts = body_step_parts(jaw, muscles, motion, dt)
+    parts = body_step_parts(jaw, scratch.muscles, motion, dt)
     h = dt / parts
     for part in range(parts):
-        start_q, start_u = split_body(motion)
-        q, u = start_q, start_u
-        sum_q, sum_u = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for stage in range(4):
-            sample = between_samples(samples, stage_share(part, stage, parts))
-            if stage == 2:
-                acceleration = linearise_body(
-                    jaw, muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
-                )
-                omega = (u[3], u[4], u[5])
-                fill_angle_rate_derivatives(midline_pose(q), omega, scratch.by_angle)
-                turning = angle_rates(midline_pose(q), omega)
-                velocity = (u[0], u[1], u[2], turning[0], turning[1], turning[2])
-            else:
-                velocity, acceleration = bilateral_rate(jaw, muscles, q, u, sample)
-            weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-            sum_q, sum_u = plus_six(sum_q, weight, velocity), plus_six(sum_u, weight, acceleration)
-            reach = h if stage == 2 else 0.5 * h
-            q, u = plus_six(start_q, reach, velocity), plus_six(start_u, reach, acceleration)
-        for i in range(6):
-            motion[i] = start_q[i] + sum_q[i]
-            motion[6 + i] = start_u[i] + sum_u[i]
+        q, u = split_body(motion)
+        q, u = runge_kutta_step(body_rate, q, u, h, (jaw, samples, part, parts, scratch))
+        set_state(motion, q, u)
         set_part(h, scratch)
         append_part(part == 0, scratch)
 

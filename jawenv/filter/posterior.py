@@ -16,18 +16,19 @@ vanishes and the iteration is Newton's method for the mode.
 from __future__ import annotations
 
 from functools import cache
-from math import isfinite, sqrt
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from jawenv.filter.basis import N_NODES, expand_coefficients
+from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose, whiten
 from jawenv.kernels.records import record_dtype
 
 LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
 NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
-ROUNDING = 1e-13  # of a diagonal entry, below which a pivot counts as zero
 
 
 @cache
@@ -122,25 +123,6 @@ def set_omega(covariance, omega):
 
 
 @njit
-def set_root(matrix, root):
-    """Lower triangular C with C C^T = ``matrix``, which is positive semidefinite up to rounding."""
-    size = matrix.shape[0]
-    for j in range(size):
-        for i in range(size):
-            root[i, j] = 0.0
-        value = matrix[j, j]
-        for k in range(j):
-            value -= root[j, k] * root[j, k]
-        if value > ROUNDING * matrix[j, j]:
-            root[j, j] = sqrt(value)
-            for i in range(j + 1, size):
-                value = matrix[i, j]
-                for k in range(j):
-                    value -= root[i, k] * root[j, k]
-                root[i, j] = value / root[j, j]
-
-
-@njit
 def set_reached(scratch):
     """Y with Y^T Y = E^T (N^-1 + G)^-1 E into ``reached`` (3 m, p), where E picks the first derivatives of T.
 
@@ -165,7 +147,7 @@ def set_reached(scratch):
             factor = root[k, i]
             for j in range(i + 1):
                 system[i, j] += factor * scratch.spread[k, j]
-    if not factor_positive(system):
+    if not decompose(system):
         return False
     for k in range(size):
         for i in range(last // 2):
@@ -174,11 +156,7 @@ def set_reached(scratch):
         for i in range(size):
             value += scratch.spread[i, k] * scratch.pulled[i]
         reached[k, last] = value
-    for i in range(size):
-        for j in range(last + 1):
-            for k in range(i):
-                reached[i, j] -= system[i, k] * reached[k, j]
-            reached[i, j] /= system[i, i]
+    whiten(system, reached)
     return True
 
 
@@ -221,49 +199,6 @@ def set_precision(mean, prior_mean, prior_sd, scratch):
         weight = 1.0 / (prior_sd[i] * prior_sd[i])
         precision[i, i] += weight
         right[i] += weight * (prior_mean[i] - mean[i])
-    return True
-
-
-@njit
-def factor_positive(matrix):
-    """The lower half of ``matrix`` becomes its Cholesky factor; False if it is not positive definite."""
-    for j in range(matrix.shape[0]):
-        for i in range(j, matrix.shape[0]):
-            value = matrix[i, j]
-            for k in range(j):
-                value -= matrix[i, k] * matrix[j, k]
-            if i == j:
-                if not value > 0.0:
-                    return False
-                matrix[j, j] = sqrt(value)
-            else:
-                matrix[i, j] = value / matrix[j, j]
-    return True
-
-
-@njit
-def invert_positive(matrix, inverse):
-    """Inverse of a symmetric positive definite matrix; False if it is not positive definite.
-
-    The lower half of ``matrix`` is overwritten by the inverse of its Cholesky factor.
-    """
-    size = matrix.shape[0]
-    if not factor_positive(matrix):
-        return False
-    for j in range(size):
-        matrix[j, j] = 1.0 / matrix[j, j]
-        for i in range(j + 1, size):
-            value = 0.0
-            for k in range(j, i):
-                value -= matrix[i, k] * matrix[k, j]
-            matrix[i, j] = value / matrix[i, i]
-    for i in range(size):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(i, size):
-                value += matrix[k, i] * matrix[k, j]
-            inverse[i, j] = value
-            inverse[j, i] = value
     return True
 
 

@@ -2,7 +2,8 @@
 
 ``all_lines(array)`` is an index that stands for all rows of a field of a record. Where a kernel is called with it in
 place of a row's number, ``array[i]`` is a ``Lanes``: as many numbers, with the operators, ``sqrt`` and ``exp`` of one.
-So the same kernel serves one line and all of them, and reads like the equation. ``total`` is the sum over the lines.
+So the same kernel serves one line and all of them, and reads like the equation. ``total`` is the sum over the lines; of
+one line it is that line's number.
 """
 
 from __future__ import annotations
@@ -181,6 +182,9 @@ _define_function(math.exp, _exponential)
 
 @intrinsic
 def _total(typing: Any, lanes: Any) -> Any:
+    if isinstance(lanes, types.Float):
+        return lanes(lanes), lambda context, builder, signature, values: values[0]
+
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind, vector = signature.args[0], values[0]
         zero = ir.Constant(_NUMBER, 0.0)
@@ -234,15 +238,19 @@ def _(context: Any) -> Callable[..., Any]:
     return typer
 
 
+def _column(context: Any, builder: Any, kind: Any, index: Any, value: Any) -> list[Any]:
+    """The column of an index [all lines, column] of a matrix; nothing for a vector."""
+    if kind.ndim == 1:
+        return []
+    return [context.cast(builder, builder.extract_value(value, 1), index[1], types.intp)]
+
+
 def _gather(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number of every row; lanes beyond the last row repeat the first."""
     kind, index = signature.args
     result: Lanes = signature.return_type
     array = context.make_array(kind)(context, builder, values[0])
-    columns = []
-    if kind.ndim == 2:
-        column = builder.extract_value(values[1], 1)
-        columns = [context.cast(builder, column, index[1], types.intp)]
+    columns = _column(context, builder, kind, index, values[1])
     vector, first = ir.Constant(ir.VectorType(_NUMBER, result.width), ir.Undefined), None
     for place in range(result.width):
         if place < result.count:
@@ -263,18 +271,21 @@ lower_builtin(operator.getitem, types.Array, AllLines)(_gather)
 def _(context: Any) -> Callable[..., Any]:
     def typer(array: Any, index: Any, value: Any) -> Any:
         rows = _is_rows(array, index)
-        return types.void if rows is not None and isinstance(value, Lanes) and array.ndim == 1 else None
+        return types.void if rows is not None and isinstance(value, Lanes) else None
 
     return typer
 
 
 @lower_builtin(operator.setitem, types.Array, AllLines, Lanes)
+@lower_builtin(operator.setitem, types.Array, types.BaseTuple, Lanes)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number into every row."""
-    kind, rows, _ = signature.args
+    kind, index, lanes = signature.args
     array = context.make_array(kind)(context, builder, values[0])
-    for place in range(rows.count):
-        pointer = cgutils.get_item_pointer(context, builder, kind, array, [ir.Constant(_WHOLE, place)])
+    columns = _column(context, builder, kind, index, values[1])
+    for place in range(lanes.count):
+        where = [ir.Constant(_WHOLE, place), *columns]
+        pointer = cgutils.get_item_pointer(context, builder, kind, array, where)
         builder.store(builder.extract_element(values[2], ir.Constant(_PLACE, place)), pointer)
     return context.get_dummy_value()
 

@@ -5,6 +5,7 @@ and sums go through memory. Here the sizes are read from the types, and each row
 numbers. Sums run in the order of the plain loops. A product and its sum are rounded once (a fused multiply-add).
 
 Arguments are fields of records (their types hold the sizes) of doubles, and do not overlap unless a docstring says so.
+``decompose`` takes any matrix. What else follows from its factor is in ``cholesky``.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from numba.extending import intrinsic
 from jawenv.kernels.compiled import njit
 
 WIDE = 8  # numbers in a vector register
+SUMS = 20  # vectors that a product adds up at once, of 32 registers
 _FLAGS = ("contract",)
 _INDEX, _NUMBER = ir.IntType(64), ir.DoubleType()
 
@@ -123,7 +125,7 @@ def _product(name: str, sums: str) -> Any:
                             value = (builder.fadd if sums == "+" else builder.fsub)(old, value, flags=_FLAGS)
                         out.store(value, first, offset, width)
 
-            _in_groups(builder, out.rows, 2, some_rows)
+            _in_groups(builder, out.rows, max(1, min(4, SUMS // len(out.blocks))), some_rows)
             return context.get_dummy_value()
 
         return types.void(a, b, target), generate
@@ -171,6 +173,28 @@ def _add_squares(typing: Any, rows: Any, target: Any) -> Any:
 
 
 add_squares: Any = intrinsic(_add_squares)
+
+
+def _add_scaled(typing: Any, target: Any, start: Any, factor: Any, source: Any) -> Any:
+    """``target`` = ``start`` + ``factor`` ``source`` for three matrices of one shape; ``start`` may be ``target``."""
+    _checked("add_scaled", (target, start, source), lambda s, t, u: s == t == u)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        kinds, given = signature.args, values
+        out, first, second = (_Matrix(context, builder, kinds[i], given[i]) for i in (0, 1, 3))
+
+        def some_row(row: Any, _: int) -> None:
+            for column, width in out.blocks:
+                term = builder.fmul(_spread(builder, given[2], width), second.vector(row, column, width), flags=_FLAGS)
+                out.store(builder.fadd(first.vector(row, column, width), term, flags=_FLAGS), row, column, width)
+
+        _in_groups(builder, out.rows, 1, some_row)
+        return context.get_dummy_value()
+
+    return types.void(target, start, types.float64, source), generate
+
+
+add_scaled: Any = intrinsic(_add_scaled)
 
 
 def _whiten(typing: Any, factor: Any, rows: Any) -> Any:

@@ -29,10 +29,12 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.runge_kutta import plus
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 from jawenv.mechanics.dynamics import inertia_times
-from jawenv.mechanics.equilibrium import TOLERANCE, solve_in_place
+from jawenv.mechanics.equilibrium import TOLERANCE
 from jawenv.mechanics.forces import capsule_force, carried_forces, smooth_ramp
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 
@@ -145,19 +147,6 @@ def bilateral_rate(jaw, muscles, q, u, wrench):
 
 
 @njit
-def plus_six(a: Six, s: float, b: Six) -> Six:
-    """Sum a + s b of six numbers each."""
-    return (
-        a[0] + s * b[0],
-        a[1] + s * b[1],
-        a[2] + s * b[2],
-        a[3] + s * b[3],
-        a[4] + s * b[4],
-        a[5] + s * b[5],
-    )
-
-
-@njit
 def put_on_fossa(jaw, pose, state):
     """Set ``state`` (12) to the midline model's ``pose`` (x, y, theta, psi, alpha), at rest, discs just touched."""
     state[0], state[1] = pose[0], pose[1]
@@ -189,8 +178,8 @@ def fill_flow_matrix(jaw, muscles, q, wrench, step, matrix):
             NUDGE if j == 4 else 0.0,
             NUDGE if j == 5 else 0.0,
         )
-        ahead = body_acceleration(jaw, muscles, plus_six(q, 1.0, nudge), still, wrench)
-        behind = body_acceleration(jaw, muscles, plus_six(q, -1.0, nudge), still, wrench)
+        ahead = body_acceleration(jaw, muscles, plus(q, 1.0, nudge), still, wrench)
+        behind = body_acceleration(jaw, muscles, plus(q, -1.0, nudge), still, wrench)
         for i in range(6):
             matrix[i, j] = (behind[i] - ahead[i]) / (2.0 * NUDGE)
     # As in ``equilibrium.settle``, the last rows are in body axes and the step is in angles.
@@ -224,7 +213,7 @@ def settle_bilateral(jaw, muscles, wrench, state, matrix, right):
             right[i] = rate[i]
         solve_in_place(matrix, right)
         change = (right[0], right[1], right[2], right[3], right[4], right[5])
-        ahead = plus_six(q, 1.0 / max(1.0, largest_of(change, LONGEST_SHIFT, LONGEST_TURN)), change)
+        ahead = plus(q, 1.0 / max(1.0, largest_of(change, LONGEST_SHIFT, LONGEST_TURN)), change)
         rate_ahead = body_acceleration(jaw, muscles, ahead, still, wrench)
         growth = largest_of(rate_ahead, 1.0, 1.0) / residual
         if growth > 2.0:

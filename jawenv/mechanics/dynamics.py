@@ -111,12 +111,6 @@ def acceleration_kernel(jaw, muscles, q, u, wrench):
 
 
 @njit_inlined
-def plus(a, s, b):
-    """A + s b for tuples of five."""
-    return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2], a[3] + s * b[3], a[4] + s * b[4])
-
-
-@njit_inlined
 def state_rate(jaw, muscles, q, u, wrench):
     """(q', u') as two tuples of five."""
     rates = angle_rates(q, (u[2], u[3], u[4]))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration
@@ -18,30 +19,6 @@ from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
 TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
 MAX_ITERATIONS = 300
 HOLD_STIFFNESS = 20e3  # N/m
-
-
-@njit
-def solve_in_place(matrix, right):
-    """Solve a square system in place by elimination with row pivoting; the solution replaces ``right``."""
-    n = right.shape[0]
-    for k in range(n):
-        pivot = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k]) > abs(matrix[pivot, k]):
-                pivot = i
-        if pivot != k:
-            for j in range(n):
-                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            right[k], right[pivot] = right[pivot], right[k]
-        for i in range(k + 1, n):
-            factor = matrix[i, k] / matrix[k, k]
-            for j in range(k, n):
-                matrix[i, j] -= factor * matrix[k, j]
-            right[i] -= factor * right[k]
-    for k in range(n - 1, -1, -1):
-        for j in range(k + 1, n):
-            right[k] -= matrix[k, j] * right[j]
-        right[k] /= matrix[k, k]
 
 
 @njit

@@ -104,42 +104,45 @@ def clear_stiffness(stiffness):
                 stiffness[m, i, j] = 0.0
 
 
-@njit
+@njit_inlined
 def add_point(stiffness, arm, force):
-    """Add a point force that does not depend on place to N."""
-    along = dot(arm, force)
+    """Add a point force that does not depend on place to N; here and below of one point, or of all lines at once."""
+    along = total(dot(arm, force))
     for i in range(3):
         for j in range(3):
-            stiffness[2, i, j] += arm[i] * force[j]
+            stiffness[2, i, j] += total(arm[i] * force[j])
         stiffness[2, i, i] -= along
 
 
-@njit
+@njit_inlined
 def add_line(stiffness, arm, direction, k):
     """Add the symmetric rank-one stiffness k e e^T at ``arm`` to K, L and N."""
     turn = cross(arm, direction)
+    pull, twist = scale(k, direction), scale(k, turn)
     for i in range(3):
         for j in range(3):
-            stiffness[0, i, j] += k * direction[i] * direction[j]
-            stiffness[1, i, j] += k * turn[i] * direction[j]
-            stiffness[2, i, j] += k * turn[i] * turn[j]
+            stiffness[0, i, j] += total(pull[i] * direction[j])
+            stiffness[1, i, j] += total(twist[i] * direction[j])
+            stiffness[2, i, j] += total(twist[i] * turn[j])
 
 
-@njit
+@njit_inlined
 def add_isotropic(stiffness, arm, k):
     """Add the stiffness k 1 at ``arm`` to K, L and N."""
-    square = dot(arm, arm)
+    lever = scale(k, arm)
+    whole, square = total(k), total(dot(lever, arm))
     for i in range(3):
-        stiffness[0, i, i] += k
+        stiffness[0, i, i] += whole
         for j in range(3):
-            stiffness[2, i, j] -= k * arm[i] * arm[j]
-        stiffness[2, i, i] += k * square
-    stiffness[1, 0, 1] -= k * arm[2]
-    stiffness[1, 0, 2] += k * arm[1]
-    stiffness[1, 1, 0] += k * arm[2]
-    stiffness[1, 1, 2] -= k * arm[0]
-    stiffness[1, 2, 0] -= k * arm[1]
-    stiffness[1, 2, 1] += k * arm[0]
+            stiffness[2, i, j] -= total(lever[i] * arm[j])
+        stiffness[2, i, i] += square
+    x, y, z = totals(lever)
+    stiffness[1, 0, 1] -= z
+    stiffness[1, 0, 2] += y
+    stiffness[1, 1, 0] += z
+    stiffness[1, 1, 2] -= x
+    stiffness[1, 2, 0] -= y
+    stiffness[1, 2, 1] += x
 
 
 @njit
@@ -154,29 +157,29 @@ def carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls
     moment = cross(arm, weight)
     clear_stiffness(stiffness)
     add_point(stiffness, arm, weight)
-    for i in range(muscles.shape[0]):
-        arm, direction, length, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
-        pull = scale(tension, direction)
-        turn = cross(arm, pull)
-        force = add(force, pull)
-        moment = add(moment, turn)
-        add_point(stiffness, arm, pull)
-        across = tension / length
-        add_isotropic(stiffness, arm, -across)
-        add_line(stiffness, arm, direction, across - tension * muscles[i, 1] / jaw.l_o[i])
-        for k in range(3):
-            pulls[i, k] = pull[k]
-            pulls[i, 3 + k] = turn[k]
-        pulls[i, 6] = length / jaw.l_o[i] - 1.0
+    lines = all_lines(jaw.l_o)
+    arm, direction, length, tension = muscle_pull(jaw, muscles, lines, contact, body_to_head)
+    pull = scale(tension, direction)
+    turn = cross(arm, pull)
+    force = add(force, totals(pull))
+    moment = add(moment, totals(turn))
+    across = tension / length
+    add_point(stiffness, arm, pull)
+    add_isotropic(stiffness, arm, -across)
+    add_line(stiffness, arm, direction, across - tension * muscles[lines, 1] / jaw.l_o[lines])
+    for k in range(3):
+        pulls[lines, k] = pull[k]
+        pulls[lines, 3 + k] = turn[k]
+    pulls[lines, 6] = length / jaw.l_o[lines] - 1.0
     for i in range(N_TEETH):
-        arm = apply(body_to_head, row3(jaw.teeth, i))
-        ramp, steepness = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        tooth = apply(body_to_head, row3(jaw.teeth, i))
+        ramp, steepness = smooth_ramp(contact[2] + tooth[2] - jaw.teeth[i, 2], jaw.stop_width)
         if ramp > 0.0:
             push = (0.0, 0.0, -jaw.tooth_stiffness * ramp)
             force = add(force, push)
-            moment = add(moment, cross(arm, push))
-            add_point(stiffness, arm, push)
-            add_line(stiffness, arm, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
+            moment = add(moment, cross(tooth, push))
+            add_point(stiffness, tooth, push)
+            add_line(stiffness, tooth, (0.0, 0.0, 1.0), -jaw.tooth_stiffness * steepness)
     return force, moment
 
 

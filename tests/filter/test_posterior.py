@@ -11,16 +11,15 @@ from jawenv.anatomy import known_muscle_sets
 from jawenv.filter.basis import N_NODES, build_basis, expand_coefficients
 from jawenv.filter.posterior import (
     NEGLIGIBLE,
-    invert_positive,
     posterior_dtype,
     set_bent,
     set_omega,
     set_precision,
-    set_root,
     update_belief,
 )
 from jawenv.filter.state import begin_belief, belief_dtype
 from jawenv.filter.tick import filter_settings_dtype
+from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.mechanics import build_jaw
 
 

@@ -68,7 +68,9 @@ def test_forces_are_those_of_the_midline_model(jaw, x):
 def test_lines_of_one_side_with_twice_the_force_are_both_sides(jaw):
     state = (4e-3, -2e-3, 0.2, 0.0, 0.0, 0.0)
     both = passive_forces(jaw, plane.muscles(), state)
-    np.testing.assert_allclose(passive_forces(jaw, plane.muscles((3.0, 7.0))[:3], state), both, rtol=1e-12)
+    one_sided = plane.muscles((3.0, 7.0))
+    one_sided[3:, 0] = 0.0
+    np.testing.assert_allclose(passive_forces(jaw, one_sided, state), both, rtol=1e-12)
 
 
 def test_it_rests_where_the_midline_model_does(jaw):

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from jawenv.errors import InputError
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.learn import learn
-from jawenv.filter.posterior import factor_positive
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.tick import take_readings
+from jawenv.kernels.cholesky import log_det
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.record_filter import FilterRun
 from jawenv.laboratory.recordings.estimate import Estimate
@@ -199,7 +200,9 @@ def filter_at(run, tick, parameters):
         density -= 0.5 * deviation * deviation
     for _ in range(STEPS):
         learn(belief, settings, scratch.belief)
-    return density + 0.5 * log_det(belief.cov, scratch.belief.posterior.precision)
+    factor = scratch.belief.posterior.precision
+    factor[:, :] = belief.cov
+    return density + 0.5 * log_det(factor) if decompose(factor) else np.nan
 
 
 @njit
@@ -208,16 +211,4 @@ def log_likelihood(update):
     value = 0.0
     for i in range(N_MEASUREMENTS):
         value += log(update.factor[i, i]) - 0.5 * update.whitened_innovation[i] ** 2
-    return value
-
-
-@njit
-def log_det(matrix, factor):
-    """Of a symmetric positive definite matrix; NaN if it is not one. ``factor`` is overwritten."""
-    factor[:, :] = matrix
-    if not factor_positive(factor):
-        return np.nan
-    value = 0.0
-    for i in range(factor.shape[0]):
-        value += 2.0 * log(factor[i, i])
     return value

@@ -27,10 +27,11 @@ from jawenv.filter.joint_recursion import (
     reduce_covariance,
 )
 from jawenv.filter.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
+from jawenv.kernels.cholesky import solve_decomposed
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.equilibrium import solve_in_place
 
 Array = NDArray[np.float64]
 
@@ -236,7 +237,8 @@ def steer(total, missed, wrench_variance, tolerance, wrench, scratch):
             matrix[i, j] = tolerance[i] if i == j else 0.0
             for k in range(N_NOISE):
                 matrix[i, j] += total[i, first + k] * wrench_variance[k] * total[j, first + k]
-    solve_in_place(matrix, right)
+    decompose(matrix)
+    solve_decomposed(matrix, right)
     for k in range(N_NOISE):
         for i in range(n_states):
             wrench[k] += wrench_variance[k] * total[i, first + k] * right[i]
