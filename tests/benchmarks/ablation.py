@@ -1,4 +1,4 @@
-"""What each mechanism of the online filter, and each gentle number of the device, is worth.
+"""What each mechanism of the filter, and each gentle number of the device, is worth.
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-ONLINE = "jawenv.estimation.online."
+FILTER = "jawenv.filter."
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
@@ -48,7 +48,7 @@ ROWS = (
     Row("every window filtered again", {"tick.MOVED": 0.0}),
     Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
     Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
-    Row("series of the second order", {"step.ORDER": 2}),
+    Row("series of the second order", {"motion_step.ORDER": 2}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
@@ -70,7 +70,7 @@ def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient after 30 s, for each cell."""
     for place, value in row.constants.items():
         module, _, name = place.partition(".")
-        target = importlib.import_module(ONLINE + module)
+        target = importlib.import_module(FILTER + module)
         if not hasattr(target, name):
             raise SystemExit(f"error: {place} is no constant of the filter")
         setattr(target, name, value)
@@ -95,7 +95,7 @@ def shown(values: list[float]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Measure what each mechanism of the online filter is worth.")
+    parser = argparse.ArgumentParser(description="Measure what each mechanism of the filter is worth.")
     parser.add_argument("--patients", type=int, default=64)
     parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
