@@ -15,7 +15,8 @@ import numba
 import numpy as np
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.envs.plants import SUBSTEPS, true_motion
+from jawenv.envs.condyles import true_motion
+from jawenv.envs.plants import SUBSTEPS
 from jawenv.envs.step_kernel import N_NORMALS
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.learn import learn
@@ -92,12 +93,12 @@ def true_part(device, model, world, settings, scratch):
 
 @numba.njit
 def motion_part(device, model, world, settings, scratch):
-    midline_step(model, world.belief.motion, scratch.samples, 0.01, scratch.filter.time.step)
+    midline_step(model, world.known.belief.motion, scratch.samples, 0.01, scratch.filter.time.step)
 
 
 @numba.njit
 def time_part(device, model, world, settings, scratch):
-    belief, time_scratch = world.belief, scratch.filter.time
+    belief, time_scratch = world.known.belief, scratch.filter.time
     predict_cov(belief.motion_cov, settings.filter.wrench_variance, time_scratch)
     pose, position = middle_of(model, belief.motion, belief.motion)
     set_line_wrenches(model, belief.basis, belief.trend, pose, position, time_scratch.line_wrench)
@@ -108,17 +109,17 @@ def time_part(device, model, world, settings, scratch):
 def update_part(device, model, world, settings, scratch):
     known = settings.filter
     variances, sd = known.measurement_variance, known.start_sd
-    update_motion(model, world.belief, scratch.measured, variances, known.used, sd, scratch.filter.update)
+    update_motion(model, world.known.belief, scratch.measured, variances, known.used, sd, scratch.filter.update)
 
 
 @numba.njit
 def posterior_part(device, model, world, settings, scratch):
-    learn(world.belief, settings.filter, scratch.filter.belief)
+    learn(world.known.belief, settings.filter, scratch.filter.belief)
 
 
 @numba.njit
 def noise_part(device, model, world, settings, scratch):
-    fill_normals((world.key[0], world.key[1]), world.tick, scratch.normals)
+    fill_normals((world.truth.key[0], world.truth.key[1]), world.known.tick, scratch.normals)
 
 
 PARTS = (

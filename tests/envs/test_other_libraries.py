@@ -69,8 +69,8 @@ def test_infos_of_the_vector_form_have_the_same_keys_and_their_masks():
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 def test_infos_become_lists(mode):
     """With the last infos of ended episodes where the mode has them."""
-    env = DictInfoToList(gym.make_vec(ID, num_envs=2, episode_s=0.15, autoreset_mode=mode))
-    single = gym.make(ID, episode_s=0.15)
+    env = DictInfoToList(gym.make_vec(ID, num_envs=2, control="force", episode_s=0.15, autoreset_mode=mode))
+    single = gym.make(ID, control="force", episode_s=0.15)
     _, infos = env.reset(seed=0)
     _, info = single.reset(seed=0)
     for k in range(3):
@@ -86,7 +86,7 @@ def test_infos_become_lists(mode):
 
 
 def test_the_last_infos_are_those_of_the_worlds_that_ended():
-    env = gym.make_vec(ID, num_envs=2, episode_s=0.1, autoreset_mode="same_step")
+    env = gym.make_vec(ID, num_envs=2, control="force", episode_s=0.1, autoreset_mode="same_step")
     env.reset(seed=0)
     env.step(ACTIONS)
     env.reset(options={"reset_mask": np.array([True, False])})
@@ -97,7 +97,9 @@ def test_the_last_infos_are_those_of_the_worlds_that_ended():
 
 
 def test_statistics_of_episodes():
-    env = RecordEpisodeStatistics(gym.make_vec(ID, num_envs=2, episode_s=0.15, autoreset_mode="same_step"))
+    env = RecordEpisodeStatistics(
+        gym.make_vec(ID, num_envs=2, control="force", episode_s=0.15, autoreset_mode="same_step")
+    )
     env.reset(seed=0)
     steps = [env.step(ACTIONS) for _ in range(3)]
     episode = steps[-1][4]["episode"]
@@ -107,7 +109,7 @@ def test_statistics_of_episodes():
 
 @pytest.mark.parametrize("limit", [None, -1, 2, 50])
 def test_a_limit_of_steps_is_that_of_a_time_limit(limit):
-    arguments = {"episode_s": 0.2, "max_episode_steps": limit}
+    arguments = {"control": "force", "episode_s": 0.2, "max_episode_steps": limit}
     single, many = gym.make(ID, **arguments), gym.make_vec(ID, num_envs=2, **arguments)
     single.reset(seed=0)
     many.reset(seed=0)

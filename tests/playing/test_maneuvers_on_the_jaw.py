@@ -59,7 +59,7 @@ def play(name: str, control: str) -> Episode:
         pitch, force = part["pose"][:, 2] * POSE_SCALE[2], part["force"]
         place = np.column_stack([part["jaw"][:, :2], np.cos(pitch) * force[:, 0] + np.sin(pitch) * force[:, 2]])
         target = agent.maneuver.targets(np.array([(step + 1) / CONTROL_HZ])).value[0, :3]
-        size = state.trackers["size"]
+        size = state.of_worlds[1]["size"]
         rows.append((target * size[:, :3], place, action, size, info["governor"], info["violation"]))
     env.close()
     return Episode(*(np.array(column) for column in zip(*rows, strict=True)), info["information_bound"])

@@ -126,7 +126,7 @@ def test_what_an_example_needs_is_seen() -> None:
 
 
 def test_a_maneuver_file_is_one(tmp_path: Path) -> None:
-    (example,) = blocks(ROOT / "agents" / "README.md", "yaml")
+    example, *_ = blocks(ROOT / "agents" / "README.md", "yaml")
     file = tmp_path / "maneuver.yaml"
     file.write_text(example.text, encoding="utf-8")
     assert jawenv.Maneuver.load(file).name == "open_and_swing"

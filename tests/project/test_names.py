@@ -45,7 +45,9 @@ def exists(name: str) -> bool:
 def test_what_a_page_names_exists(page: Path) -> None:
     for span in named_on(page):
         for path in A_PATH.findall(span):
-            if not path.startswith(("runs/", "jawenv/Jaw")) and (path.split("/")[0] in FOLDERS or path.endswith(".py")):
+            if not path.startswith(("runs/", ".venv/", "jawenv/Jaw")) and (
+                path.split("/")[0] in FOLDERS or path.endswith(".py")
+            ):
                 assert any((folder / path).exists() for folder in (*FROM, page.parent)), f"no file {path}"
         for name in A_MODULE.findall(span):
             assert exists(name) or (ROOT / name).exists(), f"no module {name}"
