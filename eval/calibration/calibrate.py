@@ -24,7 +24,7 @@ from eval.chunks import Chunk, finish, folder_for
 from eval.entries import Entry, fingerprint, load_entries
 from eval.settings import Settings
 from eval.tables import read_table, write_table
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
+from jawenv.controls import mode_of
 from jawenv.errors import InputError
 from jawenv.playing.rollout import play
 
@@ -63,7 +63,7 @@ class Calibration:
             InputError: one is not.
         """
         kwargs = entry.env_kwargs
-        step = 1.0 / float(kwargs.get("control_hz") or CONTROL_HZ[kwargs.get("control", DEFAULT_CONTROL)])
+        step = 1.0 / float(kwargs.get("control_hz") or mode_of(kwargs).steps_per_s)
         for time in self.times:
             if abs(time - round(time / step) * step) > beliefs.LATE:
                 raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {step:g} s")

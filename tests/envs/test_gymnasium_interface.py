@@ -5,6 +5,7 @@ import pickle
 import subprocess
 import sys
 from dataclasses import fields
+from typing import get_type_hints
 
 import gymnasium as gym
 import numpy as np
@@ -13,7 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import jawenv
-from jawenv.envs.configuration import Configuration
+from jawenv.envs.configuration import Arguments, Configuration
 from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.vector import JawVectorEnv
@@ -67,6 +68,12 @@ def test_the_signature_names_each_argument_with_its_default(form):
         one.name: one.default for one in fields(Configuration)
     }
     assert all(one.annotation is not one.empty for one in parameters.values())
+
+
+def test_there_is_one_list_of_arguments():
+    """What type checkers read, and what has the defaults."""
+    assert Arguments.__annotations__.keys() == Configuration.__annotations__.keys()
+    assert get_type_hints(Arguments) == get_type_hints(Configuration)
 
 
 def test_numpys_numbers_are_numbers():
