@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.checks import real_number
-from jawenv.controls import CONTROLS, Control, mode_of
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
@@ -32,7 +32,7 @@ def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
     Raises:
         InputError: control steps per second that are not a positive number.
     """
-    asked = env_kwargs.get("control_hz") if mode_of(env_kwargs).takes_targets else None
+    asked = env_kwargs.get("control_hz") if takes_targets(env_kwargs.get("control", DEFAULT_CONTROL)) else None
     hz = real_number(DECISION_HZ if asked is None else asked)
     if hz is None or not (np.isfinite(hz) and hz > 0):
         raise InputError(f"control_hz {shown(asked)}: must be a positive number")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from agents.prediction import Outcome, Prediction
 from jawenv.checks import whole_number
-from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
+from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
@@ -261,5 +261,5 @@ def _score(outcome: Outcome, comfort_weight: float) -> Array:
 
 
 def _check_control(name: str, control: object) -> None:
-    if not (isinstance(control, str) and control in CONTROLS and CONTROLS[control].takes_targets):
+    if not takes_targets(control):
         raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")

@@ -47,6 +47,11 @@ CONTROLS: dict[str, ControlMode] = {
 """The control modes, by name."""
 
 
+def takes_targets(control: object) -> bool:
+    """Whether actions of a control mode are targets; not where it is no mode, which the environment refuses."""
+    return isinstance(control, str) and control in CONTROLS and CONTROLS[control].takes_targets
+
+
 def mode_of(env_kwargs: Mapping[str, Any]) -> ControlMode:
     """The control mode of an environment with such arguments.
 
