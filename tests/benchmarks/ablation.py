@@ -1,4 +1,4 @@
-"""What each mechanism of the online filter, and each gentle number of the device, is worth.
+"""What each mechanism of the filter, and each gentle number of the device, is worth.
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
@@ -95,7 +95,7 @@ def shown(values: list[float]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Measure what each mechanism of the online filter is worth.")
+    parser = argparse.ArgumentParser(description="Measure what each mechanism of the filter is worth.")
     parser.add_argument("--patients", type=int, default=64)
     parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)

@@ -7,6 +7,7 @@ from recorded import recording
 from running import Running, half_way, line_wrenches
 
 from jawenv.filter.time_update import all_finite, predict_by_tension, predict_cov, time_update_fields
+from jawenv.kernels.compiled import njit
 
 N, COLUMNS = 10, 32
 
@@ -16,6 +17,11 @@ def memory(total):
     scratch = np.zeros(1, dtype=np.dtype(time_update_fields(6, 6, N), align=True))[0]
     scratch["total"] = total
     return scratch
+
+
+@njit
+def predict(belief, noise_variance, scratch):
+    predict_cov(belief.motion_cov, noise_variance, scratch)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True, database=None)
@@ -28,8 +34,10 @@ def test_the_covariance_is_that_of_the_linear_system(seed, spread):
     root = rng.normal(size=(N, 2 * N)) * size[:, None]
     P, W = root @ root.T, rng.uniform(0.0, 1.0, 6)
     expected = total[:, :N] @ P @ total[:, :N].T + total[:, N:] @ np.diag(W) @ total[:, N:].T
-    covariance = P.copy()
-    predict_cov(covariance, W, memory(total))
+    belief = np.zeros(1, dtype=[("motion_cov", "f8", (N, N))])[0]
+    belief["motion_cov"] = P
+    predict(belief, W, memory(total))
+    covariance = belief["motion_cov"]
     sd = np.sqrt(np.diag(expected))
     np.testing.assert_allclose(covariance / np.outer(sd, sd), expected / np.outer(sd, sd), rtol=0, atol=1e-12)
     np.testing.assert_array_equal(covariance, covariance.T)

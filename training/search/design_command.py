@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jawenv.playing.maneuvers import Maneuver
 from jawenv.progress import Progress
 from training.search.session import Anew, ManeuverFile, check_output, named, search_maneuver, write_found
+
+if TYPE_CHECKING:
+    from jawenv.playing.maneuvers import Maneuver
 
 
 def design(
