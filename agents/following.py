@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.checks import real_number
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
@@ -23,7 +23,7 @@ from jawenv.playing.agents import Memory, Remembering
 from jawenv.playing.maneuvers.player import checked_parameters, goals_of
 from jawenv.playing.protocol import Action, Agent, Mask, Observation
 
-DECISION_HZ = CONTROL_HZ["targets"]
+DECISION_HZ = CONTROLS["targets"].steps_per_s
 Trackers = NDArray[np.void]
 
 
@@ -33,8 +33,7 @@ def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
     Raises:
         InputError: control steps per second that are not a positive number.
     """
-    targets = env_kwargs.get("control", DEFAULT_CONTROL) == "targets"
-    asked = env_kwargs.get("control_hz") if targets else None
+    asked = env_kwargs.get("control_hz") if takes_targets(env_kwargs.get("control", DEFAULT_CONTROL)) else None
     hz = real_number(DECISION_HZ if asked is None else asked)
     if hz is None or not (np.isfinite(hz) and hz > 0):
         raise InputError(f"control_hz {shown(asked)}: must be a positive number")
@@ -61,13 +60,14 @@ class TargetsLaw:
     """
 
     def __init__(self, control: Control, control_hz: float | None = None, decision_hz: float = DECISION_HZ) -> None:
-        hz = CONTROL_HZ[control] if control_hz is None else control_hz
+        mode = CONTROLS[control]
+        hz = mode.steps_per_s if control_hz is None else control_hz
         self.control = control
         self.decision_hz = decision_hz
         self.steps_per_decision = round(hz / decision_hz)
         if abs(self.steps_per_decision * decision_hz - hz) > 1e-9 * hz:
             raise InputError(f"control_hz {hz:g}: must be a multiple of the {decision_hz:g} decisions per second")
-        self._servo = control == "trajectory"
+        self._servo = mode.has_servos
         self._device = Device().records()
         self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
 

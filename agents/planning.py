@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from agents.prediction import Outcome, Prediction
 from jawenv.checks import whole_number
-from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.rewards import potential
 from jawenv.errors import InputError, shown
@@ -253,5 +253,5 @@ def _score(outcome: Outcome, comfort_weight: float) -> Array:
 
 
 def _check_control(name: str, control: object) -> None:
-    if control != "targets":
+    if not takes_targets(control):
         raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")

@@ -11,7 +11,7 @@ from agents.planners import PLANNERS
 from agents.policies import files_of_run, load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control, control_of
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
@@ -103,7 +103,7 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
 
 def _steps_per_s(control: Control, control_hz: float | None) -> float:
     """Control steps per second, the control's own where none are given."""
-    return CONTROL_HZ[control] if control_hz is None else control_hz
+    return CONTROLS[control].steps_per_s if control_hz is None else control_hz
 
 
 def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
@@ -117,7 +117,7 @@ def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Ag
         control_of(policy, {"control": control})
         return policy
     hz = _steps_per_s(control, control_hz)
-    if control != "targets":
+    if not CONTROLS[control].takes_targets:
         return Following(policy, TargetsLaw(control, hz, policy.decision_hz))
     if abs(hz - policy.decision_hz) > 1e-6 * hz:
         raise InputError(f"control_hz {hz:g}: {policy.name} decides {policy.decision_hz:g} times a second")

@@ -16,7 +16,7 @@ import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
 from agents.following import Following
-from jawenv.controls import DEFAULT_CONTROL, Control, control_of
+from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
 from jawenv.files import write_text
@@ -127,7 +127,7 @@ def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
         InputError: it does not, or plays another control mode than asked for.
     """
     control = control_of(agent, env_kwargs) or DEFAULT_CONTROL
-    if control != "targets" and not isinstance(agent, Following):
+    if not takes_targets(control) and not isinstance(agent, Following):
         raise InputError(
             f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy of targets"
         )

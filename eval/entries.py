@@ -12,7 +12,7 @@ from agents.card import exported_place, read_card
 from agents.planning import Planner
 from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
+from jawenv.controls import DEFAULT_CONTROL, mode_of
 from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
@@ -150,8 +150,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
 
 def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:
     """Arguments of an environment with their defaults."""
-    control = env_kwargs.get("control", _DEFAULTS["control"])
-    return _DEFAULTS | {"control_hz": CONTROL_HZ.get(control)} | env_kwargs
+    return _DEFAULTS | {"control_hz": mode_of(env_kwargs).steps_per_s} | env_kwargs
 
 
 def _env_of_run(spec: str) -> EnvConfig | None:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from jawenv.anatomy import cohort
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import model_of_env
@@ -15,7 +15,6 @@ from jawenv.playing.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.reality import check_reality
 from jawenv.seeds import REPORTS
 
-CONTROLS = tuple(CONTROL_HZ)
 SENSORS = ("pose", "point")
 
 

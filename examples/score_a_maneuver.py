@@ -13,7 +13,7 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.ladder import model_of_env
 
 FILE = Path(__file__).parent / "opening_with_circles.yaml"
@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("maneuver", nargs="?", default=FILE, help="maneuver file, or the name of a hand-made one")
     parser.add_argument("--patients", type=int, default=16)
     parser.add_argument("--episode-s", type=float, default=30.0)
-    parser.add_argument("--control", choices=[*CONTROL_HZ], default=DEFAULT_CONTROL)
+    parser.add_argument("--control", choices=[*CONTROLS], default=DEFAULT_CONTROL)
     parser.add_argument("--env", default="jawenv/Jaw-v2", help="id of the environment, e.g. jawenv/JawSides-v2")
     given = parser.parse_args()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from jawenv.errors import InputError, shown
@@ -10,8 +11,57 @@ from jawenv.errors import InputError, shown
 Control = Literal["force", "trajectory", "targets"]
 DEFAULT_CONTROL: Final[Control] = "targets"
 """Where nothing is said: in environments, players, agents, commands and studies."""
-CONTROL_HZ: dict[str, float] = {"force": 20.0, "trajectory": 20.0, "targets": 5.0}
-"""Steps per second where none are given, by control."""
+
+
+@dataclass(frozen=True)
+class ControlMode:
+    """What all else asks of a control mode.
+
+    Attributes:
+        name: as arguments have it.
+        steps_per_s: where none are given.
+        has_servos: whether position servos hold the motors.
+        takes_targets: whether the numbers are targets of the channels, which the device's own law follows.
+        commanded: names of the four numbers.
+        full_action: what a number of 1 commands.
+    """
+
+    name: Control
+    steps_per_s: float
+    has_servos: bool
+    takes_targets: bool
+    commanded: tuple[str, str, str, str]
+    full_action: str
+
+
+_MOTORS = ("motor 1", "motor 2", "motor 3", "motor 4")
+_CHANNELS = ("opening", "side", "fore-aft", "roll")
+CONTROLS: dict[str, ControlMode] = {
+    mode.name: mode
+    for mode in (
+        ControlMode("force", 20.0, False, False, _MOTORS, "`full_scale_N` of that motor at the mouthpiece"),
+        ControlMode("trajectory", 20.0, True, False, _MOTORS, "`max_rate_mm_s` of that motor's target position"),
+        ControlMode("targets", 5.0, True, True, _CHANNELS, "where the jaw is to be at the end of the step"),
+    )
+}
+"""The control modes, by name."""
+
+
+def takes_targets(control: object) -> bool:
+    """Whether actions of a control mode are targets; not where it is no mode, which the environment refuses."""
+    return isinstance(control, str) and control in CONTROLS and CONTROLS[control].takes_targets
+
+
+def mode_of(env_kwargs: Mapping[str, Any]) -> ControlMode:
+    """The control mode of an environment with such arguments.
+
+    Raises:
+        InputError: there is no such mode.
+    """
+    control = env_kwargs.get("control", DEFAULT_CONTROL)
+    if not isinstance(control, str) or control not in CONTROLS:
+        raise InputError(f"control is {shown(control)}; allowed: {', '.join(CONTROLS)}")
+    return CONTROLS[control]
 
 
 def control_of(agent: Any, env_kwargs: Mapping[str, Any]) -> Any:
@@ -22,7 +72,7 @@ def control_of(agent: Any, env_kwargs: Mapping[str, Any]) -> Any:
         env_kwargs: arguments of the environment, of which ``control`` may be one.
 
     Returns:
-        The mode, not checked; None where neither says one, so that the environment has its default.
+        The mode's name, not checked; None where neither says one, so that the environment has its default.
 
     Raises:
         InputError: the two contradict each other.

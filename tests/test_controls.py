@@ -15,7 +15,7 @@ from agents import load_agent
 from agents.planning import Planner
 from eval.settings import Settings
 from eval.studies.design import Design as Study
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, control_of
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import information_bound
 from training.run.config import CONFIGS, TrainingConfig
@@ -48,14 +48,14 @@ def test_configurations_of_trainings_say_their_control() -> None:
         assert TrainingConfig.load(path).env.kwargs["control"] == wanted
 
 
-@pytest.mark.parametrize("control", list(CONTROL_HZ))
+@pytest.mark.parametrize("control", list(CONTROLS))
 def test_a_player_is_played_in_its_control(control: str) -> None:
     """To the bit what the same control in the environment's arguments gives."""
     agent = jawenv.Player("slow_opening", control=control)  # type: ignore[arg-type]
     taken = jawenv.play(agent, patients=2, seed=0, env_kwargs=SHORT)
     asked = jawenv.play(agent, patients=2, seed=0, env_kwargs=SHORT | {"control": control})
     np.testing.assert_array_equal(taken.belief_mean, asked.belief_mean)
-    assert len(taken.time) == 1 + CONTROL_HZ[control]
+    assert len(taken.time) == 1 + CONTROLS[control].steps_per_s
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
 from eval.settings import Settings
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL
+from jawenv.controls import mode_of
 from jawenv.errors import InputError
 from jawenv.playing.rollout import play
 from jawenv.progress import Progress
@@ -61,7 +61,7 @@ class Calibration:
             InputError: one is not.
         """
         kwargs = entry.env_kwargs
-        step = 1.0 / float(kwargs.get("control_hz") or CONTROL_HZ[kwargs.get("control", DEFAULT_CONTROL)])
+        step = 1.0 / float(kwargs.get("control_hz") or mode_of(kwargs).steps_per_s)
         for time in self.times:
             if abs(time - round(time / step) * step) > beliefs.LATE:
                 raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {step:g} s")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.controls import CONTROLS
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.playing.agents import Listener
@@ -15,9 +16,6 @@ from jawenv.playing.protocol import Action
 from jawenv.reading import read_bytes
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
-_MOTORS = ("motor 1", "motor 2", "motor 3", "motor 4")
-COMMANDS = {"force": _MOTORS, "trajectory": _MOTORS, "targets": ("opening", "side", "fore-aft", "roll")}
-"""What the four numbers of an action are, by control mode."""
 
 
 class Watched(Listener):
@@ -83,7 +81,7 @@ def _beginning(scene: Any, control: str) -> dict[str, Any]:
         "mouthpiece": _rounded(1e3 * in_body @ (scene.mouthpiece_m - scene.contact_m)),
         "path": [1e3 * scene.fossa_drop_m, 1e-3 * scene.fossa_frequency],
         "parameters": list(scene.parameter_names),
-        "commands": list(COMMANDS[control]),
+        "commands": list(CONTROLS[control].commanded),
         "title": scene.title,
         "frames": {},
     }

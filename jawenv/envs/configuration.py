@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypedDict, TypeVar, cast, get_args
 
 import numpy as np
 
 from jawenv.anatomy import Cohort, cohort
 from jawenv.checks import real_number
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.device import Device, device_of
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
@@ -23,7 +24,27 @@ from jawenv.reality import Reality, check_reality
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 
+Initialise = TypeVar("Initialise", bound=Callable[..., None])
+
 LARGEST = 1e6  # of the numeric arguments
+
+
+class Arguments(TypedDict, total=False):
+    """What the environments are made with, as keyword arguments; ``Configuration`` has defaults and checks."""
+
+    control: Control
+    sensors: Sensors
+    reward: Reward
+    cohort: str | Cohort | Source
+    episode_s: float
+    control_hz: float | None
+    comfort_weight: float
+    track_bound: bool
+    record: bool
+    device: Device | Source | None
+    reality: Reality | Source | None
+    model: str
+    estimator: Estimator | None
 
 
 @dataclass(frozen=True)
@@ -58,14 +79,16 @@ class Configuration:
             if not isinstance(value, str) or value not in get_args(kind):
                 raise InputError(f"{name} is {shown(value)}; allowed: {', '.join(get_args(kind))}")
         self._set("episode_s", _checked_number("episode_s", self.episode_s))
-        hz = CONTROL_HZ[self.control] if self.control_hz is None else _checked_number("control_hz", self.control_hz)
+        hz = self.mode.steps_per_s
+        if self.control_hz is not None:
+            hz = _checked_number("control_hz", self.control_hz)
         self._set("control_hz", hz)
         self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
         model = model_named(self.model)
         if self.estimator not in (None, *model.estimators):
             allowed = " or ".join(model.estimators)
             raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
-        least = LAW_TICKS if self.control == "targets" else 1
+        least = LAW_TICKS if self.mode.takes_targets else 1
         periods = 1.0 / hz / TICK / least
         if not math.isfinite(periods) or abs(periods - round(periods)) > 1e-9 or periods < 1.0:
             highest = 1.0 / (least * TICK)
@@ -82,6 +105,11 @@ class Configuration:
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
+
+    @property
+    def mode(self) -> ControlMode:
+        """What its control mode is."""
+        return CONTROLS[self.control]
 
     @property
     def filter_model(self) -> Estimator:
@@ -131,7 +159,7 @@ def _checked_number(name: str, value: object, or_zero: bool = False) -> float:
     return number
 
 
-def configure(arguments: Mapping[str, Any], owner: type = Configuration) -> Configuration:
+def configure(arguments: Mapping[str, object], owner: type = Configuration) -> Configuration:
     """Configuration from keyword arguments.
 
     Args:
@@ -149,4 +177,18 @@ def configure(arguments: Mapping[str, Any], owner: type = Configuration) -> Conf
                 f"{owner.__name__}.__init__() got an unexpected keyword argument {shown(name)}; "
                 f"allowed: {', '.join(names)}"
             )
-    return Configuration(**arguments)
+    return Configuration(**cast(Any, arguments))
+
+
+def takes_arguments(initialise: Initialise) -> Initialise:
+    """Decorator of an ``__init__`` with ``**arguments: Unpack[Arguments]``; its signature names each, with defaults."""
+    stated = inspect.signature(initialise)
+    own = [one for one in stated.parameters.values() if one.kind is not one.VAR_KEYWORD]
+    listed = [
+        inspect.Parameter(one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=one.type)
+        for one in fields(Configuration)
+    ]
+    before = [one for one in own if one.kind is not one.KEYWORD_ONLY]
+    after = [one for one in own if one.kind is one.KEYWORD_ONLY]
+    vars(initialise)["__signature__"] = stated.replace(parameters=[*before, *listed, *after])
+    return initialise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, cast
+from typing import Any, Literal, Unpack, cast
 
 import gymnasium as gym
 import numpy as np
@@ -10,20 +10,16 @@ from gymnasium import spaces
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Cohort, Prior
-from jawenv.controls import DEFAULT_CONTROL, Control
-from jawenv.device.device import N_MOTORS, Device
+from jawenv.anatomy import Prior
+from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
-from jawenv.envs.configuration import Reward, Sensors, configure
+from jawenv.envs.configuration import Arguments, configure, takes_arguments
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
-from jawenv.files import Source
-from jawenv.ladder import Estimator
-from jawenv.reality import Reality
 
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
@@ -101,24 +97,12 @@ class JawEnv(gym.Env[Observation, Action]):
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 20}
 
+    @takes_arguments
     def __init__(
         self,
         *,
-        control: Control = DEFAULT_CONTROL,
-        sensors: Sensors = "pose",
-        reward: Reward = "uncertainty",
-        cohort: str | Cohort | Source = "trismus",
-        episode_s: float = 30.0,
-        control_hz: float | None = None,
-        comfort_weight: float = 0.0,
-        track_bound: bool = False,
-        record: bool = False,
-        device: Device | Source | None = None,
-        reality: Reality | Source | None = None,
-        model: str = "jaw",
-        estimator: Estimator | None = None,
         render_mode: str | None = None,
-        **unknown: Any,
+        **arguments: Unpack[Arguments],
     ) -> None:
         """Check the arguments and allocate one world.
 
@@ -129,22 +113,7 @@ class JawEnv(gym.Env[Observation, Action]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             modes = ", ".join(self.metadata["render_modes"])
             raise InputError(f"render_mode is {shown(render_mode)}; allowed: {modes}")
-        arguments = {
-            "control": control,
-            "sensors": sensors,
-            "reward": reward,
-            "cohort": cohort,
-            "episode_s": episode_s,
-            "control_hz": control_hz,
-            "comfort_weight": comfort_weight,
-            "track_bound": track_bound,
-            "record": record,
-            "device": device,
-            "reality": reality,
-            "model": model,
-            "estimator": estimator,
-        }
-        self.configuration = configure(arguments | unknown, type(self))
+        self.configuration = configure(arguments, type(self))
         if render_mode == "human":
             from jawenv.rendering.display import check_display
 

@@ -103,8 +103,8 @@ class Simulation:
         settings["noise_variance"] = self._noise_variance()
         settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
         control = settings["control"]
-        control["servo"] = configuration.control != "force"
-        control["targets"] = configuration.control == "targets"
+        control["servo"] = configuration.mode.has_servos
+        control["targets"] = configuration.mode.takes_targets
         control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
         settings["reality"] = self.reality.records()[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -13,21 +13,17 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Cohort, Patient, Prior
+from jawenv.anatomy import Patient, Prior
 from jawenv.checks import whole_number
-from jawenv.controls import DEFAULT_CONTROL, Control
-from jawenv.device.device import N_MOTORS, Device
+from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_actions
-from jawenv.envs.configuration import Reward, Sensors, configure
+from jawenv.envs.configuration import Arguments, configure, takes_arguments
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
-from jawenv.files import Source
-from jawenv.ladder import Estimator
-from jawenv.reality import Reality
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -54,27 +50,15 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
+    @takes_arguments
     def __init__(
         self,
         num_envs: int = 1,
         *,
-        control: Control = DEFAULT_CONTROL,
-        sensors: Sensors = "pose",
-        reward: Reward = "uncertainty",
-        cohort: str | Cohort | Source = "trismus",
-        episode_s: float = 30.0,
-        control_hz: float | None = None,
-        comfort_weight: float = 0.0,
-        track_bound: bool = False,
-        record: bool = False,
-        device: Device | Source | None = None,
-        reality: Reality | Source | None = None,
-        model: str = "jaw",
-        estimator: Estimator | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
-        **unknown: Any,
+        **arguments: Unpack[Arguments],
     ) -> None:
         """Check the arguments and allocate N worlds.
 
@@ -89,22 +73,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise InputError(f"render_mode is {shown(render_mode)}; allowed in the vector form: None")
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        arguments = {
-            "control": control,
-            "sensors": sensors,
-            "reward": reward,
-            "cohort": cohort,
-            "episode_s": episode_s,
-            "control_hz": control_hz,
-            "comfort_weight": comfort_weight,
-            "track_bound": track_bound,
-            "record": record,
-            "device": device,
-            "reality": reality,
-            "model": model,
-            "estimator": estimator,
-        }
-        self.configuration = configure(arguments | unknown, type(self))
+        self.configuration = configure(arguments, type(self))
         self.render_mode = None
         self.num_envs = number
         self.simulation = Simulation(self.num_envs, self.configuration)

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import jawenv
-from jawenv.controls import CONTROL_HZ
+from jawenv.controls import CONTROLS
 from jawenv.envs.observation import observation_layout
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import MODELS
@@ -38,8 +38,8 @@ def test_the_registry_is_the_ladder():
 
 @pytest.mark.parametrize(
     ("env_id", "control", "sensors"),
-    [(env_id, control, "pose") for env_id in ENVIRONMENTS for control in CONTROL_HZ]
-    + [("jawenv/Jaw-v2", control, "point") for control in CONTROL_HZ],
+    [(env_id, control, "pose") for env_id in ENVIRONMENTS for control in CONTROLS]
+    + [("jawenv/Jaw-v2", control, "point") for control in CONTROLS],
 )
 def test_both_checkers_have_nothing_to_say(env_id, control, sensors):
     """Warnings are errors in this suite."""

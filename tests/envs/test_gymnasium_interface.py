@@ -4,20 +4,21 @@ import inspect
 import subprocess
 import sys
 from dataclasses import fields
+from typing import get_type_hints
 
 import gymnasium as gym
 import numpy as np
 import pytest
 
 import jawenv
-from jawenv.controls import CONTROL_HZ
-from jawenv.envs.configuration import Configuration
+from jawenv.controls import CONTROLS
+from jawenv.envs.configuration import Arguments, Configuration
 from jawenv.envs.jaw import JawEnv
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.vector import JawVectorEnv
 
 ID = "jawenv/Jaw-v2"
-MODES = [(control, sensors) for control in CONTROL_HZ for sensors in ("pose", "point")]
+MODES = [(control, sensors) for control in CONTROLS for sensors in ("pose", "point")]
 MUSCLES = dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0)
 NOTHING = np.zeros(4, dtype=np.float32)
 
@@ -45,6 +46,12 @@ def test_the_signature_names_each_argument_with_its_default(form):
         one.name: one.default for one in fields(Configuration)
     }
     assert all(one.annotation is not one.empty for one in parameters.values())
+
+
+def test_there_is_one_list_of_arguments():
+    """What type checkers read, and what has the defaults."""
+    assert Arguments.__annotations__.keys() == Configuration.__annotations__.keys()
+    assert get_type_hints(Arguments) == get_type_hints(Configuration)
 
 
 def test_numpys_numbers_are_numbers():

@@ -12,7 +12,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jawenv
-from jawenv.controls import CONTROL_HZ
+from jawenv.controls import CONTROLS
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.kernels.compiled import WORLDS_AT_ONCE
 
@@ -39,7 +39,7 @@ def threads():
 
 @pytest.mark.parametrize(
     ("env_id", "control", "number", "count"),
-    [(env_id, control, 2, 1) for env_id in ENVIRONMENTS for control in CONTROL_HZ]
+    [(env_id, control, 2, 1) for env_id in ENVIRONMENTS for control in CONTROLS]
     + [(ID, "trajectory", 2 * WORLDS_AT_ONCE + 3, count) for count in THREADS],  # shared out to threads
 )
 def test_world_i_equals_the_single_environment_with_its_seed_bit_for_bit(env_id, control, number, count, threads):

@@ -15,7 +15,7 @@ import jawenv
 from eval.studies import design
 from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
-from jawenv.controls import CONTROL_HZ
+from jawenv.controls import CONTROLS
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
 from jawenv.device.device import ALLOWED
 from jawenv.envs.configuration import Configuration
@@ -46,10 +46,16 @@ def test_arguments() -> None:
     own = {"render_mode"}
     assert {named(row[0])[0] for row in table("Arguments")} == {field.name for field in fields(Configuration)} | own
     stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Arguments")}
-    rates = f"{CONTROL_HZ['force']:g}; in targets control {CONTROL_HZ['targets']:g}"
-    assert stated.pop("control_hz") == rates and CONTROL_HZ["trajectory"] == CONTROL_HZ["force"]
+    hz = {name: mode.steps_per_s for name, mode in CONTROLS.items()}
+    rates = f"{hz['force']:g}; in targets control {hz['targets']:g}"
+    assert stated.pop("control_hz") == rates and hz["trajectory"] == hz["force"]
     for field in (field for field in fields(Configuration) if field.name != "control_hz"):
         assert stated[field.name] == (f"{field.default:g}" if type(field.default) is float else str(field.default))
+
+
+def test_what_an_action_means() -> None:
+    stated = {named(row[0])[0].strip('"'): row[1].removesuffix(", see below") for row in table("Action")}
+    assert stated == {name: mode.full_action for name, mode in CONTROLS.items()}
 
 
 def test_observation() -> None:

@@ -26,7 +26,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 from agents.checkpoints import read_data
 from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
-from jawenv.controls import DEFAULT_CONTROL
+from jawenv.controls import mode_of
 from jawenv.errors import InputError
 from jawenv.locks import alone
 from jawenv.progress import Progress
@@ -272,10 +272,10 @@ def _law(config: EnvConfig, base: BaseTargets) -> TargetsLaw | None:
         InputError: the environment's control steps do not fit the policy's decisions.
     """
     kwargs: dict[str, Any] = config.kwargs
-    control = kwargs.get("control", DEFAULT_CONTROL)
-    if control == "targets":
+    mode = mode_of(kwargs)
+    if mode.takes_targets:
         return None
-    return TargetsLaw(control, kwargs.get("control_hz"), base.decision_hz)
+    return TargetsLaw(mode.name, kwargs.get("control_hz"), base.decision_hz)
 
 
 def wrapped(

@@ -23,7 +23,7 @@ from stable_baselines3.common.logger import configure
 from agents.array_files import load_arrays, save_arrays
 from agents.planners import PLANNERS
 from agents.residual import BaseTargets
-from jawenv.controls import DEFAULT_CONTROL
+from jawenv.controls import mode_of
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
@@ -70,9 +70,9 @@ def check_distillable(config: TrainingConfig) -> None:
     Raises:
         InputError: another control mode than targets, the policy corrects no maneuver, or is no perceptron of PPO.
     """
-    control = config.env.kwargs.get("control", DEFAULT_CONTROL)
-    if control != "targets":
-        raise InputError(f"control is {shown(control)}; allowed for a planner: targets")
+    mode = mode_of(config.env.kwargs)
+    if not mode.takes_targets:
+        raise InputError(f"control is {shown(mode.name)}; allowed for a planner: targets")
     if config.residual is None:
         raise InputError("residual is missing: allowed is a maneuver that is corrected (--residual-on MANEUVER)")
     if config.algorithm != "ppo":

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior, cohort
+from jawenv.controls import Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.filter.joint_step import N_SAMPLES
@@ -81,7 +82,7 @@ def load_record(
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
-    control: Literal["force", "trajectory", "targets"] | None = None,
+    control: Control | None = None,
     truth: Array | None = None,
 ) -> Record:
     """Read a recording. What neither the arguments nor the file says has the default named here.

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
+from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.filter.encoders import N_MEASUREMENTS
@@ -63,7 +64,7 @@ class Record:
     prior: Prior
     parameter_names: tuple[str, ...]
     device: Device | None = None
-    control: Literal["force", "trajectory", "targets"] = "force"
+    control: Control = "force"
     truth: Array | None = None
     states: Array | None = None
     wrenches: Array | None = None
@@ -86,8 +87,9 @@ class Record:
             value = getattr(self, name)
             if value is not None and np.shape(value) != shape:
                 raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
-        if self.control not in ("force", "trajectory", "targets"):
-            raise InputError(f"record: control is {self.control!r}, allowed are 'force', 'trajectory' and 'targets'")
+        if self.control not in CONTROLS:
+            *first, last = map(repr, CONTROLS)
+            raise InputError(f"record: control is {self.control!r}, allowed are {', '.join(first)} and {last}")
         steps = np.diff(self.time)
         if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")

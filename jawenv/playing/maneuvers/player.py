@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.checks import real_number
-from jawenv.controls import CONTROL_HZ, DEFAULT_CONTROL, Control
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import parameters_of
@@ -54,9 +54,9 @@ class Player(Remembering):
         control_hz: float | None = None,
         device: Device | None = None,
     ) -> None:
-        if control not in CONTROL_HZ:
-            raise InputError(f"control {shown(control)}: allowed are {', '.join(CONTROL_HZ)}")
-        hz = real_number(CONTROL_HZ[control] if control_hz is None else control_hz)
+        if control not in CONTROLS:
+            raise InputError(f"control {shown(control)}: allowed are {', '.join(CONTROLS)}")
+        hz = real_number(CONTROLS[control].steps_per_s if control_hz is None else control_hz)
         if hz is None or not (np.isfinite(hz) and hz > 0):
             raise InputError(f"control_hz {shown(control_hz)}: must be a positive number")
         self.maneuver = _maneuver(maneuver)
@@ -72,7 +72,7 @@ class Player(Remembering):
         parameters = checked_parameters(rows)
         step, trackers = memory.of_worlds
         time = self._dt * step.astype(np.float64)
-        if self.control == "targets":
+        if CONTROLS[self.control].takes_targets:
             # Where the jaw is to be at the end of the step.
             action = action_of(self.targets(time + self._dt).value)
         else:
@@ -86,7 +86,7 @@ class Player(Remembering):
     def _follow(self, rows: Observation, parameters: int, trackers: NDArray[np.void], targets: Targets) -> Array:
         trackers["target"], trackers["rate"] = targets.value, targets.rate
         action = np.zeros((len(rows), N_MOTORS))
-        servo = self.control == "trajectory"
+        servo = CONTROLS[self.control].has_servos
         follow_all(self._device, rows, parameters, trackers, servo, self._holds_roll, self._dt, action)
         return action
 
