@@ -27,6 +27,8 @@ from filelock import FileLock
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from platformdirs import user_cache_dir
 
+from jawenv.kernels.linked import reading_linked
+
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
 # What reading a damaged entry raises, or one for types that this version of jawenv does not have: it is made anew.
 UNREADABLE = (pickle.UnpicklingError, ImportError, AttributeError, EOFError, LookupError, ValueError, TypeError)
@@ -40,9 +42,10 @@ def cache_folder() -> Path:
     return Path(root) / "kernels"
 
 
-def kernel_folder(function: FunctionType) -> Path:
-    """The folder of one kernel: its name, and the digest of what it is made of."""
-    return cache_folder() / f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}".replace("<", "")
+def kernel_folder(function: FunctionType, kind: str = "") -> Path:
+    """The folder of one kernel: its name, the digest of what it is made of, and in which form it is compiled."""
+    name = f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}{kind}"
+    return cache_folder() / name.replace("<", "")
 
 
 def prune_cache() -> None:
@@ -147,7 +150,9 @@ class _DigestLocator(_CacheLocator):
         return locator
 
     def get_cache_path(self) -> str:
-        return str(kernel_folder(self._function))
+        return str(kernel_folder(self._function, self._kind))
+
+    _kind = ""
 
     def get_source_stamp(self) -> str:
         return kernel_digest(self._function)
@@ -180,31 +185,56 @@ class _SharedCacheFile(IndexDataCacheFile):
             return {}
 
 
+class _LinkedLocator(_DigestLocator):
+    """The same of a kernel that is linked into others."""
+
+    _kind = "-linked"
+
+
 class _Implementation(CompileResultCacheImpl):
     _locator_classes: list[Any] = [_DigestLocator]
+
+
+class _LinkedImplementation(CompileResultCacheImpl):
+    _locator_classes: list[Any] = [_LinkedLocator]
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        with reading_linked(target_context):
+            return super().rebuild(target_context, payload)
 
 
 class _Files(FunctionCache):
     """Numba's cache of a function, in the folder of its digest."""
 
-    _impl_class = _Implementation
+    _impl_class: type[CompileResultCacheImpl] = _Implementation
 
     def __init__(self, py_func: FunctionType) -> None:
         super().__init__(py_func)
         self._cache_file.__class__ = _SharedCacheFile
 
 
-class KernelCache:
-    """The cache of one kernel, found when the kernel is first called: only then is all there that it refers to."""
+class _LinkedFiles(_Files):
+    """The same of a kernel that is linked into others."""
 
-    def __init__(self, function: FunctionType) -> None:
+    _impl_class = _LinkedImplementation
+
+
+class KernelCache:
+    """The cache of one kernel, found when the kernel is first called: only then is all there that it refers to.
+
+    Args:
+        function: the kernel's.
+        linked: whether it is a kernel that only other kernels call (``linked``).
+    """
+
+    def __init__(self, function: FunctionType, linked: bool = False) -> None:
         """Remember the function; nothing is read."""
-        self._function = function
+        self._function, self._linked = function, linked
 
     @cached_property
     def files(self) -> Any:
         """Numba's cache."""
-        return _Files(self._function)
+        return _LinkedFiles(self._function) if self._linked else _Files(self._function)
 
     def __getattr__(self, name: str) -> Any:
         """All that Numba asks its cache for."""

@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
-from functools import cache
+from functools import cache, cached_property, update_wrapper
 from types import FunctionType
 from typing import Any, TypeVar, cast
 
@@ -15,6 +15,7 @@ import numpy as np
 from filelock import FileLock
 
 from jawenv.kernels.cache import OPTIONS, KernelCache, kernel_folder, prune_cache
+from jawenv.kernels.linked import LinkedCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -36,9 +37,31 @@ def _content_number(text: str) -> int:
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
 
 
+class Kernel:
+    """A kernel that kernels call, and now and then Python: in two forms, each compiled when it is first asked for.
+
+    What kernels call is linked into them (``linked``); what Python calls is machine code with an entry for Python.
+    """
+
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
+        """Declare the kernel; it is compiled at its first call, or read from the cache."""
+        update_wrapper(self, function)
+        self.py_func, self._options = function, options
+        self._inner: Any = _compile(function, linked=True, **options)
+        self._numba_type_ = numba.typeof(self._inner)  # what Numba takes it for in a kernel
+
+    @cached_property
+    def _outer(self) -> Callable[..., Any]:
+        return _compile(self.py_func, **self._options)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the kernel from Python."""
+        return self._outer(*arguments)
+
+
 def njit(function: Function) -> Function:
     """Compile a kernel: no Python objects, no fast-math reordering, IEEE division, cached on disk."""
-    return _compile(function)
+    return cast(Function, Kernel(function))
 
 
 def njit_within(function: Function) -> Function:
@@ -52,7 +75,7 @@ def njit_within(function: Function) -> Function:
 
 def njit_inlined(function: Function) -> Function:
     """The same for a small kernel that is optimised with each of its callers: what they share is computed once."""
-    return _compile(function, forceinline=True)
+    return cast(Function, Kernel(function, forceinline=True))
 
 
 WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up
@@ -132,9 +155,14 @@ def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
     return lambda function: WorldKernel(function, place)
 
 
-def _compile(function: Function, **options: Any) -> Function:
+LINKED = {"pipeline_class": LinkedCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""What Numba is asked for where a kernel is to be linked into others."""
+
+
+def _compile(function: Function, linked: bool = False, **options: Any) -> Function:
     kernel = cast(FunctionType, function)
     kernel.__dict__[OPTIONS] = repr(sorted(options.items()))
-    compiled: Any = numba.njit(error_model="numpy", **options)(kernel)
-    compiled._cache = KernelCache(kernel)
+    njit_as: Any = numba.njit
+    compiled: Any = njit_as(error_model="numpy", **options, **(LINKED if linked else {}))(kernel)
+    compiled._cache = KernelCache(kernel, linked)
     return cast(Function, compiled)

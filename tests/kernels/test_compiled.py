@@ -74,7 +74,7 @@ def test_processes_that_save_at_once_keep_all_that_they_saved(tmp_path: Path, mo
         write(file, entries)
 
     monkeypatch.setattr(IndexDataCacheFile, "_save_index", write_slowly)
-    shared: Any = type(kernel._cache._cache_file)  # type: ignore[attr-defined]
+    shared: Any = type(kernel._outer._cache._cache_file)  # type: ignore[attr-defined]
 
     def kept(kind: Any, folder: Path) -> list[object]:
         folder.mkdir()
@@ -134,3 +134,46 @@ def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
     value, compiled = run("third", CONSTANT.replace(old, new))
     assert compiled == compiles
     assert value == {"FACTOR = 3.0": 4.0, "FACTOR + x": 4.0}.get(new, 3.0)
+
+
+LINKED = """
+import sys
+
+from jawenv.kernels.compiled import njit
+
+
+@njit
+def inner(x):
+    return 2.0 * x
+
+
+@njit
+def outer(x):
+    return inner(x) + 1.0
+
+
+@njit
+def other(x):
+    return inner(x) - 1.0
+
+
+for name in sys.argv[1:]:
+    print(globals()[name](1.0))
+"""
+
+
+def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) -> None:
+    """Its form for other kernels is read from the cache by one that is compiled later, in another process."""
+    (tmp_path / "kernels.py").write_text(LINKED)
+    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
+
+    def run(name: str) -> tuple[float, set[str]]:
+        command = [sys.executable, str(tmp_path / "kernels.py"), name]
+        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+        folders = [file.parent.name for file in (tmp_path / "cache").rglob("*.nbc")]
+        forms = {f"{folder.split('-')[0].split('.')[-1]}{'+' * folder.endswith('-linked')}" for folder in folders}
+        return float(ran.stdout), forms
+
+    assert run("outer") == (3.0, {"outer", "inner+"})
+    assert run("other") == (1.0, {"outer", "other", "inner+"})
+    assert run("inner") == (2.0, {"outer", "other", "inner+", "inner"})

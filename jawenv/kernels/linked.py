@@ -1,0 +1,84 @@
+"""Kernels that only other kernels call: no machine code of their own, nothing that converts Python's objects.
+
+Numba optimises every kernel together with all that it calls, and makes machine code of it, with an entry for Python.
+Where a kernel is called by kernels alone, each of these does all that again. Here such a kernel stays what can be
+linked into others; only the outermost is optimised and becomes machine code, once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite import binding
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+
+
+class _WithoutEnvironments:
+    """Numba's code generator for a library that is never executed, and so has no place for Python's objects."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def set_env(self, name: str, environment: Any) -> None:
+        pass
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+
+class LinkedLibrary(JITCodeLibrary):
+    """The code of one kernel, to be linked into that of others."""
+
+    def _optimize_final_module(self) -> None:
+        """Left to what it is linked into."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """0: there is no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """What Numba asks where to put objects that the code refers to."""
+        return _WithoutEnvironments(self._codegen)
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """What the cache keeps: LLVM's code, in place of the machine's."""
+        self._ensure_finalized()
+        return self.name, "linked", self._get_module_for_linking().as_bitcode()
+
+    @classmethod
+    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> LinkedLibrary:
+        name, _, code = state
+        library = cls(codegen, name)
+        library._final_module = binding.parse_bitcode(code)
+        library._finalize_final_module()
+        return library
+
+
+class LinkedCompiler(Compiler):
+    """Numba's compiler, for a kernel that other kernels call."""
+
+    def define_pipelines(self) -> Any:
+        """Numba's own passes, into a ``LinkedLibrary``."""
+        self.state.library = LinkedLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        return super().define_pipelines()
+
+
+@contextmanager
+def reading_linked(target: Any) -> Iterator[None]:
+    """Within it the code that is read from the cache is a ``LinkedLibrary``'s; Numba's compiler lock must be held."""
+    codegen = target.codegen()
+    usual = codegen._library_class
+    codegen._library_class = LinkedLibrary
+    try:
+        yield
+    finally:
+        codegen._library_class = usual
