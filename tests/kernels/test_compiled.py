@@ -1,5 +1,6 @@
 """Kernels from the cache are those of their own types, whichever process compiled them."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -8,11 +9,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from numba.core.caching import IndexDataCacheFile
+from numba.core.compiler import Flags
 
 import jawenv
-from jawenv.kernels.compiled import njit
+from jawenv.kernels import cache
+from jawenv.kernels.compiled import njit, world_kernel
 
 # The inner kernel calls itself, and so stays a function of its own, which the outer calls by its symbol.
 KERNELS = """
@@ -177,3 +181,38 @@ def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) ->
     assert run("outer") == (3.0, {"outer", "inner+"})
     assert run("other") == (1.0, {"outer", "other", "inner+"})
     assert run("inner") == (2.0, {"outer", "other", "inner+", "inner"})
+
+
+def test_flags_compare_by_every_option() -> None:
+    """Numba finds what it has compiled by its flags, the options that nobody has set among them."""
+    flags, other = Flags(), Flags()
+    flags.release_gil = True
+    assert flags.values() == {name: getattr(flags, name) for name in flags.options}
+    assert flags != other and flags == flags.copy()
+    other.release_gil = True
+    other.forceinline = Flags.options["forceinline"].default
+    assert flags == other and hash(flags) == hash(other)
+
+
+@pytest.mark.parametrize("collects", [True, False])
+def test_no_cycles_are_collected_while_a_world_kernel_compiles(
+    collects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    seen = []
+    monkeypatch.setattr(cache, "say_compiling", lambda: seen.append(gc.isenabled()))
+
+    @world_kernel(place=0)
+    def count(worlds, part):
+        for i in range(part[0], part[1]):
+            worlds[i].number += 1.0
+
+    worlds = np.zeros(3, dtype=[("number", "f8")])
+    before = gc.isenabled()
+    try:
+        (gc.enable if collects else gc.disable)()
+        count(worlds)
+        assert seen == [False] and gc.isenabled() == collects
+    finally:
+        (gc.enable if before else gc.disable)()
+    assert (worlds["number"] == 1.0).all()
