@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -111,33 +112,41 @@ print(outer(1.0))
 """
 
 
+def run_constant(folder: Path, cache: Path, text: str) -> tuple[float, bool]:
+    """What kernels of this ``text`` print, and whether they were compiled for it: then stderr says so."""
+    folder.mkdir()
+    (folder / "kernels.py").write_text(text)
+    places = {"JAWENV_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
+    command = [sys.executable, str(folder / "kernels.py")]
+    ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+    return float(ran.stdout), "compiling" in ran.stderr
+
+
+@pytest.fixture(scope="module")
+def constant_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The cache after the kernels of ``CONSTANT`` were compiled; tests that add to it make a copy."""
+    folder = tmp_path_factory.mktemp("constant")
+    assert run_constant(folder / "first", folder / "cache", CONSTANT) == (3.0, True)
+    return folder / "cache"
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "compiles"),
+    ("old", "new", "value", "compiles"),
     [
-        ("@njit", "# a remark\n@njit", False),
-        ("def outer(x):", 'def outer(x):\n    """Says what it is."""', False),
-        ("FACTOR = 2.0", "FACTOR = 3.0", True),
-        ("FACTOR * x", "FACTOR + x", True),
+        ("@njit", "@njit", 3.0, False),
+        ("@njit", "# a remark\n@njit", 3.0, False),
+        ("def outer(x):", 'def outer(x):\n    """Says what it is."""', 3.0, False),
+        ("FACTOR = 2.0", "FACTOR = 3.0", 4.0, True),
+        ("FACTOR * x", "FACTOR + x", 4.0, True),
     ],
 )
 def test_a_kernel_is_compiled_again_only_where_its_numbers_could_change(
-    tmp_path: Path, old: str, new: str, compiles: bool
+    constant_cache: Path, tmp_path: Path, old: str, new: str, value: float, compiles: bool
 ) -> None:
-    """In another folder, as in another clone: what says that it compiles is stderr."""
-    places = {"JAWENV_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(jawenv.__file__).parents[1])}
-
-    def run(folder: str, text: str) -> tuple[float, bool]:
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "kernels.py").write_text(text)
-        command = [sys.executable, str(tmp_path / folder / "kernels.py")]
-        ran = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
-        return float(ran.stdout), "compiling" in ran.stderr
-
-    assert run("first", CONSTANT) == (3.0, True)
-    assert run("second", CONSTANT) == (3.0, False)
-    value, compiled = run("third", CONSTANT.replace(old, new))
-    assert compiled == compiles
-    assert value == {"FACTOR = 3.0": 4.0, "FACTOR + x": 4.0}.get(new, 3.0)
+    """In another folder, as in another clone."""
+    shutil.copytree(constant_cache, tmp_path / "cache")
+    text = CONSTANT.replace(old, new)
+    assert run_constant(tmp_path / "clone", tmp_path / "cache", text) == (value, compiles)
 
 
 LINKED = """
