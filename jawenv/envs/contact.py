@@ -15,6 +15,7 @@ from jawenv.device.motors import device_wrench
 from jawenv.envs.load_cell import add_moments, clear_moments
 from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
 from jawenv.envs.step_kernel import (
+    Rows,
     begin_first_tick,
     begin_tick,
     clear_step,
@@ -85,7 +86,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
 
 
 @njit
-def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, all_paths, motion):
+def contact_end(devices, models, worlds, i, all_settings, scratches, rows, motion):
     """Sensors, filter and comfort of one tick of world i, whose jaw has come to ``motion``; or its first reading."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     if world.known.tick < 0:
@@ -94,7 +95,7 @@ def contact_end(devices, models, worlds, i, all_settings, scratches, all_ticks, 
         take_planar(world.truth, motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
         acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
         take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
-    end_tick(device, models[i], world, settings, scratch, all_ticks[i], all_paths[i])
+    end_tick(device, models[i], world, settings, scratch, rows.ticks[i], rows.paths[i])
 
 
 @njit
@@ -179,8 +180,8 @@ class ContactPlants:
         self._inform(i)
 
     def _end_tick(self, i: int, jaw: Any) -> None:
-        rows, motion = (self._ticks, self._paths), tuple(jaw.state)
-        contact_end(self._device, self._models, self._worlds, i, self._settings, self._scratches, *rows, motion)
+        rows, motion = Rows(self._ticks, self._paths, self._observation), tuple(jaw.state)
+        contact_end(self._device, self._models, self._worlds, i, self._settings, self._scratches, rows, motion)
 
     def _inform(self, i: int) -> None:
         scratches, seen = self._scratches, self._observation

@@ -200,7 +200,7 @@ def begin_world(device, model, world, settings, scratch, beginning, first_row):
 
 
 @world_kernel(place=2)
-def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, accepted, all_ticks, part):
+def begin(shared, models, worlds, chosen, beginnings, accepted, all_ticks, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     Its sensors are read for the first time by the next call of ``advance``.
@@ -211,11 +211,11 @@ def begin(devices, models, worlds, chosen, all_settings, scratches, beginnings, 
     for i in range(first, last):
         if chosen[i]:
             accepted[i] = begin_world(
-                devices[0],
+                shared.devices[0],
                 models[i],
                 worlds[i],
-                all_settings[0],
-                scratches[thread],
+                shared.settings[0],
+                shared.scratches[thread],
                 beginnings[thread],
                 all_ticks[i, 0],
             )

@@ -18,7 +18,7 @@ from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import begin, beginning_dtype
-from jawenv.envs.step_kernel import advance, scratch_dtype, settings_dtype
+from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.filter.initial_motion import start_sd
@@ -169,17 +169,8 @@ class Simulation:
         waiting = chosen.copy()
         accepted = np.ones(len(chosen), dtype=np.bool_)
         for _ in range(REDRAWS):
-            begin(
-                self.device,
-                self.models,
-                self.worlds,
-                waiting,
-                self.settings,
-                self._scratches,
-                self._beginnings,
-                accepted,
-                self.ticks,
-            )
+            shared = Shared(self.device, self.settings, self._scratches)
+            begin(shared, self.models, self.worlds, waiting, self._beginnings, accepted, self.ticks)
             waiting = waiting & ~accepted
             if not waiting.any():
                 break
@@ -233,18 +224,9 @@ class Simulation:
         self._track_bound(active)
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
-        advance(
-            self.device,
-            self.models,
-            self.worlds,
-            actions,
-            active,
-            self.settings,
-            self._scratches,
-            self.ticks,
-            self.paths,
-            self.observation,
-        )
+        shared = Shared(self.device, self.settings, self._scratches)
+        rows = Rows(self.ticks, self.paths, self.observation)
+        advance(shared, self.models, self.worlds, actions, active, rows)
 
     def _track_bound(self, active: NDArray[np.bool_]) -> None:
         """The bound of the active worlds at the end of their control period, if it is asked for."""

@@ -7,8 +7,10 @@ into one kernel only.
 from __future__ import annotations
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import N_MOTORS
@@ -39,6 +41,28 @@ N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 # Ticks to which the random numbers of an episode's beginning belong.
 START_TICK, FIRST_READING_TICK, REALITY_TICK = -1, -2, -3
+
+
+class Shared(NamedTuple):
+    """What all worlds of an environment are moved with."""
+
+    devices: NDArray[np.void]
+    """One record of dtype ``DEVICE``."""
+    settings: NDArray[np.void]
+    """One record of dtype ``settings_dtype``."""
+    scratches: NDArray[np.void]
+    """Working memory, dtype ``scratch_dtype``, one for each thread."""
+
+
+class Rows(NamedTuple):
+    """What a step writes down of each of N worlds."""
+
+    ticks: NDArray[np.void]
+    """(N, any number) records of dtype ``tick_dtype``, of the first ticks."""
+    paths: NDArray[np.void]
+    """(N, any number) records of dtype ``true_tick_dtype``, of the last ticks."""
+    observation: NDArray[np.float32]
+    """(N, size)."""
 
 
 @cache
@@ -217,8 +241,9 @@ def clear_step(world):
 
 
 @njit_within
-def advance_world(device, model, world, action, settings, scratch, ticks, path, row):
-    """Advance one world by one control period, or read its sensors for the first time."""
+def advance_world(shared, model, world, action, scratch, rows, i):
+    """Advance one world by one control period, or read its sensors for the first time; its rows are number ``i``."""
+    device, settings = shared.devices[0], shared.settings[0]
     begins, number = world.known.tick < 0, settings.control.ticks_per_step
     clear_step(world)
     for _ in range(1 if begins else number):
@@ -228,38 +253,24 @@ def advance_world(device, model, world, action, settings, scratch, ticks, path, 
             begin_tick(device, model, world, action, settings, scratch)
             acted = true_motion(device, world, scratch, settings)
             take_motion(device, world, scratch, 1.0 / number, acted)
-        end_tick(device, model, world, settings, scratch, ticks, path)
-    end_step(device, model, world, settings, scratch, row)
+        end_tick(device, model, world, settings, scratch, rows.ticks[i], rows.paths[i])
+    end_step(device, model, world, settings, scratch, rows.observation[i])
 
 
 @world_kernel(place=2)
-def advance(devices, models, worlds, actions, active, all_settings, scratches, all_ticks, all_paths, observation, part):
+def advance(shared, models, worlds, actions, active, rows, part):
     """Advance every active world by one control period; one that has just begun gets its first reading alone.
 
     Args:
-        devices: One record of dtype ``DEVICE``, in an array.
+        shared: See ``Shared``.
         models: Jaws as the filter believes them, one for each world, dtype ``jaw_dtype``.
         worlds: Worlds, dtype ``world_dtype``; changed in place.
         actions: (N, 4) in [-1, 1], of the motors or, in targets control, the channels.
         active: (N,) bool; a world that is not active stays as it is.
-        all_settings: One record of dtype ``settings_dtype``, in an array.
-        scratches: Working memory, dtype ``scratch_dtype``, one for each thread.
-        all_ticks: (N, any number) records of dtype ``tick_dtype``, of the first ticks.
-        all_paths: (N, any number) records of dtype ``true_tick_dtype``, of the last ticks.
-        observation: (N, size) float32, filled where a world is active.
+        rows: See ``Rows``; filled where a world is active.
         part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
     """
     first, last, thread = part
     for i in range(first, last):
         if active[i]:
-            advance_world(
-                devices[0],
-                models[i],
-                worlds[i],
-                actions[i],
-                all_settings[0],
-                scratches[thread],
-                all_ticks[i],
-                all_paths[i],
-                observation[i],
-            )
+            advance_world(shared, models[i], worlds[i], actions[i], shared.scratches[thread], rows, i)
