@@ -75,8 +75,12 @@ def mouthpiece_motion(jaw, q, u, lift, body_to_head):
 
 
 @njit
-def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
-    """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor."""
+def command_motors(device, jaw, motors, motion, action, trajectory, dt):
+    """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor.
+
+    ``motion`` is (q, u, lift), as ``envs.plants`` describes it.
+    """
+    q, u, lift = motion
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     follow = 1.0 - exp(-dt / device.lag)
@@ -102,11 +106,13 @@ def command_motors(device, jaw, motors, q, u, lift, action, trajectory, dt):
 
 
 @njit_inlined
-def device_wrench(device, jaw, limits, motors, q, u, lift, since, trajectory):
+def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
-    The last value says what of the governor acts: ``IDLE``, ``CAPPED``, ``BRAKED`` and so on.
+    ``motion`` is (q, u, lift), as ``envs.plants`` describes it. The last value says what of the governor acts:
+    ``IDLE``, ``CAPPED``, ``BRAKED`` and so on.
     """
+    q, u, lift = motion
     body_to_head = rotation(q)
     place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     omega = (u[2], u[3], u[4])

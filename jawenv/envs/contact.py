@@ -51,7 +51,7 @@ def contact_begin(devices, models, worlds, i, actions, all_settings, scratches):
     truth, known = world.truth, world.known
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
-    _, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, 0.0, servo)
+    _, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), 0.0, servo)
     clear_moments(scratch.wrench)
     scratch.acted = acted
 
@@ -76,7 +76,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     take_planar(truth, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
-    wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift, since, servo)
+    wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
     push = articular_push(settings.reality, known.limits, truth.jaw, q, lift)

@@ -50,17 +50,17 @@ def plus_wrench(wrench, extra, push):
 
 
 @njit_within
-def wrench_at_stage(device, world, scratch, settings, step, stage, h, q, u, lift):
+def wrench_at_stage(device, world, scratch, settings, step, stage, h, motion):
     """The wrench on the jaw at a stage of a Runge-Kutta step, with what the load cell and the governor have of it."""
     since = step * h + stage_place(stage) * h
     wrench, governed = device_wrench(
-        device, world.truth.jaw, world.known.limits, world.known.motors, q, u, lift, since, settings.control.servo
+        device, world.truth.jaw, world.known.limits, world.known.motors, motion, since, settings.control.servo
     )
     scratch.acted = max(scratch.acted, governed)
     add_moments(scratch.wrench, wrench, stage_weight(stage, h) / TICK, 2.0 * since / TICK - 1.0)
     push = (0.0, 0.0, 0.0)
     if settings.reality.articular_stiffness > 0.0:
-        push = articular_push(settings.reality, world.known.limits, world.truth.jaw, q, lift)
+        push = articular_push(settings.reality, world.known.limits, world.truth.jaw, motion[0], motion[2])
     return plus_wrench(wrench, scratch.unmodelled, push)
 
 
@@ -68,7 +68,7 @@ def wrench_at_stage(device, world, scratch, settings, step, stage, h, q, u, lift
 def midline_rate(q, u, stage, h, given):
     """(q', u') of the midline plant under the device; ``given`` as in ``midline_steps``."""
     device, world, scratch, settings, step = given
-    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, q, u, lift_of(world.truth))
+    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
     return state_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
@@ -77,7 +77,8 @@ def body_rate(q, u, stage, h, given):
     """(q', u') of the plant with two condyles under the device; ``given`` as in ``bilateral_tick``."""
     device, world, scratch, settings, step = given
     middle_q, middle_u, lift, lift_rate = midline_motion(world.truth.jaw, q, u)
-    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, middle_q, middle_u, (lift, lift_rate))
+    motion = middle_q, middle_u, (lift, lift_rate)
+    total = wrench_at_stage(device, world, scratch, settings, step, stage, h, motion)
     return bilateral_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
@@ -151,7 +152,7 @@ def end_motion(device, world, scratch, trajectory):
     """The load cell's samples of the tick that has passed, and the motors' targets where they have moved to."""
     truth, known = world.truth, world.known
     q, u = split(truth.state)
-    _, governed = device_wrench(device, truth.jaw, known.limits, known.motors, q, u, lift_of(truth), TICK, trajectory)
+    _, governed = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift_of(truth)), TICK, trajectory)
     take_samples(scratch.wrench)
     if trajectory:
         for i in range(N_MOTORS):

@@ -152,9 +152,9 @@ def begin_tick(device, model, world, action, settings, scratch):
     fill_normals((truth.key[0], truth.key[1]), known.tick, scratch.normals)
     normals = scratch.normals
     q, u = split(truth.state)
-    lift = lift_of(truth)
-    command_motors(device, truth.jaw, known.motors, q, u, lift, scratch.action, settings.control.servo, TICK)
-    update_tissue(settings.reality, truth.reality, truth.jaw, truth.muscles, q, u, lift, TICK, scratch.effective)
+    motion = q, u, lift_of(truth)
+    command_motors(device, truth.jaw, known.motors, motion, scratch.action, settings.control.servo, TICK)
+    update_tissue(settings.reality, truth.reality, truth.jaw, truth.muscles, motion, TICK, scratch.effective)
     for k in range(3):
         scratch.unmodelled[k] = device.unmodelled_force * normals[k]
         scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]

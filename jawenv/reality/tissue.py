@@ -33,7 +33,7 @@ from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 
 @njit
-def update_tissue(reality, state, jaw, muscles, q, u, lift, dt, effective):
+def update_tissue(reality, state, jaw, muscles, motion, dt, effective):
     """(F_o, b) of each line for the coming ``dt`` seconds, into ``effective`` (lines, 2); advances ``state`` by dt.
 
     Args:
@@ -41,12 +41,12 @@ def update_tissue(reality, state, jaw, muscles, q, u, lift, dt, effective):
         state: Record of dtype ``reality_state_dtype``; changed.
         jaw: The truth's record.
         muscles: (lines, 2) F_o and b of the truth.
-        q: Coordinates (x, y, theta, psi, alpha) at the start of the tick.
-        u: Speeds (x', y', omega) then.
-        lift: How far the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline plant.
+        motion: (q, u, lift) at the start of the tick: coordinates (x, y, theta, psi, alpha), speeds (x', y', omega),
+            and how far the condyles' midpoint is above its path (m) with its rate (m/s): zero in the midline plant.
         dt: Length of a tick (s).
         effective: (lines, 2); written. Equal to ``muscles`` to the bit where nothing has crept or is excited.
     """
+    q, u, lift = motion
     for i in range(muscles.shape[0]):
         effective[i, 0], effective[i, 1] = muscles[i, 0], muscles[i, 1]
     if reality.creep_share == 0.0 and reality.reflex_gain == 0.0:

@@ -84,13 +84,13 @@ def simulate(environment, motion, trajectory, substeps):
     for tick in range(600):
         action = motion(tick * TICK)
         q, u = tuple(state[:5]), tuple(state[5:])
-        command_motors(device, jaw, motors, q, u, ON_PATH, action, np.uint8(trajectory), TICK)
+        command_motors(device, jaw, motors, (q, u, ON_PATH), action, np.uint8(trajectory), TICK)
         for substep in range(substeps):
 
             def rate(since, s, before=substep * h):
                 q, u = tuple(s[:5]), tuple(s[5:])
                 wrench, _ = device_wrench(
-                    device, jaw, limits, motors, q, u, ON_PATH, before + since, np.uint8(trajectory)
+                    device, jaw, limits, motors, (q, u, ON_PATH), before + since, np.uint8(trajectory)
                 )
                 q_rate, u_rate = state_rate(jaw, muscles, q, u, wrench)
                 return np.array(q_rate + u_rate)

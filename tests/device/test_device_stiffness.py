@@ -38,7 +38,7 @@ class Tick:
         truth, known = self.world["truth"], self.world["known"]
         q, u = (tuple(float(v) for v in half) for half in np.split(state, 2))
         wrench, acted = device_wrench(
-            self.device, truth["jaw"], known["limits"], known["motors"], q, u, ON_PATH, since, self.trajectory
+            self.device, truth["jaw"], known["limits"], known["motors"], (q, u, ON_PATH), since, self.trajectory
         )
         return wrench, acted, q, u
 

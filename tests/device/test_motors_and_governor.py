@@ -45,11 +45,11 @@ def limits():
 
 
 def command(device, jaw, motors, action, control=FORCE_CONTROL, q=Q, u=STILL):
-    command_motors(device, jaw, motors, tuple(q), tuple(u), ON_PATH, np.array(action, dtype=float), control, TICK)
+    command_motors(device, jaw, motors, (tuple(q), tuple(u), ON_PATH), np.array(action, dtype=float), control, TICK)
 
 
 def wrench(device, jaw, limits, motors, q=Q, u=STILL, since=0.0, control=FORCE_CONTROL):
-    found, acted = device_wrench(device, jaw, limits, motors, tuple(q), tuple(u), ON_PATH, since, control)
+    found, acted = device_wrench(device, jaw, limits, motors, (tuple(q), tuple(u), ON_PATH), since, control)
     return np.array(found), acted
 
 

@@ -39,6 +39,6 @@ class Tissue:
     def tick(self, q, u=STILL, lift=ON_PATH):
         """(6,) tension of each line at the start of a tick."""
         update_tissue(
-            self.reality, self.state, self.jaw, self.muscles, tuple(q), tuple(u), lift, self.length, self.effective
+            self.reality, self.state, self.jaw, self.muscles, (tuple(q), tuple(u), lift), self.length, self.effective
         )
         return tensions(self.jaw, self.effective, q)

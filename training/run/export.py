@@ -71,7 +71,6 @@ def export(
             that is taken, in use or cannot be written.
     """
     config = run.open()
-    environment = _environment(config.env)
     reached = () if results is None else read_model(results, ResultsFile).results
     with alone(output):
         _check_free(output, overwrite)
@@ -80,7 +79,7 @@ def export(
         assert isinstance(trained, TrainedPolicy)
         network = network_of(trained.policy, str(trained.path))
         weights = save(network.weights)
-        card = _card(run, config, environment, network, trained, weights, reached, licence, command)
+        card = _card(run, config, network, trained, weights, reached, licence, command)
         _check_same_actions(ExportedPolicy(output.name, card, network.weights), trained.policy, str(trained.path))
         _write(output, weights, card)
         return card
@@ -89,7 +88,6 @@ def export(
 def _card(
     run: RunFolder,
     config: TrainingConfig,
-    environment: Environment,
     network: Network,
     trained: TrainedPolicy,
     weights: bytes,
@@ -99,7 +97,7 @@ def _card(
 ) -> ModelCard:
     return ModelCard(
         format_version=FORMAT_VERSION,
-        environment=environment,
+        environment=_environment(config.env),
         observation_size=trained.observation_size,
         architecture=Architecture(layers=network.layers, activation=network.activation, squash=network.squash),
         algorithm=_algorithm(run, config),
