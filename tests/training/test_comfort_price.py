@@ -6,7 +6,7 @@ from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
 from training.run.comfort import Multiplier, PricedVecEnv
 from training.run.config import ComfortConfig
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 CONFIG = ComfortConfig(target_discomfort_s=0.1, initial_multiplier=8.0, rate=0.5, largest_multiplier=1000.0)
 
@@ -33,7 +33,7 @@ def test_one_terrible_batch_does_not_blow_the_price_up_and_it_has_an_end() -> No
 def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> None:
     multiplier = Multiplier(CONFIG)
     priced_native, native = (NativeVecEnv(PointVectorEnv(4, "same_step")) for _ in range(2))
-    priced = PricedVecEnv(priced_native, priced_native, multiplier)
+    priced = PricedVecEnv(priced_native, multiplier)
     for worlds in (priced, native):
         worlds.seed(3)
         worlds.reset()

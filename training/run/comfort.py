@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn, VecEnvWrapper
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn, VecEnvWrapper
 
 from training.run.config import ComfortConfig
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 LARGEST_EXCESS = 2.0
 """Of discomfort over target, less 1, that counts in one update."""
@@ -42,14 +42,13 @@ class PricedVecEnv(VecEnvWrapper):
     """Takes multiplier x discomfort of the step from each reward.
 
     Args:
-        worlds: N worlds, on `native` or on a wrapper of it.
-        native: tells the discomfort.
+        worlds: N worlds, which tell the discomfort.
         multiplier: the price.
     """
 
-    def __init__(self, worlds: VecEnv, native: NativeVecEnv, multiplier: Multiplier) -> None:
+    def __init__(self, worlds: NativeVecEnv, multiplier: Multiplier) -> None:
         super().__init__(worlds)
-        self._native = native
+        self._native = worlds
         self._multiplier = multiplier
 
     def reset(self) -> VecEnvObs:
