@@ -253,6 +253,8 @@ PLAYING = [
             ({"seed": -1}, "seed: -1 given"),
             ({"seed": 10**24}, f"seed: {10**24} given, allowed is a whole number, 0 to 4294967295"),
             ({"seed": "one"}, "seed: 'one' given"),
+            ({"seed": [1, 2, 3]}, "seed: 3 given, allowed are one, or one for each of 1 patients"),
+            ({"seed": [-2]}, "given, allowed is a whole number, 0 to 4294967295"),
             ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
             ({"env_kwargs": 5}, "env_kwargs: 5 given"),
         )
