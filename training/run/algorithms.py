@@ -43,11 +43,6 @@ def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
     return model
 
 
-def is_off_policy(config: TrainingConfig) -> bool:
-    """Whether the algorithm learns from a replay buffer."""
-    return isinstance(config.section, SACConfig)
-
-
 def _on_policy(ppo: PPOConfig) -> dict[str, Any]:
     """Arguments that PPO has of its own, with or without memory."""
     return {

@@ -35,7 +35,7 @@ from jawenv.seeds import TRAINING
 from training.run.algorithm_configs import PPOConfig, SACConfig
 from training.run.algorithms import make_model
 from training.run.callbacks import Checkpoints, EpisodeLog, FallingNoise, Interrupt, StopOnSignal
-from training.run.comfort import Multiplier, MultiplierUpdates, PricedVecEnv
+from training.run.comfort import Multiplier, MultiplierUpdates
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.evaluations import Evaluations
 from training.run.folder import RunFolder
@@ -287,8 +287,7 @@ def wrapped(
     for controller in (law, base):
         if controller is not None:
             env = ControlledWorlds(env, controller)
-    native = NativeVecEnv(env)
-    return native if multiplier is None else PricedVecEnv(native, multiplier)
+    return NativeVecEnv(env, multiplier)
 
 
 def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
