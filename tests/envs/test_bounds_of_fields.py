@@ -53,14 +53,6 @@ def test_an_episode_at_a_bound_is_finite(what, name, value, control):
 
 
 @pytest.mark.parametrize(
-    ("name", "high"), [(name, numeric.high) for name, numeric in jawenv.Device.numeric_fields().items()]
-)
-def test_a_device_beyond_its_bound_is_refused(name, high):
-    with pytest.raises(jawenv.InputError, match=rf"^device\.{name} is .*, at most {high:g}$".replace("+", r"\+")):
-        jawenv.Device(**{name: np.nextafter(high, np.inf)})
-
-
-@pytest.mark.parametrize(
     ("name", "value"),
     [
         ("F_o_N", 1e-6),
