@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,18 +82,7 @@ class Entry:
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
-        return {
-            "label": self.label,
-            "spec": self.spec,
-            "env_id": self.env_id,
-            "env_kwargs": self.env_kwargs,
-            "note": self.note,
-            "trained": self.trained,
-            "description": self.description,
-            "planned": self.planned,
-            "clairvoyant": self.clairvoyant,
-            "replay_of": self.replay_of,
-        }
+        return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "agent"}
 
 
 def maneuver_names() -> tuple[str, ...]:
