@@ -35,6 +35,14 @@ class Verdict:
     stiff: float
     blocked: float
 
+    @property
+    def open_question(self) -> str:
+        """What a muscle that is called stiff or blocked may be besides; empty where that is known."""
+        other = {STIFF: self.blocked, BLOCKED: self.stiff}.get(self.word, 0.0)
+        if other <= 1.0 - CONFIDENCE:
+            return ""
+        return BLOCKED if self.word == STIFF else STIFF
+
 
 def verdict(mean: Array, cov: Array) -> Verdict:
     """The verdict on one whole muscle.

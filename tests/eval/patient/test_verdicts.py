@@ -30,6 +30,13 @@ def test_a_wide_belief_decides_nothing_and_says_what_is_likeliest():
     assert 0.3 < found.probability < 0.95
 
 
+def test_what_is_not_known_of_a_stiff_muscle_is_said():
+    found = verdict(np.log([2.0, 9.5]), np.diag([0.05, 0.3]) ** 2)
+    assert (found.word, found.open_question) == (STIFF, BLOCKED)
+    assert said(2.0, 7.0).open_question == ""
+    assert verdict(np.log([0.9, 18.0]), np.diag([0.5, 0.05]) ** 2).open_question == STIFF
+
+
 @pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.9])
 def test_probabilities_are_those_of_samples(correlation, rng):
     found = said(0.9, 9.0, sd=0.2, correlation=correlation)
