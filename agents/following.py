@@ -19,9 +19,8 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.tracking import follow_all
 from jawenv.errors import InputError, shown
-from jawenv.playing.agents import Memory, Remembering
 from jawenv.playing.maneuvers.player import checked_parameters, goals_of
-from jawenv.playing.protocol import Action, Agent, Mask, Observation
+from jawenv.playing.protocol import Action, Observation
 
 DECISION_HZ = CONTROLS["targets"].steps_per_s
 Trackers = NDArray[np.void]
@@ -41,9 +40,9 @@ def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
 
 
 class TargetsLaw:
-    """Targets become actions of force or trajectory control.
+    """Targets become actions of force or trajectory control: the controller of agents of targets control there.
 
-    A world that begins an episode between two decisions keeps still until the next one.
+    Its memory is the device's tracker. A world that begins an episode between two decisions keeps still until the next.
 
     Args:
         control: "force" or "trajectory".
@@ -59,6 +58,9 @@ class TargetsLaw:
         InputError: control steps are not a multiple of decisions.
     """
 
+    n_features = 0
+    memory: np.dtype[Any] = TRACKER
+
     def __init__(self, control: Control, control_hz: float | None = None, decision_hz: float = DECISION_HZ) -> None:
         mode = CONTROLS[control]
         hz = mode.steps_per_s if control_hz is None else control_hz
@@ -71,27 +73,36 @@ class TargetsLaw:
         self._device = Device().records()
         self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
 
-    def begin(self, worlds: int) -> Trackers:
-        """What the law remembers at the beginning of an episode, dtype ``TRACKER``."""
-        return np.zeros(worlds, dtype=TRACKER)
+    def seen(self, rows: Observation, memory: Trackers) -> Observation:
+        """Observations (N, size) in which ``motor_target`` is what it is in targets control.
 
-    def seen(self, rows: Observation, trackers: Trackers) -> Observation:
-        """Observations (N, size) in which ``motor_target`` is what it is in targets control."""
+        Raises:
+            InputError: an observation of another size, or one that is not finite.
+        """
+        checked_parameters(rows)
         rows, rest = rows.copy(), _rest_of(rows)
-        target = trackers["target"] * np.where(trackers["begun"][:, None], trackers["size"], 1.0)
+        target = memory["target"] * np.where(memory["begun"][:, None], memory["size"], 1.0)
         rows[:, rest + _TARGET.start : rest + _TARGET.stop] = target
         return rows
 
-    def aim(self, trackers: Trackers, action: Action) -> None:
-        """Set out for the targets that actions (N, 4) of targets control ask for, to be there at the next decision."""
-        rate = (goals_of(np.clip(action, -1.0, 1.0)) - trackers["target"]) / self._decision_s
-        trackers["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
+    def act(self, rows: Observation, memory: Trackers, decision: Action | None) -> Action:
+        """Actions (N, 4) of this control step; the targets move on.
 
-    def actions(self, rows: Observation, trackers: Trackers) -> Action:
-        """Actions (N, 4) of this control step; the targets move on."""
+        Args:
+            rows: (N, size) observations.
+            memory: (N,) records of the law.
+            decision: (N, 4) actions of targets control, whose targets are to be reached at the next decision.
+
+        Raises:
+            InputError: an observation that is not finite.
+        """
+        checked_parameters(rows)
+        if decision is not None:
+            rate = (goals_of(np.clip(decision, -1.0, 1.0)) - memory["target"]) / self._decision_s
+            memory["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
         action = np.zeros((len(rows), N_MOTORS))
-        follow_all(self._device, rows, _rest_of(rows) // 2, trackers, self._servo, True, self._dt, action)
-        trackers["target"] += self._dt * trackers["rate"]
+        follow_all(self._device, rows, _rest_of(rows) // 2, memory, self._servo, True, self._dt, action)
+        memory["target"] += self._dt * memory["rate"]
         return action.astype(np.float32)
 
 
@@ -104,45 +115,3 @@ def _rest_of(rows: Observation) -> int:
     """Where the observation's part after the belief begins."""
     size: int = rows.shape[1]
     return size - _REST_SIZE
-
-
-class Following(Remembering):
-    """An agent of targets control in another control mode, asked only when a decision is due.
-
-    Args:
-        agent: answers with actions of targets control.
-        law: follows its targets.
-
-    Attributes:
-        name: the agent's.
-        control: the law's.
-        agent: as given.
-        law: as given.
-    """
-
-    # Records of the law, and whether the world's episode began before the last decision.
-    _remembered = (TRACKER, np.bool_)
-
-    def __init__(self, agent: Agent, law: TargetsLaw) -> None:
-        self.name = agent.name
-        self.control = law.control
-        self.agent = agent
-        self.law = law
-
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """Forget all worlds; seed the draws of a stochastic agent."""
-        super().reset(num_envs, seed)
-        self.agent.reset(num_envs, seed)
-
-    def _decide(
-        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
-    ) -> tuple[Action, Memory]:
-        checked_parameters(rows)
-        trackers, decided = memory.of_worlds
-        step, inner = memory.shared or (0, None)  # control steps since the last decision, the agent's own memory
-        if step == 0:
-            goals, inner = self.agent.predict(self.law.seen(rows, trackers), inner, ~decided, deterministic)
-            self.law.aim(trackers, goals)
-            decided = np.ones(len(rows), dtype=bool)
-        action = self.law.actions(rows, trackers)
-        return action, Memory((trackers, decided), ((step + 1) % self.law.steps_per_decision, inner))

@@ -18,7 +18,6 @@ from jawenv.playing.protocol import Action, Mask, Observation, State
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy
 
-CONFIG = "config.yaml"
 MODELS_OF_A_RUN = ("best_model.zip", "final_model.zip")
 
 

@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from agents.card import CARD, WEIGHTS, exported_place, policy_names
+from agents.controller import ControlledAgent
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
-from agents.following import Following, TargetsLaw
+from agents.following import TargetsLaw
 from agents.own import load_own, names_own, source_of
 from agents.planners import PLANNERS
 from agents.policies import files_of_run, load_policy
@@ -118,7 +119,7 @@ def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Ag
         return policy
     hz = _steps_per_s(control, control_hz)
     if not CONTROLS[control].takes_targets:
-        return Following(policy, TargetsLaw(control, hz, policy.decision_hz))
+        return ControlledAgent(policy, TargetsLaw(control, hz, policy.decision_hz))
     if abs(hz - policy.decision_hz) > 1e-6 * hz:
         raise InputError(f"control_hz {hz:g}: {policy.name} decides {policy.decision_hz:g} times a second")
     return policy

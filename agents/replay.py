@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
-from agents.following import Following
+from agents.controller import ControlledAgent
+from agents.following import TargetsLaw
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, shown
@@ -108,7 +109,7 @@ def replay_of(
     """The maneuver of an agent's targets, averaged over patients.
 
     Args:
-        agent: plays targets control, or has its targets followed (`agents.following.Following`).
+        agent: plays targets control, or has its targets followed (`agents.following`).
         patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
         seed: of the first patient.
         env_kwargs: arguments of the environment.
@@ -127,10 +128,15 @@ def check_targets(agent: Agent, env_kwargs: dict[str, Any]) -> None:
         InputError: it does not, or plays another control mode than asked for.
     """
     control = control_of(agent, env_kwargs) or DEFAULT_CONTROL
-    if not takes_targets(control) and not isinstance(agent, Following):
+    if not takes_targets(control) and not _followed(agent):
         raise InputError(
             f"replay of {agent.name!r}: control is {shown(control)}; allowed: targets, or a policy of targets"
         )
+
+
+def _followed(agent: Agent) -> bool:
+    """Whether the device's law follows an agent's targets in another control mode."""
+    return isinstance(agent, ControlledAgent) and isinstance(agent.controller, TargetsLaw)
 
 
 def replays_of(
@@ -145,9 +151,9 @@ def replays_of(
     """The averaged maneuver of ``replay_of``, and what the agent did with each patient; progress as ``jawenv.play``."""
     check_targets(agent, env_kwargs)
     playing: Agent
-    if isinstance(agent, Following):
-        recorder, every = Recorder(agent.agent), agent.law.steps_per_decision
-        playing = Following(recorder, agent.law)
+    if isinstance(agent, ControlledAgent) and _followed(agent):
+        recorder, every = Recorder(agent.agent), agent.controller.steps_per_decision
+        playing = ControlledAgent(recorder, agent.controller)
     else:
         playing = recorder = Recorder(agent)
         every = 1

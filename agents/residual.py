@@ -1,9 +1,6 @@
 """A policy that corrects a maneuver: its actions are added to the maneuver's targets, as actions of targets control.
 
-In the other control modes `agents.following.Following` plays it.
-
-`BaseTargets` holds all that training and agent have in common: what the policy sees beside the environment's
-observation, and what becomes of its action.
+In the other control modes the targets are followed (`agents.following`).
 """
 
 from __future__ import annotations
@@ -15,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from agents.controller import ControlledAgent
 from agents.following import DECISION_HZ
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.files import InputModel, Number
-from jawenv.playing.agents import Memory, Remembering, check_size
+from jawenv.playing.agents import Memory, check_size
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.maneuvers.player import action_of, goals_of
@@ -59,7 +57,9 @@ class Residual(InputModel):
 
 
 class BaseTargets:
-    """The maneuver under a residual, step by step.
+    """The maneuver under a residual, step by step: the controller of policies that correct it.
+
+    Its memory counts the decisions since the episode began.
 
     Args:
         maneuver: what is corrected.
@@ -67,10 +67,26 @@ class BaseTargets:
         decision_hz: actions of the policy per second.
     """
 
+    control: Control = "targets"
+    steps_per_decision = 1
+    n_features = N_FEATURES
+    memory: np.dtype[Any] = np.dtype(np.int64)
+
     def __init__(self, maneuver: Maneuver, scale: float, decision_hz: float = DECISION_HZ) -> None:
         self.maneuver = maneuver
         self.scale = scale
         self.decision_hz = decision_hz
+
+    def seen(self, rows: Observation, memory: NDArray[np.int64]) -> Observation:
+        """Observations (N, size) with the `features` of the decision that is due, (N, size + 12)."""
+        return np.concatenate([rows, self.features(memory)], axis=1)
+
+    def act(self, rows: Observation, memory: NDArray[np.int64], decision: Action | None) -> Action:
+        """The environment's actions (N, 4) for the policy's ``decision`` (N, 4); ``memory`` (N,) moves on by one."""
+        assert decision is not None
+        action = self.actions(memory, decision)
+        memory += 1
+        return action
 
     def features(self, step: NDArray[np.int64]) -> Observation:
         """What the policy sees of the maneuver.
@@ -107,7 +123,7 @@ class BaseTargets:
         return self.maneuver.targets((steps + 1) / self.decision_hz).value[which]
 
 
-class ResidualPolicy(Remembering):
+class ResidualPolicy(ControlledAgent):
     """A policy and the maneuver that it corrects, as one agent of targets control.
 
     Args:
@@ -117,39 +133,21 @@ class ResidualPolicy(Remembering):
         observation_size: of the environment.
 
     Attributes:
-        name: the policy's.
-        control: "targets".
-        policy: as given.
         base: as given.
         decision_hz: its actions per second.
         path: as given.
         observation_size: as given.
     """
 
-    control: Control = "targets"
-    _remembered = (np.int64,)  # decisions since the episode began
-
     def __init__(self, policy: Agent, base: BaseTargets, path: Path, observation_size: int) -> None:
-        self.name = policy.name
+        super().__init__(policy, base)
         self.base = base
         self.decision_hz = base.decision_hz
         self.path = path
         self.observation_size = observation_size
-        self.policy = policy
-
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """Forget all worlds; seed the draws of a stochastic policy."""
-        super().reset(num_envs, seed)
-        self.policy.reset(num_envs, seed)
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
         check_size(rows, self.observation_size, self.path)
-        (step,) = memory.of_worlds
-        if memory.shared is None:
-            self.policy.reset(len(rows))
-        (inner,) = memory.shared or (None,)
-        seen = np.concatenate([rows, self.base.features(step)], axis=1)
-        residual, after = self.policy.predict(seen, inner, starts, deterministic)
-        return self.base.actions(step, residual), Memory((step + 1,), (after,))
+        return super()._decide(rows, memory, starts, deterministic)

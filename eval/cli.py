@@ -44,15 +44,11 @@ app.command("calibrate")(calibrate_command)
 
 @app.command("play")
 def play_command(
-    entry: Annotated[
-        str, typer.Argument(metavar="MANEUVER|FILE|RUN", help="A name, a maneuver file or a training run.")
-    ],
+    entry: options.Entry,
     video: Annotated[
         Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
     ] = None,
-    env: Annotated[
-        str | None, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
-    ] = None,
+    env: options.Environment = None,
     cohort: options.Cohort = "trismus",
     patient: Annotated[
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
@@ -60,7 +56,7 @@ def play_command(
     seed: options.Seed = REPORTS[0].start,
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
-    episode_s: Annotated[float, typer.Option(help="Length of the episode, s.", metavar="S")] = 30.0,
+    episode_s: options.EpisodeS = 30.0,
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +15,10 @@ from agents.residual import ResidualPolicy
 from jawenv.controls import DEFAULT_CONTROL, mode_of
 from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent
-from jawenv.playing.rollout import DEFAULT_ENV
+from jawenv.playing.rollout import DEFAULT_ENV, Recording, play
 
 if TYPE_CHECKING:
+    from jawenv.anatomy import Patient
     from training.run.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
@@ -61,20 +62,27 @@ class Entry:
     clairvoyant: bool = False
     replay_of: str = ""
 
+    def play(
+        self,
+        patients: int | Sequence[Patient | None],
+        seed: int,
+        progress: Callable[[int, int], None] | None = None,
+        **changes: Any,
+    ) -> Recording:
+        """Play one episode with each patient, as `jawenv.play`, by which every result of ``eval`` is made.
+
+        Args:
+            patients: how many, or whom.
+            seed: of the first patient.
+            progress: see `jawenv.play`.
+            **changes: arguments of the environment in place of the entry's.
+        """
+        kwargs = self.env_kwargs | changes
+        return play(self.agent, patients=patients, seed=seed, env_kwargs=kwargs, env_id=self.env_id, progress=progress)
+
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
-        return {
-            "label": self.label,
-            "spec": self.spec,
-            "env_id": self.env_id,
-            "env_kwargs": self.env_kwargs,
-            "note": self.note,
-            "trained": self.trained,
-            "description": self.description,
-            "planned": self.planned,
-            "clairvoyant": self.clairvoyant,
-            "replay_of": self.replay_of,
-        }
+        return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "agent"}
 
 
 def maneuver_names() -> tuple[str, ...]:

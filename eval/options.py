@@ -14,6 +14,19 @@ if TYPE_CHECKING:
 
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
+Entry = Annotated[str, typer.Argument(metavar="MANEUVER|FILE|RUN", help="A name, a maneuver file or a training run.")]
+Environment = Annotated[
+    str | None,
+    typer.Option(
+        "--env",
+        help="Environment: jawenv/JawSides-v2, or JawSides, or sides; that of the trained runs by default.",
+        metavar="NAME",
+    ),
+]
+EnvironmentOrJaw = Annotated[
+    str, typer.Option("--env", help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
+]
+EpisodeS = Annotated[float, typer.Option("--episode-s", help="Length of every episode, s.", metavar="S")]
 Patients = Annotated[int, typer.Option(help="How many; the same for all that is compared.", metavar="N")]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 Cohort = Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")]

@@ -42,12 +42,11 @@ class Interval:
         """As columns of a table: ``name``, and with ``_low`` and ``_high`` behind it the ends."""
         return {name: self.value, f"{name}_low": self.low, f"{name}_high": self.high}
 
-    def overlaps(self, other: Interval) -> bool:
-        """Whether the two intervals share a value."""
-        return self.low <= other.high and other.low <= self.high
+
+UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
-def _over_patients(statistic: Callable[[Array], Array], values: Array, method: str, seed: int) -> Interval:
+def _over_patients(statistic: Callable[[Array], Array], values: Array, method: str) -> Interval:
     """Bootstrap a statistic of the rows of `values`; `statistic` reduces axis -2 of (..., N, columns)."""
     estimate = float(statistic(values[None])[0])
     if len(values) < 2 or not np.isfinite(estimate):
@@ -65,29 +64,27 @@ def _over_patients(statistic: Callable[[Array], Array], values: Array, method: s
         batch=max(1, 4_000_000 // values.size),
         confidence_level=CONFIDENCE,
         method=method,
-        rng=np.random.default_rng(seed),
+        rng=np.random.default_rng(0),
     ).confidence_interval
     return Interval(estimate, float(ends.low), float(ends.high))
 
 
-def mean(values: Array, seed: int = 0) -> Interval:
+def mean(values: Array) -> Interval:
     """Mean over patients.
 
     Args:
         values: (N,) one per patient.
-        seed: of the resampling.
     """
     column = np.asarray(values, dtype=np.float64)[:, None]
-    return _over_patients(lambda x: x[..., 0].mean(axis=-1), column, "BCa", seed)
+    return _over_patients(lambda x: x[..., 0].mean(axis=-1), column, "BCa")
 
 
-def quantile(values: Array, share: float, seed: int = 0) -> Interval:
+def quantile(values: Array, share: float) -> Interval:
     """Quantile over patients, always one of the values, so that infinite ones ('never') may take part.
 
     Args:
         values: (N,) one per patient.
         share: 0.5 is the median.
-        seed: of the resampling.
     """
     values = np.asarray(values, dtype=np.float64)
     finite = values[np.isfinite(values)]
@@ -100,17 +97,16 @@ def quantile(values: Array, share: float, seed: int = 0) -> Interval:
         quantiles: Array = np.quantile(x[..., 0], share, axis=-1, method="inverted_cdf")
         return quantiles
 
-    estimate = _over_patients(statistic, ranked[:, None], "percentile", seed)
+    estimate = _over_patients(statistic, ranked[:, None], "percentile")
     return Interval(*(np.inf if end > largest else end for end in (estimate.value, estimate.low, estimate.high)))
 
 
-def rmse_over_bound(error: Array, bound_sd: Array, seed: int = 0) -> Interval:
+def rmse_over_bound(error: Array, bound_sd: Array) -> Interval:
     """Mean over the parameters of root mean squared error over bound, both taken over the patients.
 
     Args:
         error: (N, P).
         bound_sd: (N, P).
-        seed: of the resampling.
     """
     size = error.shape[1]
 
@@ -119,30 +115,26 @@ def rmse_over_bound(error: Array, bound_sd: Array, seed: int = 0) -> Interval:
         ratio: Array = np.sqrt(squares[..., :size] / squares[..., size:]).mean(axis=-1)
         return ratio
 
-    return _over_patients(statistic, np.hstack([error, bound_sd]), "BCa", seed)
+    return _over_patients(statistic, np.hstack([error, bound_sd]), "BCa")
 
 
-def difference(values: Array, reference: Array, seed: int = 0) -> Interval:
+def difference(values: Array, reference: Array) -> Interval:
     """Mean over patients of a value minus the reference's value on the same patient and noise.
 
     Args:
         values: (N,) one per patient.
         reference: (N,) of the same patients in the same order.
-        seed: of the resampling.
     """
-    return mean(np.asarray(values) - np.asarray(reference), seed)
+    return mean(np.asarray(values) - np.asarray(reference))
 
 
 def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:
     """Share of independent trials, with the interval of Wilson (1927); NaN of none."""
     hits = np.asarray(hits)
-    if not len(hits):
-        return Interval(float("nan"), float("nan"), float("nan"))
-    ends = binomtest(int(hits.sum()), len(hits)).proportion_ci(method="wilson")
-    return Interval(float(hits.mean()), float(ends.low), float(ends.high))
+    return share_of(int(hits.sum()), len(hits)) if len(hits) else UNKNOWN
 
 
-def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_], seed: int = 0) -> Interval:
+def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> Interval:
     """Share of hits among muscles of several patients, those of one patient being dependent.
 
     The interval is a bootstrap over the patients. Where all or none are hits a bootstrap has no width: then it is that
@@ -151,7 +143,6 @@ def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_], 
     Args:
         hits: (N, M) of N patients.
         among: (N, M) which muscles count.
-        seed: of the resampling.
     """
     counts = np.column_stack([(hits & among).sum(axis=1), among.sum(axis=1)]).astype(np.float64)
     counts = counts[counts[:, 1] > 0.0]
@@ -163,7 +154,7 @@ def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_], 
         ratio: Array = x[..., 0].sum(axis=-1) / x[..., 1].sum(axis=-1)
         return ratio
 
-    return _over_patients(statistic, counts, "percentile", seed)
+    return _over_patients(statistic, counts, "percentile")
 
 
 def better(values: Array, reference: Array, *, higher: bool) -> Array:

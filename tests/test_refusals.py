@@ -19,7 +19,6 @@ from eval.settings import Settings
 from jawenv import InputError
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
 from jawenv.anatomy.cohorts import Stiffness
-from jawenv.device.device import Device
 from jawenv.laboratory.analysis.identifiability import collinearity, collinearity_of_size
 from jawenv.laboratory.analysis.observability import observability
 from jawenv.laboratory.analysis.wording import in_words
@@ -36,7 +35,6 @@ from jawenv.mechanics import build_jaw
 from jawenv.metrics import diagnose, nees, time_to
 from jawenv.playing.rollout import information_bound, play
 from jawenv.playing.singles import SingleWorlds
-from jawenv.reality import Reality
 from jawenv.rendering import Renderer
 from training.run.config import TrainingConfig
 from training.run.several import parse_seeds
@@ -152,31 +150,6 @@ LOOP = [
             ({"log_parameters": np.full(12, inf)}, r"log_parameters is \[inf, .*\]; allowed: finite numbers"),
         )
     ),
-    *(
-        (
-            lambda field=field, value=value: Device(**{field: value}),
-            f"^device.{field} is {value!r}; allowed: {allowed}$",
-        )
-        for field, value, allowed in (
-            ("lag_s", 0.0, "a finite number, more than 0, at most 2"),
-            ("slew_N_s", -1.0, "a finite number, more than 0, at most 100000"),
-            ("cell_gain", -0.01, "a finite number, 0 or more, at most 0.5"),
-            ("lever", nan, "a finite number, more than 0, at most 10"),
-            ("force_cap_N", inf, "a finite number, more than 0, at most 4000"),
-            ("thermal_s", "ten", "a finite number, more than 0, at most 1000"),
-            ("full_scale_N", True, "a finite number, more than 0, at most 600"),
-            ("brake_N_s_m", 1e9, "a finite number, 0 or more, at most 3000"),
-        )
-    ),
-    (
-        lambda: Reality(creep_share=1.5),
-        "^reality.creep_share is 1.5; allowed: a finite number, 0 or more, at most 0.9$",
-    ),
-    (
-        lambda: Reality(reflex_lag_ms=0),
-        r"^reality\.reflex_lag_ms is 0; allowed: a finite number, more than 0, at most ",
-    ),
-    (lambda: Reality(creep_time_s=0), r"^reality\.creep_time_s is 0; allowed: a finite number, more than 0, at most "),
     (lambda: Renderer("ansi", 20), "render_mode: 'ansi' must be one of rgb_array, human"),
     (lambda: Renderer("rgb_array", 0), "fps: 0 must be above 0"),
     (lambda: Renderer("rgb_array", nan), "fps: nan must be above 0"),
@@ -253,6 +226,8 @@ PLAYING = [
             ({"seed": -1}, "seed: -1 given"),
             ({"seed": 10**24}, f"seed: {10**24} given, allowed is a whole number, 0 to 4294967295"),
             ({"seed": "one"}, "seed: 'one' given"),
+            ({"seed": [1, 2, 3]}, "seed: 3 given, allowed are one, or one for each of 1 patients"),
+            ({"seed": [-2]}, "given, allowed is a whole number, 0 to 4294967295"),
             ({"env_kwargs": {"cohort": "nobody"}}, "nobody"),
             ({"env_kwargs": 5}, "env_kwargs: 5 given"),
         )

@@ -23,7 +23,6 @@ from eval.kept.tables import rows_in, write_table
 from eval.settings import Settings
 from jawenv.controls import mode_of
 from jawenv.errors import InputError
-from jawenv.playing.rollout import play
 from jawenv.progress import Progress
 
 CHUNK = 8  # patients
@@ -125,12 +124,7 @@ def judge_part(
         trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
     entry = load_entries([specs[part.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
-    recording = play(
-        entry.agent,
-        patients=part.number,
-        seed=part.first,
-        env_kwargs=entry.env_kwargs | {"record": any(name != TENSION for name, _ in part.files)},
-        env_id=entry.env_id,
-    )
+    recorded = any(name != TENSION for name, _ in part.files)
+    recording = entry.play(part.number, part.first, record=recorded)
     for name, path in part.files:
         write_table(beliefs.rows_of(recording, name, wanted.times, part.first), path, {})

@@ -33,9 +33,7 @@ def calibrate_command(
     cohort: options.Cohort = "trismus",
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
-    env: Annotated[
-        str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
-    ] = "Jaw",
+    env: options.EnvironmentOrJaw = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",

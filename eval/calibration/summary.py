@@ -12,11 +12,10 @@ from rich.text import Text
 from eval import statistics
 from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
 from eval.report import words
-from eval.statistics import Interval
+from eval.statistics import UNKNOWN, Interval
 from eval.terminal import printed_table
 from jawenv.metrics import nees_band
 
-NOTHING = Interval(float("nan"), float("nan"), float("nan"))
 COLUMNS = (
     "maneuver",
     "filter",
@@ -68,10 +67,10 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
         "true": judged["true"],
         "gap": judged["claimed"] - judged["true"],
     }
-    intervals = {key: statistics.mean(column.to_numpy()) if number else NOTHING for key, column in values.items()}
+    intervals = {key: statistics.mean(column.to_numpy()) if number else UNKNOWN for key, column in values.items()}
     error, bound = (judged[[f"{kind}/{name}" for name in parameters]].to_numpy() for kind in ("error", "bound_sd"))
     known = number > 0 and np.isfinite(bound).all()
-    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else NOTHING
+    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else UNKNOWN
     for key, interval in intervals.items():
         figures |= interval.columns(key)
     low, high = nees_band(number, size) if number else (float("nan"), float("nan"))

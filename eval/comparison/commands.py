@@ -28,19 +28,13 @@ def compare_command(
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
     ] = False,
-    env: Annotated[
-        str | None,
-        typer.Option(
-            help="Environment: jawenv/JawSides-v2, or JawSides, or sides; that of the trained runs by default.",
-            metavar="NAME",
-        ),
-    ] = None,
+    env: options.Environment = None,
     patients: options.Patients = 64,
     cohort: options.Cohort = "trismus",
     seed: options.Seed = REPORTS[0].start,
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
-    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
+    episode_s: options.EpisodeS = 30.0,
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
@@ -129,10 +123,8 @@ def replay_command(
     cohort: options.Cohort = "trismus",
     seed: options.Seed = REPLAYS.start,
     sensors: options.Sensors = "pose",
-    episode_s: Annotated[float, typer.Option(help="Length of every episode, s.", metavar="S")] = 30.0,
-    env: Annotated[
-        str, typer.Option(help="Environment: jawenv/JawSides-v2, or JawSides, or sides.", metavar="NAME")
-    ] = "Jaw",
+    episode_s: options.EpisodeS = 30.0,
+    env: options.EnvironmentOrJaw = "Jaw",
     trust: options.Trust = False,
 ) -> None:
     """Write what an agent does in targets control, averaged over patients, as a maneuver file.

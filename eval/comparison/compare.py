@@ -22,7 +22,6 @@ from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError
 from jawenv.locks import alone
-from jawenv.playing.rollout import play
 from jawenv.progress import Progress
 
 _LAST = "patients.parquet"
@@ -86,12 +85,9 @@ def play_entry(part: Part, progress: Progress, entries: Mapping[str, Entry], set
     """
     entry, before = entries[part.key], progress.done
     agent, name = Watched(entry.agent), words.label(entry.label)
-    recording = play(
-        agent,
-        patients=settings.patients,
-        seed=settings.seed,
-        env_kwargs=entry.env_kwargs,
-        env_id=entry.env_id,
+    recording = replace(entry, agent=agent).play(
+        settings.patients,
+        settings.seed,
         progress=lambda step, steps: progress.advance_to(before + step / steps, name),
     )
     tables = results.from_recording(recording, entry.label, settings.seed, entry.about())

@@ -34,7 +34,7 @@ class Watched(Listener):
 
     def _hear(self, action: Action) -> None:
         if self._step % self._every == 0:
-            self._keep(np.atleast_2d(action)[0])
+            self._keep(action[0])
         self._step += 1
 
     def motion(self) -> dict[str, Any]:

@@ -18,9 +18,7 @@ from jawenv.seeds import REPORTS
 
 
 def patient_command(
-    entry: Annotated[
-        str, typer.Argument(metavar="MANEUVER|FILE|RUN", help="A name, a maneuver file or a training run.")
-    ],
+    entry: options.Entry,
     patient: Annotated[
         list[Path] | None,
         typer.Option(help="File of a patient; may be repeated. Drawn from the cohort by default.", metavar="FILE"),
@@ -46,7 +44,7 @@ def patient_command(
     seed: options.Seed = REPORTS[0].start,
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
-    episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
+    episode_s: options.EpisodeS = 30.0,
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
@@ -92,15 +90,13 @@ def diagnose_command(
         list[str] | None,
         typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help="Names, maneuver files or training runs."),
     ] = None,
-    env: Annotated[
-        str | None, typer.Option(help="Environment; that of the trained runs by default.", metavar="NAME")
-    ] = None,
+    env: options.Environment = None,
     patients: options.Patients = 200,
     cohort: options.Cohort = "one_sided",
     seed: options.Seed = REPORTS[0].start,
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
-    episode_s: Annotated[float, typer.Option(help="Length of every treatment, s.", metavar="S")] = 30.0,
+    episode_s: options.EpisodeS = 30.0,
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,

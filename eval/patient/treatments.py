@@ -14,7 +14,6 @@ from eval.patient.cohort import KnownPatient
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
-from jawenv.playing.rollout import play
 
 Array = NDArray[np.float64]
 
@@ -137,8 +136,8 @@ def _play(entry: Entry, belief: Belief, patient: Patient | None, noise: int) -> 
     """One treatment that begins with a belief."""
     population = population_of(entry)
     working = belief.working_prior(population.prior)
-    kwargs = entry.env_kwargs | {"cohort": KnownPatient.of(population, working), "track_bound": False}
-    recording = play(entry.agent, patients=[patient], seed=noise, env_kwargs=kwargs, env_id=entry.env_id)
+    known = KnownPatient.of(population, working)
+    recording = entry.play([patient], noise, cohort=known, track_bound=False)
     last = recording.last[0] + 1
     mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
     return Treatment(recording.time[:last], mean, cov, recording.truth[0], bool(recording.violation[0].any()))

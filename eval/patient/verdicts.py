@@ -44,17 +44,16 @@ class Verdict:
         return BLOCKED if self.word == STIFF else STIFF
 
 
-def verdict(mean: Array, cov: Array, confidence: float = CONFIDENCE) -> Verdict:
+def verdict(mean: Array, cov: Array) -> Verdict:
     """The verdict on one whole muscle.
 
-    It is stiff when the posterior probability of a raised F_o reaches the confidence, blocked when that of a raised b
+    It is stiff when the posterior probability of a raised F_o reaches ``CONFIDENCE``, blocked when that of a raised b
     does, normal when that of neither does. The two are correlated, so that probabilities are those of the joint normal
     distribution.
 
     Args:
         mean: (2,) of log F_o and log b.
         cov: (2, 2).
-        confidence: from which on a muscle counts as decided.
     """
     above = (mean - np.log([FIBROSED_F_O_N, BLOCKED_B])) / np.sqrt(np.diagonal(cov))
     stiff, blocked = (float(share) for share in ndtr(above))
@@ -63,13 +62,13 @@ def verdict(mean: Array, cov: Array, confidence: float = CONFIDENCE) -> Verdict:
     neither = max(1.0 - stiff - blocked + both, 0.0)
     shares = {NORMAL: neither, STIFF: stiff - both, BLOCKED: blocked - both, BOTH: both}
     likeliest = max(shares, key=lambda word: shares[word])
-    if stiff >= confidence and blocked >= confidence:
+    if stiff >= CONFIDENCE and blocked >= CONFIDENCE:
         word, probability = BOTH, both
-    elif stiff >= confidence:
+    elif stiff >= CONFIDENCE:
         word, probability = STIFF, stiff
-    elif blocked >= confidence:
+    elif blocked >= CONFIDENCE:
         word, probability = BLOCKED, blocked
-    elif neither >= confidence:
+    elif neither >= CONFIDENCE:
         word, probability = NORMAL, neither
     else:
         word, probability = UNKNOWN, shares[likeliest]

@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from eval import statistics
-from eval.statistics import Interval
+from eval.statistics import UNKNOWN, Interval
 from eval.studies.cells import FACTORS, Levels, matches
 from eval.studies.design import Design, Pair
 from eval.studies.metrics import COMPARED, METRICS
@@ -25,7 +25,6 @@ from eval.studies.metrics import COMPARED, METRICS
 Array = npt.NDArray[np.float64]
 ALL = "all settings"
 QUANTILES = {"median": 0.5, "p90": 0.9}
-NOT_KNOWN = Interval(float("nan"), float("nan"), float("nan"))
 _SD_LEVELS = np.geomspace(0.005, 1.0, 70)
 _TIMES = 61
 
@@ -38,7 +37,7 @@ def _values(rows: pd.DataFrame, metric: str) -> Array:
 
 def _with_interval(values: Array, metric: str) -> Interval:
     if np.isnan(values).any():
-        return NOT_KNOWN
+        return UNKNOWN
     statistic = METRICS[metric].statistic
     return statistics.mean(values) if statistic == "mean" else statistics.quantile(values, QUANTILES[statistic])
 
@@ -141,7 +140,7 @@ def _compared(table: pd.DataFrame) -> dict[str, float]:
     figures: dict[str, float] = {}
     for name in ("difference", "probability"):
         values = table[name].to_numpy(dtype=np.float64)
-        interval = NOT_KNOWN if np.isnan(values).any() or not len(values) else statistics.mean(values)
+        interval = UNKNOWN if np.isnan(values).any() or not len(values) else statistics.mean(values)
         figures |= interval.columns(name)
     return figures
 

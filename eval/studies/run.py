@@ -16,7 +16,6 @@ from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
 from eval.studies.cells import FACTORS, Cell, cells_of
 from eval.studies.design import Design
-from jawenv.playing.rollout import play
 from jawenv.progress import Progress
 
 PATIENTS_IN_A_PART = 20
@@ -61,13 +60,7 @@ def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell], bound: 
         bound: whether the posterior Cramer-Rao bound is computed.
     """
     entry = cells[part.key].load()
-    recording = play(
-        entry.agent,
-        patients=part.number,
-        seed=part.first,
-        env_kwargs=entry.env_kwargs | {"track_bound": bound},
-        env_id=entry.env_id,
-    )
+    recording = entry.play(part.number, part.first, track_bound=bound)
     rows = results.from_recording(recording, entry.label, part.first, {}).patients
     for _, path in part.files:
         write_table(rows, path, {"cell": part.key})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,6 +17,7 @@ from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.playing.rollout import play
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 EPISODE_S = 30.0
@@ -41,38 +41,16 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
 
     Each takes its seed from its own random numbers, and is the same whoever is beside it.
     """
-    import gymnasium as gym
-
-    from jawenv.laboratory.recordings.of_simulation import record_of
-
     env_id = {"sides": "jawenv/JawSides-v2", "jaw": "jawenv/Jaw-v2"}[model]
-    agent = load_agent(MANEUVER, control="force", env_id=env_id)
-    env: Any = gym.make_vec(
-        env_id,
-        num_envs=len(rngs),
-        control="force",
-        autoreset_mode="disabled",
-        record=True,
-        cohort=cohort,
-        episode_s=5.0 if quick else EPISODE_S,
+    recording = play(
+        load_agent(MANEUVER, control="force", env_id=env_id),
+        patients=len(rngs),
+        seed=[int(rng.integers(2**31)) for rng in rngs],
+        env_kwargs={"cohort": cohort, "episode_s": 5.0 if quick else EPISODE_S, "record": True, "track_bound": False},
+        env_id=env_id,
     )
-    try:
-        seeds = [int(rng.integers(2**31)) for rng in rngs]
-        observation, _ = env.reset(seed=seeds)
-        agent.reset(len(seeds), seeds[0])
-        state, starts = None, np.ones(len(seeds), dtype=bool)
-        running, steps = starts.copy(), np.zeros(len(seeds), dtype=int)
-        while running.any():
-            action, state = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
-            observation, _, ended, cut_off, info = env.step(action)
-            starts = np.zeros(len(seeds), dtype=bool)
-            steps += running & np.isfinite(info["belief_cov"]).all(axis=(1, 2))
-            running &= ~(ended | cut_off)
-        world = env.unwrapped
-        ends = steps / world.configuration.steps_per_s
-        return [record_of(world.simulation, i).until(float(end)) for i, end in enumerate(ends)]
-    finally:
-        env.close()
+    ends = recording.time[recording.last]
+    return [record.until(float(end)) for record, end in zip(recording.records or (), ends, strict=True)]
 
 
 def draw_sides(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:

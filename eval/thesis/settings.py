@@ -50,10 +50,10 @@ def opening(
     return {"theta": (times, tuple(theta)), "x": (times, tuple(SLIDE * theta + off))}
 
 
-def sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...], aside_mm_per_deg: float = 0.4) -> Keyframes:
-    """Keyframes of swings to the side: yaw, and the condyles' midpoint aside with it."""
+def sideways(times: tuple[float, ...], yaw_deg: tuple[float, ...]) -> Keyframes:
+    """Keyframes of swings to the side: yaw, and the condyles' midpoint 0.4 mm aside per degree."""
     yaw = np.radians(yaw_deg)
-    return {"psi": (times, tuple(yaw)), "y": (times, tuple(aside_mm_per_deg * np.array(yaw_deg) / 1e3))}
+    return {"psi": (times, tuple(yaw)), "y": (times, tuple(0.4 * np.array(yaw_deg) / 1e3))}
 
 
 @cache
@@ -66,9 +66,9 @@ def plane_record() -> Record:
 
 
 @cache
-def hinge_record(degrees: float = 25.0) -> Record:
+def hinge_record() -> Record:
     """One muscle on a hinge, opened once."""
-    motion = Motion({"theta": ((0.0, 5.0, 10.0), tuple(np.radians((REST, degrees, REST))))})
+    motion = Motion({"theta": ((0.0, 5.0, 10.0), tuple(np.radians((REST, 25.0, REST))))})
     free = (False, False, True, False, False)
     return _of_muscles(known_muscle_sets()["closers"], logs(((0.9, 7.0),)), motion, free, "healthy")
 

@@ -7,19 +7,14 @@ mouthpiece; the linkage multiplies the motor's thrust by ``lever`` and divides i
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from types import MappingProxyType
-from typing import Any, Self
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
-from jawenv.files import instance_of, read_into
+from jawenv.files import instance_of
 from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.numeric_fields import NumericFields, number
 
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
@@ -55,41 +50,8 @@ DEVICE = record_dtype(
 )
 
 
-# Highest value of each field, mostly 100 times the default; and whether 0 is allowed, by which some formulas divide.
-ALLOWED: Mapping[str, tuple[float, bool]] = MappingProxyType(
-    {
-        "vertical_arm_mm": (1000.0, False),
-        "horizontal_arm_mm": (1000.0, False),
-        "lever": (10.0, False),
-        "full_scale_N": (600.0, False),
-        "motor_continuous_N": (1.5e4, False),
-        "motor_peak_N": (2.3e4, False),
-        "motor_no_load_mm_s": (2000.0, False),
-        "thermal_s": (1000.0, False),
-        "force_cap_N": (4000.0, False),
-        "slew_N_s": (1e5, False),
-        "lag_s": (2.0, False),
-        "max_rate_mm_s": (4000.0, False),
-        "servo_stiffness_N_m": (6e4, False),
-        "servo_damping_N_s_m": (800.0, False),
-        "stop_stiffness_N_m": (5e5, False),
-        "stop_damping_N_s_m": (1000.0, False),
-        "brake_N_s_m": (3000.0, True),
-        "unmodelled_force_N": (10.0, True),
-        "unmodelled_moment_N_m": (0.3, True),
-        "cell_force_N": (4.0, True),
-        "cell_moment_N_m": (0.08, True),
-        "cell_gain": (0.5, True),
-        "encoder_position_mm": (10.0, False),
-        "encoder_angle_deg": (180.0, False),
-        "encoder_velocity_mm_s": (100.0, False),
-        "encoder_rate_rad_s": (2.0, False),
-    }
-)
-
-
 @dataclass(frozen=True)
-class Device:
+class Device(NumericFields):
     """Numbers of the device. Grade M: a maker's sheet or a measurement, A: assumption, G: guess.
 
     Attributes:
@@ -121,99 +83,43 @@ class Device:
         encoder_rate_rad_s: Noise of the angular velocity (G).
     """
 
-    vertical_arm_mm: float = 25.0
-    horizontal_arm_mm: float = 30.0
-    lever: float = 0.25
-    full_scale_N: float = 6.0
-    motor_continuous_N: float = 150.0
-    motor_peak_N: float = 230.0
-    motor_no_load_mm_s: float = 20.0
-    thermal_s: float = 10.0
-    force_cap_N: float = 40.0
-    slew_N_s: float = 12.0
-    lag_s: float = 0.02
-    max_rate_mm_s: float = 40.0
-    servo_stiffness_N_m: float = 600.0
-    servo_damping_N_s_m: float = 8.0
-    stop_stiffness_N_m: float = 5000.0
-    stop_damping_N_s_m: float = 10.0
-    brake_N_s_m: float = 30.0
-    unmodelled_force_N: float = 0.1
-    unmodelled_moment_N_m: float = 0.003
-    cell_force_N: float = 0.04
-    cell_moment_N_m: float = 0.0008
-    cell_gain: float = 0.01
-    encoder_position_mm: float = 0.1
-    encoder_angle_deg: float = 0.1
-    encoder_velocity_mm_s: float = 1.0
-    encoder_rate_rad_s: float = 0.02
-
-    def __post_init__(self) -> None:
-        """Check every field.
-
-        Raises:
-            InputError: a field is not a finite number, or out of its range (``ALLOWED``).
-        """
-        for name, (high, zero) in ALLOWED.items():
-            value = getattr(self, name)
-            number = real_number(value)
-            if number is None or not 0.0 <= number <= high or (number == 0.0 and not zero):
-                low = "0 or more" if zero else "more than 0"
-                raise InputError(f"device.{name} is {shown(value)}; allowed: a finite number, {low}, at most {high:g}")
-            object.__setattr__(self, name, number)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """A device with the fields that a mapping names; the others have their defaults.
-
-        Raises:
-            InputError: an unknown field, or a value that is not allowed.
-        """
-        names = [field.name for field in fields(cls)]
-        for name in data:
-            if name not in names:
-                raise InputError(f"device.{name} is not a field of Device; allowed: {', '.join(names)}")
-        return cls(**data)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
-        """A device with the fields that a JSON, TOML or YAML file names.
-
-        Raises:
-            InputError: one line that names the file and what is wrong with it.
-        """
-        return read_into(path, cls.from_dict)
+    vertical_arm_mm: float = number(25.0, 1000.0, "mm", zero=False)
+    horizontal_arm_mm: float = number(30.0, 1000.0, "mm", zero=False)
+    lever: float = number(0.25, 10.0, "1", zero=False)
+    full_scale_N: float = number(6.0, 600.0, "N", zero=False)
+    motor_continuous_N: float = number(150.0, 15000.0, "N", zero=False)
+    motor_peak_N: float = number(230.0, 23000.0, "N", zero=False)
+    motor_no_load_mm_s: float = number(20.0, 2000.0, "mm/s", zero=False)
+    thermal_s: float = number(10.0, 1000.0, "s", zero=False, record="thermal_time")
+    force_cap_N: float = number(40.0, 4000.0, "N", zero=False)
+    slew_N_s: float = number(12.0, 100000.0, "N/s", zero=False)
+    lag_s: float = number(0.02, 2.0, "s", zero=False)
+    max_rate_mm_s: float = number(40.0, 4000.0, "mm/s", zero=False)
+    servo_stiffness_N_m: float = number(600.0, 60000.0, "N/m", zero=False)
+    servo_damping_N_s_m: float = number(8.0, 800.0, "N s/m", zero=False)
+    stop_stiffness_N_m: float = number(5000.0, 500000.0, "N/m", zero=False)
+    stop_damping_N_s_m: float = number(10.0, 1000.0, "N s/m", zero=False)
+    brake_N_s_m: float = number(30.0, 3000.0, "N s/m")
+    unmodelled_force_N: float = number(0.1, 10.0, "N")
+    unmodelled_moment_N_m: float = number(0.003, 0.3, "N m")
+    cell_force_N: float = number(0.04, 4.0, "N")
+    cell_moment_N_m: float = number(0.0008, 0.08, "N m")
+    cell_gain: float = number(0.01, 0.5, "1")
+    encoder_position_mm: float = number(0.1, 10.0, "mm", zero=False)
+    encoder_angle_deg: float = number(0.1, 180.0, "deg", zero=False)
+    encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s", zero=False)
+    encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s", zero=False)
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""
-        records = record_zeros(1, DEVICE)
-        device = records[0]
-        vertical, horizontal = self.vertical_arm_mm / 1e3, self.horizontal_arm_mm / 1e3
-        device["point"] = [(0, vertical, 0), (0, -vertical, 0), (0, horizontal, 0), (0, -horizontal, 0)]
-        device["direction"] = [(0, 0, -1), (0, 0, -1), (1, 0, 0), (1, 0, 0)]
-        device["full_scale"] = self.full_scale_N
-        device["thrust_continuous"] = self.motor_continuous_N * self.lever
-        device["thrust_peak"] = self.motor_peak_N * self.lever
-        device["no_load_speed"] = self.motor_no_load_mm_s / 1e3 / self.lever
-        device["thermal_time"] = self.thermal_s
-        device["force_cap"] = self.force_cap_N
-        device["slew"] = self.slew_N_s
-        device["lag"] = self.lag_s
-        device["max_rate"] = self.max_rate_mm_s / 1e3
-        device["servo_stiffness"] = self.servo_stiffness_N_m
-        device["servo_damping"] = self.servo_damping_N_s_m
-        device["stop_stiffness"] = self.stop_stiffness_N_m
-        device["stop_damping"] = self.stop_damping_N_s_m
-        device["brake"] = self.brake_N_s_m
-        device["unmodelled_force"] = self.unmodelled_force_N
-        device["unmodelled_moment"] = self.unmodelled_moment_N_m
-        device["cell_force"] = self.cell_force_N
-        device["cell_moment"] = self.cell_moment_N_m
-        device["cell_gain"] = self.cell_gain
-        device["encoder_position"] = self.encoder_position_mm / 1e3
-        device["encoder_angle"] = np.radians(self.encoder_angle_deg)
-        device["encoder_velocity"] = self.encoder_velocity_mm_s / 1e3
-        device["encoder_rate"] = self.encoder_rate_rad_s
+        records, si = record_zeros(1, DEVICE), self.in_si()
+        self.fill(records)
+        vertical, horizontal = si["vertical_arm"], si["horizontal_arm"]
+        records["point"] = [(0, vertical, 0), (0, -vertical, 0), (0, horizontal, 0), (0, -horizontal, 0)]
+        records["direction"] = [(0, 0, -1), (0, 0, -1), (1, 0, 0), (1, 0, 0)]
+        records["thrust_continuous"] = si["motor_continuous"] * si["lever"]
+        records["thrust_peak"] = si["motor_peak"] * si["lever"]
+        records["no_load_speed"] = si["motor_no_load"] / si["lever"]
         return records
 
 

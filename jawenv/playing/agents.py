@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +68,7 @@ class Memory(NamedTuple):
 class Remembering(BatchAgent):
     """An agent with a memory, which it hands out as ``state`` and also keeps: a caller may leave it out."""
 
-    _remembered: ClassVar[tuple[Any, ...]]
+    _remembered: tuple[Any, ...]
     """The dtypes of `Memory.of_worlds`."""
     _memory: Memory | None = None
 
@@ -107,7 +107,7 @@ class Remembering(BatchAgent):
         return memory._replace(of_worlds=copies)
 
 
-class Listener:
+class Listener(BatchAgent):
     """An agent that is played as ever, while something listens.
 
     Args:
@@ -133,20 +133,16 @@ class Listener:
         if hasattr(self._agent, "attach"):
             self._agent.attach(env)
 
-    def predict(
-        self,
-        observation: Observation,
-        state: State = None,
-        episode_start: Mask | None = None,
-        deterministic: bool = True,
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        """See `jawenv.playing.protocol.Agent.predict`."""
-        action, after = self._agent.predict(observation, state, episode_start, deterministic)
-        self._hear(np.asarray(action))
+        action, after = self._agent.predict(rows, state, starts, deterministic)
+        action = np.asarray(action)
+        self._hear(action)
         return action, after
 
     def _hear(self, action: Action) -> None:
-        """Take note of actions (N, 4) or (4,)."""
+        """Take note of actions (N, 4)."""
         raise NotImplementedError
 
 

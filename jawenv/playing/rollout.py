@@ -174,7 +174,7 @@ def play(
     agent: Any,
     *,
     patients: int | Sequence[Patient | Source | None],
-    seed: int,
+    seed: int | Sequence[int],
     env_kwargs: Mapping[str, Any] | None = None,
     env_id: str = DEFAULT_ENV,
     progress: Callable[[int, int], None] | None = None,
@@ -187,7 +187,7 @@ def play(
             (`jawenv.playing.protocol.Planning`).
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
-        seed: of patients and noise, 0 to 2**32 - 1.
+        seed: of patients and noise, 0 to 2**32 - 1; of the first world, or one for each.
         env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, and
             `control` is that of the agent if it has an attribute of this name.
         env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
@@ -206,9 +206,7 @@ def play(
             "predict(observation, state, episode_start, deterministic)"
         )
     number = _number_of(patients)
-    first = whole_number(seed)
-    if first is None or not 0 <= first <= LARGEST_SEED:
-        raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+    seeds = _seeds_of(seed, number)
     if not isinstance(env_kwargs, Mapping | None):
         raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
@@ -217,9 +215,9 @@ def play(
     env = _worlds(env_id, number, kwargs)
     try:
         options = {"patients": list(patients)} if isinstance(patients, Sequence) else None
-        observation, info = env.reset(seed=first, options=options)
+        observation, info = env.reset(seed=seeds, options=options)
         if hasattr(agent, "reset"):
-            agent.reset(number, first)
+            agent.reset(number, seeds[0])
         if hasattr(agent, "attach"):
             agent.attach(env)
         recording = _watch(agent, env, observation, info, progress)
@@ -262,6 +260,20 @@ def _number_of(patients: object) -> int:
     if number < 1:
         raise InputError(f"patients: {number} given, allowed is 1 or more")
     return number
+
+
+def _seeds_of(seed: int | Sequence[int], number: int) -> list[int]:
+    """The seed of each of so many worlds."""
+    one = not isinstance(seed, Sequence) or isinstance(seed, str)
+    given: Sequence[object] = [seed] if one else seed  # type: ignore[assignment]
+    seeds = [each for each in map(whole_number, given) if each is not None and 0 <= each <= LARGEST_SEED]
+    if len(seeds) < len(given):
+        raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+    if one:
+        return [seeds[0] + i for i in range(number)]
+    if len(seeds) != number:
+        raise InputError(f"seed: {len(seeds)} given, allowed are one, or one for each of {number} patients")
+    return seeds
 
 
 def _watch(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,11 +79,11 @@ class SingleWorlds:
         """
         raise InputError(f"{self._id} has no native vector form, which agents that plan need")
 
-    def reset(self, *, seed: int, options: dict[str, Any] | None = None) -> Batch:
-        """Start an episode in every world: i has the seed ``seed`` + i and entry i of ``options["patients"]``."""
+    def reset(self, *, seed: Sequence[int], options: dict[str, Any] | None = None) -> Batch:
+        """Start an episode in every world: i has entry i of ``seed`` and of ``options["patients"]``."""
         patients = (options or {}).get("patients", [None] * self.num_envs)
         for i, env in enumerate(self._envs):
-            self._seen[i] = env.reset(seed=seed + i, options={"patient": patients[i]})
+            self._seen[i] = env.reset(seed=seed[i], options={"patient": patients[i]})
         self._running[:], self._flags[:] = True, False
         return self._together()
 

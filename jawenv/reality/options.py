@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
 from dataclasses import dataclass
-from math import radians
-from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from jawenv.checks import real_number
-from jawenv.errors import InputError, shown
-from jawenv.files import instance_of, read_into
+from jawenv.files import instance_of
 from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.numeric_fields import NumericFields, number
 
 REALITY = record_dtype(
     [
@@ -35,28 +30,9 @@ REALITY = record_dtype(
     ],
 )
 
-# Lowest and highest value of each field, and whether the lowest is itself allowed.
-ALLOWED = {
-    "reflex_gain": (0.0, 10.0, True),
-    "reflex_latency_ms": (0.0, 80.0, True),
-    "reflex_lag_ms": (0.0, 1000.0, False),
-    "creep_share": (0.0, 0.9, True),
-    "creep_time_s": (0.0, 1e4, False),
-    "attachment_error": (0.0, 2.0, True),
-    "fossa_error": (0.0, 0.5, True),
-    "articular_stiffness_N_m": (0.0, 1e5, True),
-    "articular_onset": (0.0, 0.95, True),
-    "cell_bias_N": (0.0, 10.0, True),
-    "cell_bias_N_m": (0.0, 1.0, True),
-    "encoder_play_mm": (0.0, 10.0, True),
-    "encoder_play_deg": (0.0, 10.0, True),
-    "lost_share": (0.0, 0.49, True),
-    "frozen_share": (0.0, 0.49, True),
-}
-
 
 @dataclass(frozen=True)
-class Reality:
+class Reality(NumericFields):
     """Strengths of the effects, 0 (off) by default, and the constants that shape them.
 
     Grade M: measured, A: assumption of a published model, D: derived by computation, G: guess.
@@ -93,75 +69,28 @@ class Reality:
         frozen_share: Share that repeat the last reading (G).
     """
 
-    reflex_gain: float = 0.0
-    reflex_latency_ms: float = 9.0
-    reflex_lag_ms: float = 40.0
-    creep_share: float = 0.0
-    creep_time_s: float = 2.7
-    attachment_error: float = 0.0
-    fossa_error: float = 0.0
-    articular_stiffness_N_m: float = 0.0
-    articular_onset: float = 0.8
-    cell_bias_N: float = 0.0
-    cell_bias_N_m: float = 0.0
-    encoder_play_mm: float = 0.0
-    encoder_play_deg: float = 0.0
-    lost_share: float = 0.0
-    frozen_share: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check every field.
-
-        Raises:
-            InputError: a field is not a finite number or out of its range.
-        """
-        for name, (low, high, closed) in ALLOWED.items():
-            value = getattr(self, name)
-            number = real_number(value)
-            if number is None or not low <= number <= high or (number == low and not closed):
-                more = f"{low:g} or more" if closed else f"more than {low:g}"
-                allowed = f"a finite number, {more}, at most {high:g}"
-                raise InputError(f"reality.{name} is {shown(value)}; allowed: {allowed}")
-            object.__setattr__(self, name, number)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The effects that a mapping names; the others are off.
-
-        Raises:
-            InputError: an unknown field, or a value that is not allowed.
-        """
-        for name in data:
-            if name not in ALLOWED:
-                raise InputError(f"reality.{name} is not a field of Reality; allowed: {', '.join(ALLOWED)}")
-        return cls(**data)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
-        """The effects that a JSON, TOML or YAML file names.
-
-        Raises:
-            InputError: one line that names the file and what is wrong with it.
-        """
-        return read_into(path, cls.from_dict)
+    reflex_gain: float = number(0.0, 10.0, "1")
+    reflex_latency_ms: float = number(9.0, 80.0, "ms")
+    reflex_lag_ms: float = number(40.0, 1000.0, "ms", zero=False)
+    creep_share: float = number(0.0, 0.9, "1")
+    creep_time_s: float = number(2.7, 1e4, "s", zero=False)
+    attachment_error: float = number(0.0, 2.0, "1")
+    fossa_error: float = number(0.0, 0.5, "1")
+    articular_stiffness_N_m: float = number(0.0, 1e5, "N/m")
+    articular_onset: float = number(0.8, 0.95, "1")
+    cell_bias_N: float = number(0.0, 10.0, "N", record="cell_bias_force")
+    cell_bias_N_m: float = number(0.0, 1.0, "N m", record="cell_bias_moment")
+    encoder_play_mm: float = number(0.0, 10.0, "mm", record="play_position")
+    encoder_play_deg: float = number(0.0, 10.0, "deg", record="play_angle")
+    lost_share: float = number(0.0, 0.49, "1")
+    frozen_share: float = number(0.0, 0.49, "1")
 
     def records(self) -> NDArray[np.void]:
         """The options as an array of one record of dtype ``REALITY``, as the kernels read it, in SI units."""
         records = record_zeros(1, REALITY)
-        reality = records[0]
-        reality["reflex_gain"] = self.reflex_gain
-        reality["reflex_latency"] = self.reflex_latency_ms / 1e3
-        reality["reflex_lag"] = self.reflex_lag_ms / 1e3
-        reality["creep_share"] = self.creep_share
-        reality["creep_time"] = self.creep_time_s
-        reality["articular_stiffness"] = self.articular_stiffness_N_m
-        reality["articular_onset"] = self.articular_onset
-        reality["cell_bias_force"] = self.cell_bias_N
-        reality["cell_bias_moment"] = self.cell_bias_N_m
-        reality["play_position"] = self.encoder_play_mm / 1e3
-        reality["play_angle"] = radians(self.encoder_play_deg)
-        reality["lost_below"] = ndtri(self.lost_share)
-        reality["frozen_above"] = -ndtri(self.frozen_share)
+        self.fill(records)
+        records["lost_below"] = ndtri(self.lost_share)
+        records["frozen_above"] = -ndtri(self.frozen_share)
         return records
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from agents import load_agent
-from agents.following import DECISION_HZ, Following, TargetsLaw, decision_hz
+from agents.controller import ControlledAgent
+from agents.following import DECISION_HZ, TargetsLaw, decision_hz
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent
@@ -59,7 +60,7 @@ def test_the_jaw_moves_as_in_targets_control(control: str, goals: np.ndarray, to
     """By a servo the motion is the same; by thrusts the jaw follows late, as the muscles' stiffness allows."""
     told, followed = Script(goals), Script(goals)
     inside = played("targets", told, 30)
-    outside = played(control, Following(followed, TargetsLaw(control)), 120)
+    outside = played(control, ControlledAgent(followed, TargetsLaw(control)), 120)
     jaw = OBSERVATION_LAYOUT["jaw"]
     np.testing.assert_allclose(outside[3::4, 0, jaw][:, :2], inside[:, 0, jaw][:, :2], atol=tolerance)
     assert np.ptp(inside[:, 0, jaw][:, 1]) > 0.3
@@ -72,14 +73,14 @@ def observations(worlds: int) -> np.ndarray:
 
 def test_the_agent_is_asked_when_a_decision_is_due() -> None:
     script = Script(np.zeros((5, 4)))
-    agent, seen = Following(script, TargetsLaw("force")), observations(2)
+    agent, seen = ControlledAgent(script, TargetsLaw("force")), observations(2)
     for step in range(9):
         agent.predict(seen, episode_start=np.array([step == 0, step in (0, 6)]))
     assert [starts.tolist() for starts in script.starts] == [[True, True], [False, False], [False, True]]
 
 
 def test_a_world_that_begins_between_two_decisions_keeps_still() -> None:
-    agent, seen = Following(Script(np.full((5, 4), 0.5)), TargetsLaw("trajectory")), observations(2)
+    agent, seen = ControlledAgent(Script(np.full((5, 4), 0.5)), TargetsLaw("trajectory")), observations(2)
     for _ in range(2):
         _, state = agent.predict(seen)
     assert state is not None and (abs(state.of_worlds[0]["rate"]) > 0).all()
@@ -92,19 +93,19 @@ def test_a_world_that_begins_between_two_decisions_keeps_still() -> None:
 
 def test_targets_stay_within_comfort_whatever_is_asked_for() -> None:
     law = TargetsLaw("force")
-    trackers = law.begin(2)
+    trackers = np.zeros(2, law.memory)
     for extreme in (9.0, -9.0):
         for _ in range(20):
-            law.aim(trackers, np.full((2, 4), extreme))
-            for _ in range(law.steps_per_decision):
-                assert (abs(law.actions(observations(2), trackers)) <= 1.0).all()
+            for step in range(law.steps_per_decision):
+                goal = np.full((2, 4), extreme) if step == 0 else None
+                assert (abs(law.act(observations(2), trackers, goal)) <= 1.0).all()
         ends = [1.0] * 4 if extreme > 0 else [0.0, -1.0, -1.0, -1.0]
         np.testing.assert_allclose(trackers["target"], [ends, ends], atol=1e-6)
 
 
 def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
     goals = np.random.default_rng(2).uniform(-1, 1, (5, 4))
-    kept, handed = (Following(Script(goals), TargetsLaw("force")) for _ in range(2))
+    kept, handed = (ControlledAgent(Script(goals), TargetsLaw("force")) for _ in range(2))
     seen, state = observations(2), None
     for _ in range(10):
         action, state = handed.predict(seen, state)
@@ -113,7 +114,7 @@ def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
 
 
 def test_one_world_without_a_leading_axis_and_a_changed_number_of_worlds() -> None:
-    agent = Following(Script(np.zeros((5, 4))), TargetsLaw("force"))
+    agent = ControlledAgent(Script(np.zeros((5, 4))), TargetsLaw("force"))
     assert agent.predict(observations(1)[0])[0].shape == (4,)
     with pytest.raises(InputError, match="observation of 2 worlds after 1 worlds: call reset"):
         agent.predict(observations(2))
@@ -128,6 +129,6 @@ def test_rates() -> None:
 @pytest.mark.parametrize("control", ["force", "trajectory"])
 def test_a_policy_of_targets_plays_in_every_control_mode(control: str) -> None:
     agent = load_agent("ppo_trismus", control=control)
-    assert isinstance(agent, Following) and isinstance(agent, Agent) and agent.name == "ppo_trismus"
+    assert isinstance(agent, ControlledAgent) and isinstance(agent, Agent) and agent.name == "ppo_trismus"
     seen = played(control, agent, 40, worlds=3)
     assert np.isfinite(seen).all() and np.ptp(seen[:, :, OBSERVATION_LAYOUT["jaw"]][:, :, 0], axis=0).min() > 0.2

@@ -9,7 +9,7 @@ from gymnasium import spaces
 from stable_baselines3 import PPO
 
 import agents
-from agents.following import Following
+from agents.controller import ControlledAgent
 from agents.policies import load_policy
 from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
@@ -92,7 +92,7 @@ def test_a_world_that_starts_anew_is_at_step_0_and_the_old_state_stays_as_it_was
     assert after is not None
     np.testing.assert_array_equal(after.of_worlds[0], [3, 1])
     np.testing.assert_array_equal(state.of_worlds[0], before)
-    np.testing.assert_array_equal(policy.policy.seen[:, OBSERVATION_SIZE:], BASE.features(np.array([2, 0])))
+    np.testing.assert_array_equal(policy.agent.seen[:, OBSERVATION_SIZE:], BASE.features(np.array([2, 0])))
 
 
 def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
@@ -101,7 +101,7 @@ def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
         action, state = handed.predict(seen, state)
         np.testing.assert_array_equal(action, kept.predict(seen)[0])
         handed._memory = None
-    assert state is not None and state.shared[0][0].tolist() == [4.0, 4.0]  # the policy's own memory went along
+    assert state is not None and state.shared[1][0].tolist() == [4.0, 4.0]  # the policy's own memory went along
 
 
 def test_one_world_without_a_leading_axis() -> None:
@@ -149,7 +149,7 @@ def test_the_copy_in_the_run_wins_over_the_name(run: Path) -> None:
 
 def test_in_another_control_its_targets_are_followed(run: Path) -> None:
     loaded = agents.load_agent(run, control="force")
-    assert isinstance(loaded, Following) and isinstance(loaded.agent, ResidualPolicy)
+    assert isinstance(loaded, ControlledAgent) and isinstance(loaded.agent, ResidualPolicy)
     with pytest.raises(InputError, match="control_hz 12: must be a multiple of the 5 decisions per second"):
         agents.load_agent(run, control="force", control_hz=12.0)
 

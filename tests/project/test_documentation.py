@@ -17,7 +17,6 @@ from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
 from jawenv.controls import CONTROLS
 from jawenv.device.comfort import COMFORT_LIMITS, HARD
-from jawenv.device.device import ALLOWED
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
@@ -94,7 +93,8 @@ def test_comfort_limits() -> None:
 
 def test_device() -> None:
     stated = {named(row[0])[0]: (float(row[1]), float(row[2].replace(",", ""))) for row in table("Device and sensors")}
-    assert stated == {field.name: (field.default, ALLOWED[field.name][0]) for field in fields(jawenv.Device)}
+    highest = {name: numeric.high for name, numeric in jawenv.Device.numeric_fields().items()}
+    assert stated == {field.name: (field.default, highest[field.name]) for field in fields(jawenv.Device)}
 
 
 def test_cohorts_and_parameters() -> None:

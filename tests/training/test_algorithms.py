@@ -15,7 +15,7 @@ from training.run.callbacks import FallingNoise
 from training.run.config import TrainingConfig
 from training.run.evaluations import read_evaluations
 from training.run.folder import RunFolder
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 COMMON = """
 steps: 320

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
-from training.run.comfort import Multiplier, PricedVecEnv
+from training.run.comfort import Multiplier
 from training.run.config import ComfortConfig
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 CONFIG = ComfortConfig(target_discomfort_s=0.1, initial_multiplier=8.0, rate=0.5, largest_multiplier=1000.0)
 
@@ -32,8 +32,7 @@ def test_one_terrible_batch_does_not_blow_the_price_up_and_it_has_an_end() -> No
 
 def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> None:
     multiplier = Multiplier(CONFIG)
-    priced_native, native = (NativeVecEnv(PointVectorEnv(4, "same_step")) for _ in range(2))
-    priced = PricedVecEnv(priced_native, priced_native, multiplier)
+    priced, native = (NativeVecEnv(PointVectorEnv(4, "same_step"), price) for price in (multiplier, None))
     for worlds in (priced, native):
         worlds.seed(3)
         worlds.reset()
@@ -42,8 +41,8 @@ def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> Non
         outward = np.tile([0.6, 0.0], (4, 1))
         _, reward, done, infos = priced.step(outward)
         _, plain, _, _ = native.step(outward)
-        np.testing.assert_allclose(plain - reward, 8.0 * priced_native.discomfort_s, atol=1e-6)
-        spent += priced_native.discomfort_s
+        np.testing.assert_allclose(plain - reward, 8.0 * priced.discomfort_s, atol=1e-6)
+        spent += priced.discomfort_s
         for i in np.flatnonzero(done):
             assert spent[i] == pytest.approx(DT_S * infos[i]["episode"]["cost"], rel=1e-5)
             episode_cost += infos[i]["episode"]["cost"]

@@ -39,7 +39,7 @@ def config_file(tmp_path: Path) -> Path:
 
 
 def weights(path: Path) -> list[np.ndarray]:
-    policy = agents.load_agent(path, control="targets").policy.policy
+    policy = agents.load_agent(path, control="targets").agent.policy
     return [value.numpy() for value in policy.state_dict().values()]
 
 

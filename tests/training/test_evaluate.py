@@ -7,7 +7,7 @@ import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
 from training.run.evaluate import evaluate
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 
 def worlds(start: float = 1.0) -> NativeVecEnv:

@@ -10,7 +10,7 @@ from point_env import EPISODE_STEPS, PointVectorEnv
 from stable_baselines3 import PPO
 
 from jawenv.errors import InputError
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 
 class SameStepCartPole(CartPoleVectorEnv):

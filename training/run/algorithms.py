@@ -16,6 +16,7 @@ from training.run.algorithm_configs import LSTMNetworkConfig, NetworkConfig, PPO
 from training.run.config import TrainingConfig
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "recurrent_ppo": RecurrentPPO, "sac": SAC, "tqc": TQC}
+_COMMON = {"learning_rate", "batch_size", "gamma", "network"}
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
 
 
@@ -43,24 +44,9 @@ def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
     return model
 
 
-def is_off_policy(config: TrainingConfig) -> bool:
-    """Whether the algorithm learns from a replay buffer."""
-    return isinstance(config.section, SACConfig)
-
-
 def _on_policy(ppo: PPOConfig) -> dict[str, Any]:
     """Arguments that PPO has of its own, with or without memory."""
-    return {
-        "n_steps": ppo.n_steps,
-        "n_epochs": ppo.n_epochs,
-        "gae_lambda": ppo.gae_lambda,
-        "clip_range": ppo.clip_range,
-        "ent_coef": ppo.ent_coef,
-        "vf_coef": ppo.vf_coef,
-        "max_grad_norm": ppo.max_grad_norm,
-        "target_kl": ppo.target_kl,
-        "policy_kwargs": _network(ppo.network),
-    }
+    return ppo.model_dump(exclude=_COMMON) | {"policy_kwargs": _network(ppo.network)}
 
 
 def _network(network: NetworkConfig) -> dict[str, Any]:
@@ -80,16 +66,10 @@ def _off_policy(sac: SACConfig) -> dict[str, Any]:
         "net_arch": list(sac.network.units),
         "activation_fn": ACTIVATIONS[sac.network.activation],
     }
-    arguments: dict[str, Any] = {
-        "buffer_size": sac.buffer_size,
-        "learning_starts": sac.learning_starts,
-        "train_freq": 1,
-        "gradient_steps": sac.gradient_steps,
-        "tau": sac.tau,
-        "ent_coef": sac.ent_coef,
-    }
+    of_critics = {"n_critics", "n_quantiles"}
+    arguments = sac.model_dump(exclude=_COMMON | of_critics | {"dropped_quantiles"}) | {"train_freq": 1}
     if isinstance(sac, TQCConfig):
-        policy |= {"n_critics": sac.n_critics, "n_quantiles": sac.n_quantiles}
+        policy |= sac.model_dump(include=of_critics)
         arguments["top_quantiles_to_drop_per_net"] = sac.dropped_quantiles
     return arguments | {"policy_kwargs": policy}
 

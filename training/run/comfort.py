@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn, VecEnvWrapper
 
 from training.run.config import ComfortConfig
-from training.worlds.vec_env import NativeVecEnv
 
 LARGEST_EXCESS = 2.0
 """Of discomfort over target, less 1, that counts in one update."""
@@ -36,31 +34,6 @@ class Multiplier:
         config = self._config
         excess = min(discomfort_s / config.target_discomfort_s - 1.0, LARGEST_EXCESS)
         self.value = min(self.value * math.exp(config.rate * excess), config.largest_multiplier)
-
-
-class PricedVecEnv(VecEnvWrapper):
-    """Takes multiplier x discomfort of the step from each reward.
-
-    Args:
-        worlds: N worlds, on `native` or on a wrapper of it.
-        native: tells the discomfort.
-        multiplier: the price.
-    """
-
-    def __init__(self, worlds: VecEnv, native: NativeVecEnv, multiplier: Multiplier) -> None:
-        super().__init__(worlds)
-        self._native = native
-        self._multiplier = multiplier
-
-    def reset(self) -> VecEnvObs:
-        """Start new episodes in all worlds."""
-        return self.venv.reset()
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Step all worlds; the rewards (N,) are less the price of discomfort."""
-        observation, reward, done, infos = self.venv.step_wait()
-        priced = reward - self._multiplier.value * self._native.discomfort_s
-        return observation, priced.astype(np.float32), done, infos
 
 
 class MultiplierUpdates(BaseCallback):

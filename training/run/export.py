@@ -75,7 +75,7 @@ def export(
     with alone(output):
         _check_free(output, overwrite)
         loaded = load_policy(run.path)
-        trained = loaded.policy if isinstance(loaded, ResidualPolicy) else loaded
+        trained = loaded.agent if isinstance(loaded, ResidualPolicy) else loaded
         assert isinstance(trained, TrainedPolicy)
         network = network_of(trained.policy, str(trained.path))
         weights = save(network.weights)

@@ -24,6 +24,7 @@ from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from agents.checkpoints import read_data
+from agents.controller import ControlledWorlds
 from agents.following import TargetsLaw, decision_hz
 from agents.residual import BaseTargets
 from jawenv.controls import mode_of
@@ -34,13 +35,11 @@ from jawenv.seeds import TRAINING
 from training.run.algorithm_configs import PPOConfig, SACConfig
 from training.run.algorithms import make_model
 from training.run.callbacks import Checkpoints, EpisodeLog, FallingNoise, Interrupt, StopOnSignal
-from training.run.comfort import Multiplier, MultiplierUpdates, PricedVecEnv
+from training.run.comfort import Multiplier, MultiplierUpdates
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.evaluations import Evaluations
 from training.run.folder import RunFolder
-from training.worlds.following_env import FollowingVecEnv
-from training.worlds.residual_env import ResidualVecEnv
-from training.worlds.vec_env import NativeVecEnv
+from training.run.vec_env import NativeVecEnv
 
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
@@ -285,13 +284,10 @@ def wrapped(
     multiplier: Multiplier | None = None,
 ) -> VecEnv:
     """Worlds for stable-baselines3: with the price of discomfort, and with the maneuver that is corrected."""
-    native = NativeVecEnv(env)
-    worlds: VecEnv = native
-    if multiplier is not None:
-        worlds = PricedVecEnv(worlds, native, multiplier)
-    if law is not None:
-        worlds = FollowingVecEnv(worlds, law)
-    return worlds if base is None else ResidualVecEnv(worlds, base)
+    for controller in (law, base):
+        if controller is not None:
+            env = ControlledWorlds(env, controller)
+    return NativeVecEnv(env, multiplier)
 
 
 def make_worlds(config: EnvConfig, n: int) -> VectorEnv:

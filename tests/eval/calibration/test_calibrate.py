@@ -25,22 +25,6 @@ def one_process(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
 
 
-@pytest.fixture
-def plays(monkeypatch):
-    """The first seed of every chunk that is really played; may be told to be interrupted at one of them."""
-    state = {"seeds": [], "interrupt": None}
-    original = calibrate.play
-
-    def counted(agent, **kwargs):
-        if len(state["seeds"]) == state["interrupt"]:
-            raise KeyboardInterrupt
-        state["seeds"].append(kwargs["seed"])
-        return original(agent, **kwargs)
-
-    monkeypatch.setattr(calibrate, "play", counted)
-    return state
-
-
 def run(output, *arguments):
     return main(["calibrate", *arguments, "--output", str(output)])
 
@@ -102,26 +86,26 @@ def test_the_environments_own_filter_is_the_same_over_the_record(recording):
 
 def test_a_run_goes_on_where_it_was_interrupted(tmp_path, plays, monkeypatch, capsys):
     monkeypatch.setattr(calibrate, "CHUNK", 1)
-    plays["interrupt"] = 2
+    plays.fail_at = 2
     assert run(tmp_path, "hold_still", *SHORT) == 130
     assert "interrupted" in capsys.readouterr().err and not (tmp_path / "calibration.parquet").exists()
-    plays["interrupt"] = None
+    plays.fail_at = None
     assert run(tmp_path, "hold_still", *SHORT) == 0
-    assert plays["seeds"] == [0, 1, 2]
+    assert plays.seeds == [0, 1, 2]
     assert "2 of 3 estimates kept from an earlier run" in capsys.readouterr().out
     rows = pd.read_parquet(tmp_path / "beliefs.parquet")
     assert list(rows["seed"]) == [0, 0, 1, 1, 2, 2]
 
     assert run(tmp_path, "hold_still", *SHORT) == 0
-    assert plays["seeds"] == [0, 1, 2], "nothing is left to play"
+    assert plays.seeds == [0, 1, 2], "nothing is left to play"
     assert run(tmp_path, "hold_still", *SHORT, "--filters", "tension,ekf-decaying") == 0
-    assert plays["seeds"] == [0, 1, 2] * 2, "another filter needs the episodes again"
+    assert plays.seeds == [0, 1, 2] * 2, "another filter needs the episodes again"
     both = pd.read_parquet(tmp_path / "beliefs.parquet")
     assert list(both["filter"]) == ["tension"] * 6 + ["ekf-decaying"] * 6
     pd.testing.assert_frame_equal(both[both["filter"] == "tension"], rows)
     assert run(tmp_path, "hold_still", *SHORT, "--fresh") == 0
     assert run(tmp_path, "hold_still", *SHORT, "--reality", "cell_bias_N=0.2") == 0
-    assert plays["seeds"] == [0, 1, 2] * 4
+    assert plays.seeds == [0, 1, 2] * 4
     biased = pd.read_parquet(tmp_path / "beliefs.parquet")
     assert not biased["nees"].equals(rows["nees"])
     assert run(tmp_path, "hold_still", *SHORT, "--device", "cell_force_N=0.2") == 0

@@ -12,7 +12,10 @@ from eval.comparison import compare as comparison
 from eval.comparison import results
 from eval.entries import env_of_runs, load_entries, maneuver_names
 from eval.kept.digest import fingerprint
+from eval.kept.parts import Run
 from eval.settings import Settings
+from eval.studies.design import Design
+from eval.studies.run import play_study
 from jawenv.errors import InputError
 from tests.eval.studies import study
 
@@ -35,20 +38,6 @@ def drawn():
     """Asks for the report to be drawn."""
 
 
-@pytest.fixture
-def plays(monkeypatch):
-    """The agents that are really played, in order."""
-    played = []
-    original = comparison.play
-
-    def counted(agent, **kwargs):
-        played.append(agent.name)
-        return original(agent, **kwargs)
-
-    monkeypatch.setattr(comparison, "play", counted)
-    return played
-
-
 def test_a_comparison_writes_tables(tmp_path, capsys):
     assert run("hold_still", "slow_opening", *SHORT, "--output", str(tmp_path)) == 0
     assert "slow opening" in capsys.readouterr().out
@@ -63,18 +52,18 @@ def test_a_finished_entry_is_not_played_again(tmp_path, plays, capsys):
     assert run("hold_still", *SHORT, *output) == 0
     first = pd.read_parquet(tmp_path / "patients.parquet")
     assert run("hold_still", "chirp", *SHORT, *output) == 0
-    assert plays == ["hold_still", "chirp"]
+    assert plays.names == ["hold_still", "chirp"]
     assert "1 of 2 entries kept from an earlier run" in capsys.readouterr().out
     second = pd.read_parquet(tmp_path / "patients.parquet")
     pd.testing.assert_frame_equal(second[second["entry"] == "hold_still"], first)
     assert run("hold_still", *SHORT, *output, "--fresh") == 0
-    assert plays == ["hold_still", "chirp", "hold_still"]
+    assert plays.names == ["hold_still", "chirp", "hold_still"]
 
 
 def test_another_seed_is_another_study(tmp_path, plays):
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     assert run("hold_still", *SHORT, "--output", str(tmp_path), "--seed", "1") == 0
-    assert plays == ["hold_still", "hold_still"]
+    assert plays.names == ["hold_still", "hold_still"]
 
 
 def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays, drawn):
@@ -82,7 +71,7 @@ def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays
     assert run("slow_opening", *SHORT, *output) == 0
     plain = pd.read_parquet(tmp_path / "patients.parquet")
     assert run("slow_opening", *SHORT, *output, "--reality", "creep_share=0.5", "--reality", "cell_bias_N=0.2") == 0
-    assert plays == ["slow_opening", "slow_opening"]
+    assert plays.names == ["slow_opening", "slow_opening"]
     misled = pd.read_parquet(tmp_path / "patients.parquet")
     truths = [column for column in plain if column.startswith("truth/")]
     pd.testing.assert_frame_equal(plain[truths], misled[truths])
@@ -90,19 +79,12 @@ def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays
     assert "creep_share = 0.5, cell_bias_N = 0.2" in (tmp_path / "report.html").read_text()
 
 
-def test_an_interrupt_keeps_what_is_finished(tmp_path, monkeypatch, capsys):
-    original = comparison.play
-
-    def interrupted(agent, **kwargs):
-        if agent.name == "chirp":
-            raise KeyboardInterrupt
-        return original(agent, **kwargs)
-
+def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
+    plays.fail_at = 1
     arguments = ["hold_still", "chirp", *SHORT, "--output", str(tmp_path)]
-    monkeypatch.setattr(comparison, "play", interrupted)
     assert run(*arguments) == 130
     assert "the same command goes on from there" in capsys.readouterr().err
-    monkeypatch.setattr(comparison, "play", original)
+    plays.fail_at = None
     assert run(*arguments) == 0
     told = capsys.readouterr().out
     assert "1 of 2 entries kept from an earlier run" in told
@@ -299,7 +281,7 @@ def test_entries_of_another_environment_than_the_settings_are_refused():
 def test_another_environment_is_another_study(tmp_path, plays):
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     assert run("hold_still", *SHORT, "--output", str(tmp_path), "--env", "hinge") == 0
-    assert plays == ["hold_still", "hold_still"]
+    assert plays.names == ["hold_still", "hold_still"]
 
 
 @pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
@@ -335,3 +317,15 @@ def test_a_run_with_a_damaged_configuration_is_named(trained_run, tmp_path):
     (folder / "config.yaml").write_text("env: [")
     with pytest.raises(InputError, match=r"config\.yaml: damaged YAML"):
         load_entries([str(folder)], Settings().env_kwargs)
+
+
+def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):
+    """A comparison plays all patients together, a study some at a time."""
+    settings = Settings(patients=3, seed=41, episode_s=1.0)
+    compared = comparison.compare(load_entries(["chirp", "random"], settings.env_kwargs), settings).patients
+    monkeypatch.setattr("eval.studies.run.PATIENTS_IN_A_PART", 2)
+    design = Design(
+        title="", entries=("chirp", "random"), patients=3, seed=41, episode_s=1.0, metrics=["worst_bound_sd"]
+    )
+    studied = play_study(design, tmp_path, Run(workers=1))
+    pd.testing.assert_frame_equal(studied[compared.columns], compared, check_exact=True)

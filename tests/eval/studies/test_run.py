@@ -35,22 +35,6 @@ FILES = ["cells.parquet", "pairs.parquet", "parts", "patients.parquet", "profile
 
 
 @pytest.fixture
-def plays(monkeypatch):
-    """The agents that are really played, in order; may be told at which one to fail, and how."""
-    state = {"names": [], "fail_at": None, "error": None}
-    original = run.play
-
-    def counted(agent, **kwargs):
-        if len(state["names"]) == state["fail_at"]:
-            raise state["error"]
-        state["names"].append(agent.name)
-        return original(agent, **kwargs)
-
-    monkeypatch.setattr(run, "play", counted)
-    return state
-
-
-@pytest.fixture
 def study(tmp_path):
     """Runs the command on a small study, in one process."""
     path, output = tmp_path / "small.yaml", tmp_path / "out"
@@ -87,33 +71,33 @@ def test_a_study_writes_its_results_and_what_they_were_made_with(study, capsys):
 
 
 def test_only_what_is_missing_is_played(study, plays, capsys):
-    assert study() == 0 and len(plays["names"]) == 6
+    assert study() == 0 and len(plays.names) == 6
     first = pd.read_parquet(study.output / "patients.parquet")
-    assert study() == 0 and len(plays["names"]) == 6
+    assert study() == 0 and len(plays.names) == 6
     assert "18 of 18 episodes kept from an earlier run" in capsys.readouterr().out
     pd.testing.assert_frame_equal(pd.read_parquet(study.output / "patients.parquet"), first)
     assert study(entries=["prbs", "chirp"], pairs=[]) == 0
-    assert plays["names"][6:] == ["prbs", "prbs"], "the other entry is kept"
-    assert study("--patients", "2", title="Another") == 0 and len(plays["names"]) == 6 + 2 + 6
-    assert study("--fresh") == 0 and len(plays["names"]) == 6 + 2 + 6 + 6
+    assert plays.names[6:] == ["prbs", "prbs"], "the other entry is kept"
+    assert study("--patients", "2", title="Another") == 0 and len(plays.names) == 6 + 2 + 6
+    assert study("--fresh") == 0 and len(plays.names) == 6 + 2 + 6 + 6
 
 
 def test_another_metric_alone_plays_nothing_again_but_the_bound_is_played(study, plays):
     assert study(entries=["chirp"], pairs=[]) == 0
-    assert study(entries=["chirp"], pairs=[], metrics=["rmse", "time_to_2"]) == 0 and len(plays["names"]) == 2
-    assert study(entries=["chirp"], pairs=[], metrics=["information_bound"]) == 0 and len(plays["names"]) == 4
+    assert study(entries=["chirp"], pairs=[], metrics=["rmse", "time_to_2"]) == 0 and len(plays.names) == 2
+    assert study(entries=["chirp"], pairs=[], metrics=["information_bound"]) == 0 and len(plays.names) == 4
     cells = pd.read_parquet(study.output / "cells.parquet")
     assert cells["value"].notna().all()
 
 
 def test_an_interrupt_keeps_what_is_finished(study, plays, capsys):
-    plays["fail_at"], plays["error"] = 4, KeyboardInterrupt()
+    plays.fail_at = 4
     assert study() == 130
     assert "the same command goes on from there" in capsys.readouterr().err
     kept = parts(study.output)
     assert len(kept) == 4 and not (study.output / "patients.parquet").exists()
-    plays["fail_at"] = None
-    assert study() == 0 and len(plays["names"]) == 6
+    plays.fail_at = None
+    assert study() == 0 and len(plays.names) == 6
     assert kept.items() <= parts(study.output).items()
 
 
@@ -144,9 +128,9 @@ def test_a_damaged_part_is_named_before_anything_is_played(study, plays, capsys)
     assert study(entries=["prbs", *SMALL["entries"]]) == 2
     error = capsys.readouterr().err
     assert f"error: {damaged} is damaged" in error and "delete it" in error and error.count("\n") == 1
-    assert len(plays["names"]) == 6
+    assert len(plays.names) == 6
     damaged.unlink()
-    assert study() == 0 and len(plays["names"]) == 7
+    assert study() == 0 and len(plays.names) == 7
 
 
 @pytest.mark.parametrize("output", ["{folder}/file", "{folder}/file/deeper"])

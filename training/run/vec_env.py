@@ -17,6 +17,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from jawenv.errors import InputError
+from training.run.comfort import Multiplier
 
 EPISODE_FIGURES = ("information_claimed", "information_true", "violation")
 """Keys of ``final_info`` that are copied into the ``episode`` record of a finished world, where present."""
@@ -41,12 +42,13 @@ class NativeVecEnv(VecEnv):
 
     Args:
         env: its metadata must say ``autoreset_mode`` same_step; seeded with s, world i must start from s + i.
+        price: of discomfort: each reward is less by price times discomfort of the step. None by default.
 
     Raises:
         InputError: the environment resets its worlds in another mode, or its observation is not a Box.
     """
 
-    def __init__(self, env: VectorEnv[Any, Any, Any]) -> None:
+    def __init__(self, env: VectorEnv[Any, Any, Any], price: Multiplier | None = None) -> None:
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
             actual = mode.name.lower() if isinstance(mode, AutoresetMode) else mode
@@ -54,7 +56,7 @@ class NativeVecEnv(VecEnv):
         if not isinstance(env.single_observation_space, spaces.Box):
             space = str(env.single_observation_space)
             raise InputError(f"{_name(env)}'s observation space is {space}, but training needs a Box")
-        self.env = env
+        self.env, self._price = env, price
         super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
         self._actions: np.ndarray | None = None
         self._start = time.monotonic()
@@ -96,7 +98,10 @@ class NativeVecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{}] * self.num_envs
         if done.any():
             self._finish(np.flatnonzero(done), terminated, info, infos)
-        return np.asarray(observation), self._checked(reward), done, infos
+        paid = self._checked(reward)
+        if self._price is not None:
+            paid = (paid - self._price.value * self.discomfort_s).astype(np.float32)
+        return np.asarray(observation), paid, done, infos
 
     def _note_step(self, info: dict[str, Any], done: np.ndarray) -> None:
         """Discomfort of the step, and the worst sd of the worlds that are `EARLY_S` old."""

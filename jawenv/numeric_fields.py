@@ -1,0 +1,115 @@
+"""Settings that are numbers: each field says once what it is without, how large it may be, and in which unit."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from math import pi
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
+from jawenv.files import read_into
+
+__all__ = ["NumericField", "NumericFields", "number"]
+
+_TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (pi / 180.0, 1.0)}
+"""What a number in other than SI units is multiplied and divided by."""
+
+
+class NumericField(NamedTuple):
+    """A field's range and unit.
+
+    Attributes:
+        high: the highest value.
+        unit: such as ``mm/s``; the field's name ends with it, except where it is ``1``.
+        zero: whether 0 is allowed, by which some formulas divide.
+        record: name in the kernels' record; None for the field's without its unit.
+    """
+
+    high: float
+    unit: str
+    zero: bool
+    record: str | None
+
+    def allowed(self) -> str:
+        """The range in words."""
+        return f"a finite number, {'0 or more' if self.zero else 'more than 0'}, at most {self.high:g}"
+
+    def accepts(self, number: float | None) -> bool:
+        """Whether a number is in the range."""
+        return number is not None and 0.0 <= number <= self.high and (self.zero or number > 0.0)
+
+
+def number(default: float, high: float, unit: str, *, zero: bool = True, record: str | None = None) -> Any:
+    """A field of `NumericFields`; see `NumericField`."""
+    return field(default=default, metadata={"number": NumericField(high, unit, zero, record)})
+
+
+@dataclass(frozen=True)
+class NumericFields:
+    """Numbers from outside, each in its range.
+
+    Raises:
+        InputError: a field is not a finite number, or out of its range.
+    """
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        for name, kind in self.numeric_fields().items():
+            value = getattr(self, name)
+            real = real_number(value)
+            if not kind.accepts(real):
+                raise InputError(f"{self._called()}.{name} is {shown(value)}; allowed: {kind.allowed()}")
+            object.__setattr__(self, name, real)
+
+    @classmethod
+    def numeric_fields(cls) -> dict[str, NumericField]:
+        """Range and unit of each field."""
+        return {each.name: each.metadata["number"] for each in fields(cls)}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The fields that a mapping names; the others have their defaults.
+
+        Raises:
+            InputError: an unknown field, or a value that is not allowed.
+        """
+        allowed = cls.numeric_fields()
+        for name in data:
+            if name not in allowed:
+                known = ", ".join(allowed)
+                raise InputError(f"{cls._called()}.{name} is not a field of {cls.__name__}; allowed: {known}")
+        return cls(**data)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """The fields that a JSON, TOML or YAML file names.
+
+        Raises:
+            InputError: one line that names the file and what is wrong with it.
+        """
+        return read_into(path, cls.from_dict)
+
+    def in_si(self) -> dict[str, float]:
+        """All numbers in SI units, by their names in the kernels' record."""
+        numbers = {}
+        for name, kind in self.numeric_fields().items():
+            times, by = _TO_SI.get(kind.unit, (1.0, 1.0))
+            ending = "_" + kind.unit.replace(" ", "_").replace("/", "_")
+            numbers[kind.record or name.removesuffix(ending)] = times * getattr(self, name) / by
+        return numbers
+
+    def fill(self, records: npt.NDArray[np.void]) -> None:
+        """Write the numbers, in SI units, into the fields of kernels' records that have their names."""
+        for name, value in self.in_si().items():
+            if name in (records.dtype.names or ()):
+                records[name] = value
+
+    @classmethod
+    def _called(cls) -> str:
+        return cls.__name__.lower()

@@ -1,1 +1,0 @@
-"""Worlds as stable-baselines3 trains on them."""
