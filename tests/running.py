@@ -31,8 +31,8 @@ class Running:
 
     def predict(self, k):
         record = self.record
-        noise, start_sd = record.noise_variance[:N_WRENCH].copy(), record.start_sd
-        predict_motion(record.jaw, self.belief, record.samples[k], record.dt, noise, start_sd, self.scratch["time"])
+        noise = record.noise_variance[:N_WRENCH].copy()
+        predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
     def update(self, k, used=ALL):
@@ -40,9 +40,7 @@ class Running:
         return self.take(self.record.measured[k], used)
 
     def take(self, measured, used=ALL):
-        record = self.record
-        variances, start_sd = self.settings["measurement_variance"], record.start_sd
-        return update_motion(record.jaw, self.belief, measured, variances, used, start_sd, self.scratch["update"])
+        return update_motion(self.record.jaw, self.belief, measured, used, self.settings, self.scratch["update"])
 
     def expected(self):
         """(12,) readings to expect."""

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypedDict, TypeVar, cast, get_args
 import numpy as np
 
 from jawenv.anatomy import Cohort, cohort
+from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.device import Device, device_of
@@ -67,6 +68,7 @@ class Configuration:
     reality: Reality | Source | None = None
     model: str = "jaw"
     estimator: Estimator | None = None
+    knowledge: str | Knowledge | Source | None = None
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -102,6 +104,11 @@ class Configuration:
         self._set("cohort", cohort(self.cohort, model.muscles))
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
+        self._set("knowledge", knowledge(self.knowledge))
+        if self.filter_model == "bilateral" and not self.build_knowledge().exact:
+            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as its filter has two condyles")
+        if self.record and not self.build_knowledge().exact:
+            raise InputError("record is true; allowed with knowledge that is exact, as the filters of records have it")
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -144,6 +151,10 @@ class Configuration:
     def build_device(self) -> Device:
         """The device with the fields that the user changed."""
         return device_of(self.device)
+
+    def build_knowledge(self) -> Knowledge:
+        """What the filter knows within an sd, and the truth is drawn from."""
+        return knowledge(self.knowledge)
 
     def build_reality(self) -> Reality:
         """What the filter does not know, with the fields that the user changed."""

@@ -133,7 +133,7 @@ class ContactPlants:
         ticks: Any,
         paths: Any,
         observation: Any,
-        sizes: tuple[int, int, int],
+        sizes: tuple[int, int, int, int],
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings

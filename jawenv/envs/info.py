@@ -23,7 +23,8 @@ class WorldReader:
     (mean over the step); ``comfort_<limit>`` (largest used fraction of the soft limit during the step); ``violation``;
     ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
-    from); ``jaw_state`` (10: true q, u); ``time`` (s).
+    from); ``misfit`` (above 1 the readings of a second fit the model with no parameters; the largest of the episode so
+    far, see ``filter.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
@@ -43,6 +44,7 @@ class WorldReader:
         self._score_prior, self._score, self._nees = truth["log_score_prior"], truth["log_score"], truth["nees"]
         self._violated, self._governor = truth["violated"], truth["governor"]
         self._tick, self._left_out, self._gated = known["tick"], known["left_out"], known["gated"]
+        self._misfit = known["belief"]["block"]["misfit"]
         first_parameter = -1 - self._mean.shape[1]
         self._bound_variance = np.diagonal(truth["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
         self._variance = np.diagonal(self._covariance, axis1=1, axis2=2)
@@ -71,6 +73,7 @@ class WorldReader:
             "governor": self._governor.item(0),
             "left_out": self._left_out.item(0),
             "gated": self._gated.item(0),
+            "misfit": self._misfit.item(0),
             "jaw_state": state.copy(),
             "time": self._tick.item(0) * TICK,
         }
@@ -96,6 +99,7 @@ class WorldReader:
             "governor": self._governor.copy(),
             "left_out": self._left_out.copy(),
             "gated": self._gated.copy(),
+            "misfit": self._misfit.copy(),
             "jaw_state": self._state.copy(),
             "time": self._tick * TICK,
         }

@@ -143,7 +143,7 @@ def reset_belief(device, model, world, settings, scratch, first_row):
     size = believed.shape[0]
     for i in range(size):
         believed[i] = true_state(model, truth, i) + sd[i] * normals[i]
-    begin_filter(known.belief, believed, settings.filter)
+    begin_filter(model, known.belief, believed, settings.filter)
     truth.cell_gain = device.cell_gain * normals[size]
     truth.bound[:, :] = np.nan
     truth.log_det_bound = np.nan

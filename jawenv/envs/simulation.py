@@ -22,6 +22,7 @@ from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settin
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.filter.initial_motion import start_sd
+from jawenv.filter.known_within import write_nuisances
 from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
@@ -29,6 +30,7 @@ from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
+from jawenv.mechanics.unknowns import changed_jaw, directions, draw_unknowns, offset_of, turn_of
 from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:
@@ -57,8 +59,10 @@ class Simulation:
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
-        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES
-        self.settings = self._build_settings(sizes[2])
+        self.knowledge = configuration.build_knowledge()
+        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.prior.mean)
+        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds)
+        self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
         self._gravity = default_mandible().gravity
@@ -74,10 +78,10 @@ class Simulation:
         """(N, size) as of the last reset or step."""
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         bound_threads = threads if configuration.needs_bound else 0
-        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
+        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes[:3]))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
 
-    def _contact_plants(self, sizes: tuple[int, int, int]) -> ContactPlants:
+    def _contact_plants(self, sizes: tuple[int, int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
         from jawenv.envs.contact import ContactPlants
 
@@ -95,9 +99,9 @@ class Simulation:
             return self._kept_ticks() + 1
         return self.configuration.ticks_per_step + 1 if self.configuration.needs_bound else 1
 
-    def _build_settings(self, n_states: int) -> NDArray[np.void]:
+    def _build_settings(self, sizes: tuple[int, int, int, int]) -> NDArray[np.void]:
         configuration = self.configuration
-        records = record_zeros(1, settings_dtype(len(self.model.muscles), n_states))
+        records = record_zeros(1, settings_dtype(*sizes))
         settings = records[0]
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
@@ -122,6 +126,7 @@ class Simulation:
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
+        write_nuisances(settings["nuisances"], self._jaw, self.knowledge, self.cohort.muscles, self._sds)
 
     def _noise_variance(self) -> NDArray[np.float64]:
         """(12,) of the wrench not known: constant over a tick, and tilting."""
@@ -204,6 +209,8 @@ class Simulation:
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
         self.worlds["truth"]["jaw"][index] = self._jaw
+        if self._sds:
+            self._draw_unknowns(index, tilt, geometry_generator)
         perturb_geometry(self.reality, self.cohort.muscles, self.worlds["truth"]["jaw"][index], geometry_generator)
         self.worlds["truth"]["log_parameters"][index] = log_parameters
 
@@ -214,6 +221,15 @@ class Simulation:
         else:
             self._advance_compiled(np.zeros((len(chosen), N_MOTORS)), chosen)
         self._track_bound(chosen)
+
+    def _draw_unknowns(self, index: int, tilt_deg: float, generator: np.random.Generator) -> None:
+        """Draw what the filter knows only within an sd, into the truth of a world."""
+        muscles = self.cohort.muscles
+        values = draw_unknowns(len(muscles.muscle), generator)
+        jaw = changed_jaw(self.worlds["truth"]["jaw"][index], self.knowledge, muscles, values, tilt_deg)
+        self.worlds["truth"]["jaw"][index] = jaw
+        self.worlds["truth"]["cell_offset"][index] = offset_of(self.knowledge, values)
+        self.worlds["truth"]["turn"][index] = turn_of(self.knowledge, values)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""

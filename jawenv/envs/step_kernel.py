@@ -26,11 +26,12 @@ from jawenv.filter.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.joint_step import N_NOISE, N_SAMPLES
 from jawenv.filter.learn import learn
 from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
+from jawenv.filter.turned import turn_readings, turn_wrench
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
-from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.kinematics import split
 from jawenv.reality import REALITY
 from jawenv.reality.faults import fail
@@ -66,10 +67,10 @@ class Rows(NamedTuple):
 
 
 @cache
-def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+def settings_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
-        ("filter", filter_settings_dtype(n_muscles, n_states)),
+        ("filter", filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances)),
         ("control", CONTROL),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("reality", REALITY),
@@ -79,11 +80,11 @@ def settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
 
 
 @cache
-def scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),  # of ``measure``
-        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states)),
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances)),
         ("seeing", seeing_dtype(n_lines)),
         ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
         ("action", "f8", N_MOTORS),  # of the motors
@@ -111,6 +112,16 @@ def read_load_cell(device, truth, scratch):
             value = scratch.wrench[i, k] / (1.0 + truth.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
     biased(truth.reality, scratch.samples)
+    turn_samples(truth, scratch.samples)
+
+
+@njit
+def turn_samples(truth, samples):
+    """What a mouthpiece that sits turned and a cell with an offset make of the load cell's ``samples`` (3, 6)."""
+    for i in range(N_SAMPLES):
+        turn_wrench(truth.turn, -1.0, samples[i])
+        for k in range(N_WRENCH):
+            samples[i, k] += truth.cell_offset[k]
 
 
 @njit
@@ -120,6 +131,7 @@ def sense(device, truth, scratch, reality):
     measure(truth.jaw, truth.state, scratch.rows, scratch.measured)
     scratch.measured[2] += truth.lift[0]
     scratch.measured[8] += truth.lift[1]
+    turn_readings(truth.turn, -1.0, scratch.measured, scratch.measured)
     play(reality, truth.reality, scratch.measured)
     for i in range(3):
         scratch.measured[i] += device.encoder_position * normals[_ENCODERS + i]

@@ -37,6 +37,8 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.
         ("log_parameters", "f8", (2 * n_muscles,)),
         ("muscles", "f8", (n_lines, 2)),
         ("cell_gain", "f8"),
+        ("cell_offset", "f8", 6),
+        ("turn", "f8", 3),  # of the mouthpiece about body axes: what encoders and load cell show is turned by it
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
         ("body", "f8", (n_body,)),  # of the plant with two condyles
@@ -57,7 +59,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.
 
 
 @cache
-def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int) -> np.dtype[np.void]:
     """Dtype of what the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
     fields = [
         ("tick", "i8"),
@@ -65,7 +67,7 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
         ("motors", MOTORS),
         ("tracker", TRACKER),  # of targets control
         ("reading", "f8", 6),  # load cell, body axes
-        ("belief", belief_dtype(n_muscles, n_states)),
+        ("belief", belief_dtype(n_muscles, n_states, n_lines, n_nuisances)),
         ("left_out", "f8"),  # share of the last step's readings that were not used
         ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
         ("log_det_prior", "f8"),
@@ -75,14 +77,15 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
+def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_body: int) -> np.dtype[np.void]:
     """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone.
 
     Args:
         n_muscles: Those with a stiffness of their own.
         n_lines: Lines along which they pull.
         n_states: Of the motion, in the filter's model.
+        n_nuisances: What the filter knows within an sd beside the muscles (``filter.nuisances``).
         n_body: The same of the plant with two condyles, 0 in a world of another.
     """
     sizes = n_muscles, n_lines, n_states
-    return record_dtype([("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes))])
+    return record_dtype([("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes, n_nuisances))])

@@ -12,6 +12,21 @@ N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, b
 
 
 @njit
+def read_motion(jaw, state, expected):
+    """Expected measurements (12) of a motion of the midline model."""
+    q, u = split(state)
+    body_to_head = rotation(q)
+    _, slope, _, _ = fossa(jaw, q[0])
+    omega = (u[2], u[3], u[4])
+    mouthpiece = vector3(jaw.mouthpiece)
+    place = add(contact_point(jaw, q), apply(body_to_head, mouthpiece))
+    velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, cross(omega, mouthpiece)))
+    for i in range(3):
+        expected[i], expected[3 + i] = place[i] - jaw.zero[i], q[2 + i]
+        expected[6 + i], expected[9 + i] = velocity[i], omega[i]
+
+
+@njit
 def measure(jaw, state, rows, expected):
     """Expected measurements (12) and their derivatives by the ten states, into ``rows`` (12, 10)."""
     q, u = split(state)
@@ -20,11 +35,7 @@ def measure(jaw, state, rows, expected):
     omega = (u[2], u[3], u[4])
     mouthpiece = vector3(jaw.mouthpiece)
     spin = cross(omega, mouthpiece)
-    place = add(contact_point(jaw, q), apply(body_to_head, mouthpiece))
-    velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, spin))
-    for i in range(3):
-        expected[i], expected[3 + i] = place[i], q[2 + i]
-        expected[6 + i], expected[9 + i] = velocity[i], omega[i]
+    read_motion(jaw, state, expected)
     for i in range(N_MEASUREMENTS):
         for j in range(N_STATES):
             rows[i, j] = 0.0

@@ -5,24 +5,26 @@ from __future__ import annotations
 from typing import Any
 
 from jawenv.filter.basis import N_NODES, set_coefficients
+from jawenv.filter.misfit import move_block
+from jawenv.filter.nuisances import move_jaw
 from jawenv.filter.posterior import posterior_dtype, update_belief
 from jawenv.filter.refocus import refocus
 from jawenv.filter.state import tension_columns
 from jawenv.kernels.compiled import njit
 
 
-def belief_fields(n_muscles: int) -> list[Any]:
+def belief_fields(n_muscles: int, n_nuisances: int = 0) -> list[Any]:
     """Fields of the working memory of ``learn``."""
     return [
-        ("posterior", posterior_dtype(n_muscles)),
+        ("posterior", posterior_dtype(n_muscles, n_nuisances)),
         ("after", "f8", (n_muscles, N_NODES)),
-        ("row", "f8", (tension_columns(n_muscles),)),
+        ("row", "f8", (tension_columns(n_muscles, n_nuisances),)),
         ("carried", "f8", (N_NODES, N_NODES)),
     ]
 
 
 @njit
-def recentre(belief, scratch):
+def recentre(belief, settings, scratch):
     """Move motion and score to the belief's mean."""
     nodes = belief.nominal.shape[1]
     set_coefficients(belief.basis, belief.mean, scratch.after)
@@ -31,6 +33,7 @@ def recentre(belief, scratch):
     for i in range(belief.nominal.shape[0]):
         for k in range(nodes):
             row[i * nodes + k] = scratch.after[i, k] - belief.nominal[i, k]
+    move_nuisances(belief, belief.nominal.shape[0] * nodes, row, settings.nuisances, scratch.posterior)
     for i in range(belief.motion.shape[0]):
         for j in range(row.shape[0]):
             belief.motion[i] += belief.by_tension[i, j] * row[j]
@@ -38,11 +41,49 @@ def recentre(belief, scratch):
         for j in range(row.shape[0]):
             belief.score[i] -= belief.information[i, j] * row[j]
     belief.nominal[:, :] = scratch.after
+    move_block(belief.block, row)
+
+
+@njit
+def move_nuisances(belief, first, row, nuisances, scratch):
+    """The nuisances' mean moves to the most probable one at the new tensions, by ``row`` from ``first`` + 1 on.
+
+    The gain error, at ``first``, is where it is: its score stands for its mean.
+    """
+    if belief.nuisances.shape[0] == 0:
+        return
+    pulled = scratch.pulled_nuisances
+    for k in range(pulled.shape[0]):
+        value = belief.score[first + k] - (belief.nuisances[k - 1] if k > 0 else 0.0)
+        for j in range(first):
+            value -= belief.information[first + k, j] * row[j]
+        pulled[k] = value
+    solve_decomposed(belief.nuisance_factor, pulled)
+    for k in range(1, pulled.shape[0]):
+        row[first + k] = pulled[k]
+        belief.nuisances[k - 1] += pulled[k]
+    move_jaw(belief.jaw, nuisances, row, first + 1)
+
+
+@njit
+def solve_decomposed(factor, right):
+    """``right`` (n) <- (L L^T)^-1 ``right``, with L as ``linalg.decompose`` leaves it."""
+    size = right.shape[0]
+    for i in range(size):
+        value = right[i]
+        for k in range(i):
+            value -= factor[i, k] * right[k]
+        right[i] = value * factor[i, i]
+    for i in range(size - 1, -1, -1):
+        value = right[i]
+        for k in range(i + 1, size):
+            value -= factor[k, i] * right[k]
+        right[i] = value * factor[i, i]
 
 
 @njit
 def learn(belief, settings, scratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     update_belief(belief, settings, scratch.posterior)
-    recentre(belief, scratch)
+    recentre(belief, settings, scratch)
     refocus(belief, scratch)

@@ -20,19 +20,23 @@ from typing import Any
 
 from jawenv.filter.basis import set_derivatives
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.nuisances import add_nuisance_readings, nuisance_fields
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
+from jawenv.kernels.records import record_dtype
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
 EXPECTED, SURPRISING, REFUSED = 0, 1, 2
 
 
-def measurement_update_fields(n_muscles: int, n_states: int) -> list[Any]:
+def measurement_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> list[Any]:
     """Fields of the working memory of the measurement update."""
-    columns, parameters = tension_columns(n_muscles), 2 * n_muscles
+    columns, parameters = tension_columns(n_muscles, n_nuisances), 2 * n_muscles
     return [
+        ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
+        ("whitened_nuisances", "f8", (n_nuisances + 1, N_MEASUREMENTS)),
         ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("innovation", "f8", (N_MEASUREMENTS,)),
@@ -108,6 +112,22 @@ def add_muscles(belief, scratch):
         for j in range(i + 1):
             for k in range(scratch.spread.shape[1]):
                 scratch.factor[i, j] += scratch.spread[i, k] * scratch.by_log_rows[j, k]
+    add_nuisances(belief, scratch)
+
+
+@njit
+def add_nuisances(belief, scratch):
+    """Add the same due to gain error and nuisances at given tensions."""
+    first = belief.nominal.shape[0] * belief.nominal.shape[1]
+    rows, turned = scratch.by_tension_rows, scratch.whitened_nuisances
+    for k in range(turned.shape[0]):
+        for i in range(N_MEASUREMENTS):
+            turned[k, i] = rows[i, first + k]
+    whiten(belief.nuisance_factor, turned)
+    for i in range(N_MEASUREMENTS):
+        for j in range(i + 1):
+            for k in range(turned.shape[0]):
+                scratch.factor[i, j] += turned[k, i] * turned[k, j]
 
 
 @njit
@@ -132,21 +152,22 @@ def judge_innovation(belief, start_sd, scratch):
 
 
 @njit_within
-def update_motion(jaw, belief, measured, variances, used, start_sd, scratch):
+def update_motion(jaw, belief, measured, used, settings, scratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
         jaw: The filter's model.
         belief: State of the filter, predicted to the time of the readings.
         measured: (12,).
-        variances: (12,) of the encoders.
         used: (12,).
-        start_sd: (n,) sds that the motion is reset to where S is not positive definite.
+        settings: Variances of the encoders, sds that the motion is reset to where S is not positive definite, and the
+            nuisances (``tick.filter_settings_dtype``).
         scratch: Working memory.
     """
-    set_innovation(jaw, belief.motion, measured, variances, used, scratch)
+    set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
-    verdict = judge_innovation(belief, start_sd, scratch)
+    add_nuisance_readings(jaw, belief, settings.nuisances, used, scratch)
+    verdict = judge_innovation(belief, settings.start_sd, scratch)
     correct_motion(belief, scratch)
     if verdict != REFUSED:
         add_information(belief, scratch)

@@ -24,7 +24,7 @@ import numpy as np
 from jawenv.filter.basis import N_NODES, expand_coefficients
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.linalg import decompose, whiten
+from jawenv.kernels.linalg import add_squares, decompose, whiten
 from jawenv.kernels.records import record_dtype
 
 LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
@@ -32,10 +32,13 @@ NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is 
 
 
 @cache
-def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
+def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Working memory of ``update_belief``."""
     size, parameters, bends = n_muscles * N_NODES, 2 * n_muscles, 3 * n_muscles
     fields: list[Any] = [
+        ("shared", "f8", (n_nuisances + 1, size + 1)),  # information of gain error and nuisances with c; their score
+        ("explained", "f8", (size + 1, size + 1)),
+        ("pulled_nuisances", "f8", (n_nuisances + 1,)),
         ("coefficients", "f8", (n_muscles, N_NODES)),
         ("by_log_twice", "f8", (n_muscles, N_NODES, 3)),
         ("known", "f8", (size, size)),
@@ -57,17 +60,37 @@ def posterior_dtype(n_muscles: int) -> np.dtype[np.void]:
 
 
 @njit
-def without_gain(information, score, gain_variance, scratch):
-    """Information and score about c alone: the load cell's gain error, the last entry, integrated out."""
-    size = scratch.known.shape[0]
-    weight = 1.0 / (information[size, size] + 1.0 / gain_variance) if gain_variance > 0.0 else 0.0
-    for i in range(size):
-        share = weight * information[size, i]
+def without_nuisances(belief, gain_variance, scratch):
+    """Information and score about c alone: gain error and nuisances integrated out, with their priors.
+
+    Leaves the factor of what is known about them at given c in ``nuisance_factor``. False if that has none.
+    """
+    information, score, factor, shared = belief.information, belief.score, belief.nuisance_factor, scratch.shared
+    first, number = scratch.known.shape[0], factor.shape[0]
+    for i in range(number):
         for j in range(i + 1):
-            value = information[i, j] - share * information[size, j]
+            factor[i, j] = information[first + i, first + j]
+        factor[i, i] += 1.0 if i > 0 else (1.0 / gain_variance if gain_variance > 0.0 else 0.0)
+        for j in range(first):
+            shared[i, j] = information[first + i, j]
+        shared[i, first] = score[first + i] - (belief.nuisances[i - 1] if i > 0 else 0.0)
+    if not gain_variance > 0.0:
+        shared[0, :] = 0.0
+        for i in range(number):
+            factor[i, 0] = 0.0
+        factor[0, 0] = 1.0
+    if not decompose(factor):
+        return False
+    whiten(factor, shared)
+    scratch.explained[:, :] = 0.0
+    add_squares(shared, scratch.explained)
+    for i in range(first):
+        for j in range(i + 1):
+            value = information[i, j] - scratch.explained[i, j]
             scratch.known[i, j] = value
             scratch.known[j, i] = value
-        scratch.unexplained[i] = score[i] - share * score[size]
+        scratch.unexplained[i] = score[i] - scratch.explained[i, first]
+    return True
 
 
 @njit
@@ -218,8 +241,7 @@ def update_belief(belief, settings, scratch):
     mean, covariance = belief.mean, belief.cov
     scratch.last_mean[:] = mean
     scratch.last_cov[:, :] = covariance
-    without_gain(belief.information, belief.score, settings.gain_variance, scratch)
-    if refine(belief, settings, scratch):
+    if without_nuisances(belief, settings.gain_variance, scratch) and refine(belief, settings, scratch):
         return True
     mean[:] = scratch.last_mean
     covariance[:, :] = scratch.last_cov

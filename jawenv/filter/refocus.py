@@ -13,6 +13,7 @@ from __future__ import annotations
 from math import exp, log, sqrt
 
 from jawenv.filter.basis import interpolate, polynomial_value, set_coefficients
+from jawenv.filter.state import begin_block
 from jawenv.kernels.compiled import njit
 
 NARROWEST = 0.1  # least sd of log b that the nodes span: below, the basis functions are collinear to rounding
@@ -34,6 +35,7 @@ def refocus(belief, scratch):
             place_nodes(basis, i, mean[e], min(sd, basis.width[i]), scratch.carried)
             carry_over(belief, i, scratch)
     if moved:
+        begin_block(belief.block)
         set_coefficients(basis, mean, belief.nominal)
 
 

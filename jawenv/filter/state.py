@@ -24,17 +24,30 @@ from jawenv.filter.motion_step import padded
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import jaw_dtype
 
 
-def tension_columns(n_muscles: int) -> int:
-    """Columns of ``by_tension``: the coefficients, the gain error, and zeros at the end."""
-    return padded(n_muscles * N_NODES + 1)
+def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
+    """Columns of ``by_tension``: the coefficients, the gain error, other nuisances, and zeros at the end."""
+    return padded(n_muscles * N_NODES + 1 + n_nuisances)
 
 
 @cache
-def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+def block_dtype(columns: int) -> np.dtype[np.void]:
+    """Dtype of the sums of a block of ticks, see ``misfit``."""
+    fields = [
+        ("ticks", "i8"),
+        ("innovation", "f8", (N_MEASUREMENTS,)),  # whitened
+        ("rows", "f8", (N_MEASUREMENTS, columns)),  # whitened rows by tension
+        ("misfit", "f8"),  # largest of the blocks so far
+    ]
+    return record_dtype(fields)
+
+
+@cache
+def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Dtype of the filter's state."""
-    size, parameters = tension_columns(n_muscles), 2 * n_muscles
+    size, parameters = tension_columns(n_muscles, n_nuisances), 2 * n_muscles
     fields = [
         ("motion", "f8", (n_states,)),
         ("motion_cov", "f8", (n_states, n_states)),
@@ -42,7 +55,14 @@ def belief_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("information", "f8", (size, size)),
         ("score", "f8", (size,)),
         ("basis", basis_dtype(n_muscles)),
+        ("block", block_dtype(size)),
         ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
+        ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
+        ("nuisances_replayed_at", "f8", (n_nuisances,)),
+        ("jaw", jaw_dtype(n_lines if n_nuisances else 1)),  # the filter's model at that mean, where there are nuisances
+        ("last_reading", "f8", (N_WRENCH,)),  # of the load cell, the mean of the last tick, corrected
+        # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
+        ("nuisance_factor", "f8", (n_nuisances + 1, n_nuisances + 1)),
         ("mean", "f8", (parameters,)),  # natural logs
         ("cov", "f8", (parameters, parameters)),
         ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
@@ -85,6 +105,11 @@ def begin_belief(basis, belief, log_parameters, prior_sd):
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
     copy_basis(belief.basis, basis)
+    belief.nuisances[:] = 0.0
+    belief.nuisances_replayed_at[:] = 0.0
+    belief.nuisance_factor[:, :] = 0.0
+    for i in range(belief.nuisance_factor.shape[0]):
+        belief.nuisance_factor[i, i] = 1.0
     forget_readings(belief)
 
 
@@ -100,12 +125,23 @@ def copy_basis(target, source):
 
 
 @njit
+def begin_block(block):
+    """Sums of no tick."""
+    block.ticks = 0
+    block.innovation[:] = 0.0
+    block.rows[:, :] = 0.0
+
+
+@njit
 def forget_readings(belief):
     """Discard all information and sensor history; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0
+    belief.last_reading[:] = 0.0
+    begin_block(belief.block)
+    belief.block.misfit = 0.0
     belief.readings = 0
     belief.last_measured[:] = np.nan
     belief.last_sample[:] = np.nan

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
+from math import sqrt
 from typing import Any
 
 import numpy as np
+from numba.extending import overload
 
 from jawenv.filter.basis import basis_dtype, build_basis
-from jawenv.filter.cell_trend import follow_trend
+from jawenv.filter.cell_trend import follow_trend, mean_reading
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.filter.learn import belief_fields, learn
@@ -19,12 +21,18 @@ from jawenv.filter.measurement_update import (
     measurement_update_fields,
     update_motion,
 )
+from jawenv.filter.misfit import add_to_block
+from jawenv.filter.nuisances import copy_jaw, correct_readings, correct_samples, nuisance_dtype
 from jawenv.filter.screening import mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.records import record_dtype
+from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.forces import smooth_ramp
+from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
 # disc force, which is not separable from muscle tension until the motion's covariance has settled.
@@ -33,10 +41,18 @@ SETTLING_TICKS = 10
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 20, 1280
 MOVED = 0.3  # of a natural logarithm
+TOOTH_NOISE = (
+    0.1,
+    0.1,
+    0.2,
+    0.006,
+    0.008,
+    0.002,
+)  # sd of each component over the teeth's force; the last three in m
 
 
 @cache
-def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
+def filter_settings_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Dtype of the filter's settings: device, prior and noise."""
     fields = [
         ("dt", "f8"),
@@ -48,6 +64,7 @@ def filter_settings_dtype(n_muscles: int, n_states: int) -> np.dtype[np.void]:
         ("basis", basis_dtype(n_muscles)),
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
+        ("nuisances", nuisance_dtype(n_lines, n_nuisances)),
     ]
     return record_dtype(fields)
 
@@ -64,18 +81,19 @@ def tick_dtype(n_states: int) -> np.dtype[np.void]:
 
 
 @cache
-def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
+def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Dtype of the filter's working memory, stage by stage."""
     stages: dict[str, list[Any]] = {
-        "time": time_update_fields(n_muscles, n_lines, n_states),
-        "update": measurement_update_fields(n_muscles, n_states),
-        "belief": belief_fields(n_muscles),
+        "time": time_update_fields(n_muscles, n_lines, n_states, n_nuisances),
+        "update": measurement_update_fields(n_muscles, n_lines, n_states, n_nuisances),
+        "belief": belief_fields(n_muscles, n_nuisances),
     }
     fields: list[Any] = [(name, record_dtype(stage)) for name, stage in stages.items()]
     fields += [
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
         ("wrench_variance", "f8", N_WRENCH),
         ("used", "u1", N_MEASUREMENTS),  # readings, screened
+        ("measured", "f8", (N_MEASUREMENTS,)),  # corrected
         ("verdict", "i8"),  # what explains them, see ``measurement_update``
     ]
     return record_dtype(fields)
@@ -88,33 +106,77 @@ def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
 
 
 @njit
-def begin_filter(belief, motion, settings):
+def begin_filter(jaw, belief, motion, settings):
     """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
+    if belief.nuisances.shape[0] > 0:
+        copy_jaw(jaw, belief.jaw)
     begin_motion(belief, motion, settings.start_sd)
     begin_belief(settings.basis, belief, settings.prior_mean, settings.prior_sd)
+    belief.nuisance_factor[0, 0] = sqrt(settings.gain_variance)
     belief.gated = 0
 
 
 @njit
+def add_tooth_noise(jaw, motion, variance):
+    """Add to the process noise ``variance`` (6) what the force of the teeth, where they touch, may be off by.
+
+    Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
+    both about the mouthpiece.
+    """
+    first = motion.shape[0] // 2 - 3  # of the angles
+    pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
+    contact, body_to_head = contact_point(jaw, pose), rotation(pose)
+    bite = 0.0
+    for i in range(N_TEETH):
+        arm = apply(body_to_head, row3(jaw.teeth, i))
+        ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        bite += jaw.tooth_stiffness * ramp
+    for k in range(N_WRENCH):
+        sd = TOOTH_NOISE[k] * bite
+        variance[k] += sd * sd
+
+
 def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
     """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
     """
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(take_readings)
+def _choose_jaw(jaw, belief, measured, samples, tick, settings, scratch):
+    """The filter's model, or where there are nuisances that at their mean."""
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, measured, samples, tick, settings, scratch: take(
+            jaw, belief, measured, samples, tick, settings, scratch
+        )
+    return lambda jaw, belief, measured, samples, tick, settings, scratch: take(
+        belief.jaw, belief, measured, samples, tick, settings, scratch
+    )
+
+
+@njit
+def take(jaw, belief, measured, samples, tick, settings, scratch):
+    """``take_readings`` by the model ``jaw``."""
     left_out = 0
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
         left_out += repair_samples(belief, samples, settings.dt, scratch.wrench_variance, scratch.samples)
-        predict_motion(
-            jaw, belief, scratch.samples, settings.dt, scratch.wrench_variance, settings.start_sd, scratch.time
-        )
+        correct_samples(belief, settings.nuisances, scratch.samples)
+        add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
+        predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
+        for k in range(N_WRENCH):
+            belief.last_reading[k] = mean_reading(scratch.samples, k)
     left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += 1
-        variances, start_sd = settings.measurement_variance, settings.start_sd
-        scratch.verdict = update_motion(jaw, belief, measured, variances, scratch.used, start_sd, scratch.update)
+        correct_readings(belief, settings.nuisances, measured, scratch.measured)
+        scratch.verdict = update_motion(jaw, belief, scratch.measured, scratch.used, settings, scratch.update)
+        if scratch.verdict != REFUSED:
+            add_to_block(belief, scratch.update)
     if jaw.condyles == 2 and tick < SETTLING_TICKS:
         belief.score[:] = 0.0
         belief.information[:, :] = 0.0
@@ -138,6 +200,8 @@ def has_moved(belief):
     furthest = 0.0
     for i in range(belief.mean.shape[0]):
         furthest = max(furthest, abs(belief.mean[i] - belief.replayed_at[i]))
+    for j in range(belief.nuisances.shape[0]):
+        furthest = max(furthest, abs(belief.nuisances[j] - belief.nuisances_replayed_at[j]))
     return furthest > MOVED
 
 
@@ -149,6 +213,7 @@ def replay(jaw, belief, rows, tick, settings, scratch):
     filtered motion does. What the gate refuses is counted in the first pass alone.
     """
     belief.replayed_at[:] = belief.mean
+    belief.nuisances_replayed_at[:] = belief.nuisances
     begin_motion(belief, rows[0].believed, settings.start_sd)
     forget_readings(belief)
     for k in range(tick + 1):

@@ -12,19 +12,24 @@ from typing import Any
 
 from jawenv.filter.joint_step import set_muscles
 from jawenv.filter.motion_step import move, step_dtype
+from jawenv.filter.nuisances import nuisance_fields, set_nuisance_wrenches
 from jawenv.filter.regressors import middle_of, set_line_wrenches
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
+from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.kinematics import angle_rates
 
 
-def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]:
+def time_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> list[Any]:
     """Fields of the working memory of the time update."""
-    columns, inputs = tension_columns(n_muscles), n_states + N_WRENCH
+    columns, inputs = tension_columns(n_muscles, n_nuisances), n_states + N_WRENCH
     return [
         ("step", step_dtype(n_lines, n_states)),
+        ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
         ("start_motion", "f8", (n_states,)),
+        ("coasted", "f8", (n_states,)),
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
         ("total", "f8", (n_states, inputs)),  # [A, G]
         ("turned", "f8", (inputs, n_states)),  # its transpose
@@ -37,13 +42,14 @@ def time_update_fields(n_muscles: int, n_lines: int, n_states: int) -> list[Any]
 
 
 @njit_within
-def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
+def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
 
     ``noise_variance`` (6) is the process noise: unmodelled wrench and load-cell noise, constant over a tick and
     independent between ticks. Where the prediction is not finite, the mean of the motion stays and its covariance
-    becomes that of ``start_sd`` (n).
+    becomes that of the ``settings``' ``start_sd`` (n).
     """
+    dt, start_sd = settings.dt, settings.start_sd
     set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
     move(jaw, belief.motion, samples, dt, scratch.step)
@@ -53,9 +59,29 @@ def predict_motion(jaw, belief, samples, dt, noise_variance, start_sd, scratch):
         return
     scratch.total[:, :] = scratch.step.total
     predict_cov(belief.motion_cov, noise_variance, scratch)
-    pose, position = middle_of(jaw, scratch.start_motion, belief.motion)
+    coast(scratch.start_motion, dt, scratch.coasted)
+    pose, position = middle_of(jaw, scratch.start_motion, scratch.coasted)
     set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
+    set_nuisance_wrenches(jaw, scratch.step.muscles, belief, scratch.start_motion, pose, settings.nuisances, scratch)
     predict_by_tension(belief.by_tension, scratch)
+
+
+@njit
+def coast(start, dt, after):
+    """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``.
+
+    Where a servo or a stop answers within the tick, the motion that the reading moves is correlated with what acted in
+    the tick and is not known, and so with the innovation. Regressors taken along it are biased (Forssell & Ljung 1999,
+    Automatica 35:1215); those of the predicted rates are an instrument.
+    """
+    half = start.shape[0] // 2
+    first = half - 3  # of the angles
+    pose = (0.0, 0.0, start[first], start[first + 1], start[first + 2])
+    turning = angle_rates(pose, (start[half + first], start[half + first + 1], start[half + first + 2]))
+    for i in range(first):
+        after[i] = start[i] + dt * start[half + i]
+    for i in range(3):
+        after[first + i] = start[first + i] + dt * turning[i]
 
 
 @njit

@@ -99,7 +99,7 @@ class FilterRun:
         self.settings, self.last = settings, len(rows) - 1
         self.belief = record_zeros(1, belief_dtype(muscles, states))[0]
         scratch = record_zeros(1, filter_scratch_dtype(muscles, len(record.jaw["l_o"]), states))[0]
-        begin_filter(self.belief, record.start_mean, settings)
+        begin_filter(record.jaw, self.belief, record.start_mean, settings)
         self.arguments = Arguments(record.jaw, self.belief, rows, settings, scratch)
 
 
@@ -107,7 +107,7 @@ class FilterRun:
 def filter_record(run, every, means, covs):
     """Run the filter over all rows of ``Arguments``; after every ``every`` ticks the belief goes to the arrays."""
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
-    begin_filter(belief, rows[0].believed, settings)
+    begin_filter(run.jaw, belief, rows[0].believed, settings)
     for tick in range(rows.shape[0]):
         filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
         if tick % every == 0:

@@ -50,6 +50,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("crest", "f8"),  # x of the eminence's crest, where the anterior stop begins
         ("teeth", "f8", (N_TEETH, 3)),
         ("mouthpiece", "f8", 3),
+        ("zero", "f8", 3),  # what the encoders' place is off by, head axes
         ("origin", "f8", (n_lines, 3)),
         ("insertion", "f8", (n_lines, 3)),
         ("l_o", "f8", (n_lines,)),

@@ -1,0 +1,93 @@
+"""What is known of a patient and of how the device sits: one description for the truth and for the filter.
+
+The truth of each episode is drawn from it, as a patient is drawn from a cohort. The filter has the nominal values and
+the sds, as it has the cohort's prior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from jawenv.errors import InputError, shown
+from jawenv.files import Source, instance_of
+from jawenv.numeric_fields import NumericFields, number
+
+
+@dataclass(frozen=True)
+class Knowledge(NumericFields):
+    """Sds of what the device does not know exactly; 0 by default, and all of them normal and independent.
+
+    Grade M: measured, A: assumption of a published model, D: derived by computation, G: guess.
+
+    Attributes:
+        attachments: of each coordinate of each end of each muscle's line, in sds of the table of attachments: 0.1 with
+            an image of the patient (M; the share G). The mean anatomy, 1, is not allowed: the filter is lost there.
+            ``l_o`` is the closed-jaw length of the true attachments, since F_o is the tension of the closed jaw.
+        fossa: of drop and spatial frequency of the condyle's path, relative: 0.1 spans with 2 sd about what published
+            paths do (D).
+        mass: of the mandible with its soft tissue, relative. Published masses differ by a factor of two, those of one
+            method by about a tenth (D).
+        centre_of_mass_x_mm, centre_of_mass_y_mm, centre_of_mass_z_mm: of each coordinate (G).
+        head_tilt_deg: of the head's pitch, and so of gravity: a head in a rest moves by a few degrees (G).
+        mouthpiece_mm: of each coordinate of where mouthpiece and teeth are, seen from the condyles. The encoders are
+            zeroed with the teeth together, so that it shows as the jaw turns (0.5, G).
+        mouthpiece_deg: of each angle in which the mouthpiece sits, by which the readings are turned (0.5, G).
+        cell_offset_N: of the load cell's offset, each component of the force. Makers' accuracy of miniature cells is
+            0.05 to 0.25 % of 100 N with drift; 0.1 after taring (G).
+        cell_offset_N_m: the same of the moments (G).
+        damping: of the damping of rotation and of sliding, relative: nothing of it was measured in vivo (G). Above 0.2
+            the filter claims too much.
+    """
+
+    attachments: float = number(0.0, 0.3, "1")
+    fossa: float = number(0.0, 0.3, "1")
+    mass: float = number(0.0, 0.3, "1")
+    centre_of_mass_x_mm: float = number(0.0, 20.0, "mm")
+    centre_of_mass_y_mm: float = number(0.0, 20.0, "mm")
+    centre_of_mass_z_mm: float = number(0.0, 20.0, "mm")
+    head_tilt_deg: float = number(0.0, 20.0, "deg")
+    mouthpiece_mm: float = number(0.0, 5.0, "mm")
+    mouthpiece_deg: float = number(0.0, 5.0, "deg")
+    cell_offset_N: float = number(0.0, 2.0, "N", record="cell_offset_force")
+    cell_offset_N_m: float = number(0.0, 0.1, "N m", record="cell_offset_moment")
+    damping: float = number(0.0, 0.3, "1")
+
+    @property
+    def exact(self) -> bool:
+        """Whether all is known exactly."""
+        return self == Knowledge()
+
+
+IMAGED = Knowledge(
+    attachments=0.1,
+    fossa=0.1,
+    mass=0.1,
+    centre_of_mass_x_mm=4.0,
+    centre_of_mass_y_mm=1.0,
+    centre_of_mass_z_mm=6.0,
+    head_tilt_deg=3.0,
+    mouthpiece_mm=0.5,
+    mouthpiece_deg=0.5,
+    cell_offset_N=0.1,
+    cell_offset_N_m=0.002,
+    damping=0.2,
+)
+LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "imaged": IMAGED})
+"""All known exactly; a scan of the patient, an impression and a tared cell."""
+
+
+def knowledge(given: str | Knowledge | Source | None) -> Knowledge:
+    """What is known, by the name of a level, as a ``Knowledge``, a mapping of its fields or the path of a file.
+
+    Raises:
+        InputError: none of these, or a value that is not allowed.
+    """
+    if given is None:
+        return LEVELS["exact"]
+    if isinstance(given, str) and "." not in given and "/" not in given:
+        if given not in LEVELS:
+            raise InputError(f"knowledge is {shown(given)}; allowed: {', '.join(LEVELS)}, a mapping or a file")
+        return LEVELS[given]
+    return instance_of(Knowledge, given, "knowledge")

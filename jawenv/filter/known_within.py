@@ -1,0 +1,50 @@
+"""The nuisances as the filter's kernels read them: what one sd of each changes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import MuscleSet
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.filter.nuisances import STEP
+from jawenv.mechanics.unknowns import Unknowns, changed_jaw, offset_of, turn_of
+
+_PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
+_SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
+
+
+def write_nuisances(
+    record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet, sds: list[Unknowns], tilt_deg: float = 0.0
+) -> None:
+    """Fill a record of dtype ``nuisance_dtype`` with the changes per sd, taken over ``STEP`` sds.
+
+    Args:
+        record: written.
+        jaw: the filter's model.
+        known: the sds.
+        muscles: the jaw's.
+        sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
+        tilt_deg: the head's known pitch.
+    """
+    for j, values in enumerate(sds):
+        small = Unknowns(*(STEP * value for value in values))
+        changed = changed_jaw(jaw, known, muscles, small, tilt_deg)
+        for name in (*_PLAIN, "mouthpiece", "l_o"):
+            record[name][j] = (changed[name] - jaw[name]) / STEP
+        for name in ("origin", "insertion"):
+            record[name][j] = ((changed[name] - jaw[name]) / STEP).ravel()
+        first_moments = [body["mass"] * body["centre_of_mass"] for body in (changed, jaw)]
+        record["first_moment"][j] = (first_moments[0] - first_moments[1]) / STEP
+        record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
+        record["offset"][j], record["turn"][j] = offset_of(known, values), turn_of(known, values)
+        record["reads"][j] = any(np.any(record[name][j] != 0.0) for name in _SEEN_BY_ENCODERS)
+
+
+def _about_contact(jaw: Any) -> NDArray[np.float64]:
+    """(3, 3) inertia about the contact point."""
+    rho = jaw["centre_of_mass"]
+    inertia: NDArray[np.float64] = jaw["inertia"] + jaw["mass"] * (rho @ rho * np.eye(3) - np.outer(rho, rho))
+    return inertia

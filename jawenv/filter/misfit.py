@@ -1,0 +1,60 @@
+"""Misfit: whether the readings fit the model at all.
+
+If the model is right, whitened innovations are white, with sd 1. Their sum over a block of n ticks, over sqrt(n), has
+the covariance I + M Cov M^T, where M is the same sum of the whitened rows by tension and Cov what is still not known of
+the coefficients, the gain error and the nuisances. What the model lacks is rarely white: a constant force, a wrong
+lever, a disturbance with memory add up over a block, and noise does not. The statistic is chi-squared with 12 degrees
+of freedom; ``misfit`` is the largest of the episode over ``ALARM``.
+
+The sum is kept at the belief's present mean: where that moves, it is corrected by M (``move_block``), and a replay
+begins it anew, so that every block is judged by what is believed after the last replay.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from jawenv.filter.encoders import N_MEASUREMENTS
+from jawenv.filter.measurement_update import add_muscles, squared_length
+from jawenv.filter.state import begin_block
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose
+
+BLOCK = 100  # ticks: a second, long beside the jaw's own motion and short beside a maneuver
+ALARM = 60.0  # chi-squared of 12 has a chance of 2e-8 to be above: linearisation takes its share
+
+
+@njit
+def add_to_block(belief, scratch):
+    """Add a tick's whitened innovation and rows; judge the block where it is full."""
+    block = belief.block
+    for i in range(N_MEASUREMENTS):
+        block.innovation[i] += scratch.whitened_innovation[i]
+    block.rows += scratch.by_tension_rows
+    block.ticks += 1
+    if block.ticks == BLOCK:
+        judge_block(belief, scratch)
+        begin_block(block)
+
+
+@njit
+def move_block(block, steps):
+    """The sums at coefficients and nuisances that are larger by ``steps`` (columns)."""
+    for i in range(N_MEASUREMENTS):
+        for j in range(steps.shape[0]):
+            block.innovation[i] -= block.rows[i, j] * steps[j]
+
+
+@njit
+def judge_block(belief, scratch):
+    """Let ``misfit`` be that of the block, if none so far was larger."""
+    block, share = belief.block, 1.0 / sqrt(BLOCK)
+    for i in range(N_MEASUREMENTS):
+        scratch.innovation[i] = share * block.innovation[i]
+        for j in range(block.rows.shape[1]):
+            scratch.by_tension_rows[i, j] = share * block.rows[i, j]
+        for j in range(i + 1):
+            scratch.factor[i, j] = 1.0 if i == j else 0.0
+    add_muscles(belief, scratch)
+    if decompose(scratch.factor):
+        block.misfit = max(block.misfit, squared_length(scratch) / ALARM)

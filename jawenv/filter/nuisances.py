@@ -1,0 +1,309 @@
+"""What the filter knows only within an sd beside the muscles: anatomy, mass, how the mouthpiece sits, the load cell.
+
+Each nuisance is a number v with prior N(0, 1). Its *change* is what one sd of it adds to the numbers of the jaw, to
+the orientation of the mouthpiece, and to the load cell's reading. The motion's derivative by v is carried beside that
+by the tensions (``state``), and v is integrated out of the information (``posterior``), as the cell's gain error is.
+
+The derivative of the motion enters as a wrench at the mouthpiece: the change of the force and moment that the equations
+of motion leave over at the same acceleration, S^T (F - m a_c) and tau - (I omega' + omega x I omega + m rho x C a_c + c
+omega), carried by the wrench with the same projection. The derivative of the readings at the same motion is added where
+they are expected.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+
+from jawenv.filter.encoders import N_MEASUREMENTS, read_motion
+from jawenv.filter.turned import turn_readings, turn_wrench
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
+from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel, body_moment, inertia_times
+from jawenv.mechanics.forces import resultant
+from jawenv.mechanics.jaw import N_TEETH, jaw_dtype
+from jawenv.mechanics.kinematics import fossa, rotation
+
+STEP = 0.01  # sds of the differences that stand for derivatives
+
+
+def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
+    """Dtype of the changes that one sd of each of ``n`` nuisances makes."""
+    fields: list[Any] = [
+        ("mass", "f8", (n,)),
+        ("first_moment", "f8", (n, 3)),  # mass times centre of mass: the equations of motion are linear in these
+        ("inertia", "f8", (n, 9)),  # about the contact point
+        ("gravity", "f8", (n, 3)),  # head axes
+        ("fossa_drop", "f8", (n,)),
+        ("fossa_frequency", "f8", (n,)),
+        ("damping_rotation", "f8", (n,)),
+        ("damping_sliding", "f8", (n,)),
+        ("mouthpiece", "f8", (n, 3)),
+        ("origin", "f8", (n, 3 * n_lines)),
+        ("insertion", "f8", (n, 3 * n_lines)),
+        ("l_o", "f8", (n, n_lines)),
+        ("offset", "f8", (n, N_WRENCH)),  # of the load cell's reading
+        ("turn", "f8", (n, 3)),  # of the mouthpiece about body axes, rad
+        ("reads", "u1", (n,)),  # whether the encoders read it at the same motion
+    ]
+    return record_dtype(fields)
+
+
+def nuisance_fields(n_lines: int, n: int) -> list[Any]:
+    """Fields of the working memory."""
+    return [
+        ("jaw", jaw_dtype(n_lines if n else 1)),
+        ("expected", "f8", (N_MEASUREMENTS,)),
+        ("changed", "f8", (N_MEASUREMENTS,)),
+    ]
+
+
+@njit
+def change_body(jaw, nuisances, j, share, changed):
+    """Mass, centre of mass and inertia about it, with mass, first moment and inertia about the contact point changed.
+
+    The equations of motion are linear in the latter, so that what they say of a sum of nuisances is no curved ridge.
+    """
+    mass, rho = jaw.mass, vector3(jaw.centre_of_mass)
+    changed_mass = mass + share * nuisances.mass[j]
+    changed_rho = (
+        (mass * rho[0] + share * nuisances.first_moment[j, 0]) / changed_mass,
+        (mass * rho[1] + share * nuisances.first_moment[j, 1]) / changed_mass,
+        (mass * rho[2] + share * nuisances.first_moment[j, 2]) / changed_mass,
+    )
+    square, changed_square = dot(rho, rho), dot(changed_rho, changed_rho)
+    for i in range(3):
+        before = contact_row(jaw, mass, rho, square, i)
+        for k in range(3):
+            about = before[k] + share * nuisances.inertia[j, 3 * i + k]
+            there = (changed_square if i == k else 0.0) - changed_rho[i] * changed_rho[k]
+            changed.inertia[i, k] = about - changed_mass * there
+    changed.mass = changed_mass
+    for i in range(3):
+        changed.centre_of_mass[i] = changed_rho[i]
+
+
+@njit
+def change_jaw(jaw, nuisances, j, share, changed):
+    """``changed`` = ``jaw`` with nuisance j at ``share`` sds."""
+    change_body(jaw, nuisances, j, share, changed)
+    changed.fossa_drop = jaw.fossa_drop + share * nuisances.fossa_drop[j]
+    changed.fossa_frequency = jaw.fossa_frequency + share * nuisances.fossa_frequency[j]
+    changed.crest = pi / changed.fossa_frequency
+    changed.damping_rotation = jaw.damping_rotation + share * nuisances.damping_rotation[j]
+    changed.damping_sliding = jaw.damping_sliding + share * nuisances.damping_sliding[j]
+    for i in range(3):
+        changed.gravity[i] = jaw.gravity[i] + share * nuisances.gravity[j, i]
+        shift = share * nuisances.mouthpiece[j, i]
+        changed.mouthpiece[i] = jaw.mouthpiece[i] + shift
+        changed.zero[i] = jaw.zero[i] + shift
+        for tooth in range(N_TEETH):
+            changed.teeth[tooth, i] = jaw.teeth[tooth, i] + shift
+    for line in range(jaw.l_o.shape[0]):
+        changed.l_o[line] = jaw.l_o[line] + share * nuisances.l_o[j, line]
+        for i in range(3):
+            changed.origin[line, i] = jaw.origin[line, i] + share * nuisances.origin[j, 3 * line + i]
+            changed.insertion[line, i] = jaw.insertion[line, i] + share * nuisances.insertion[j, 3 * line + i]
+
+
+@njit
+def copy_rest(jaw, changed):
+    """What no nuisance changes."""
+    changed.condyles, changed.free_x, changed.free_y = jaw.condyles, jaw.free_x, jaw.free_y
+    changed.tooth_stiffness, changed.condyle_stiffness = jaw.tooth_stiffness, jaw.condyle_stiffness
+    changed.stop_width = jaw.stop_width
+
+
+@njit
+def left_over(jaw, muscles, q, u, wrench, rate):
+    """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
+    body_to_head = rotation(q)
+    force, moment = resultant(jaw, muscles, q, u, body_to_head)
+    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
+    _, slope, curvature, _ = fossa(jaw, q[0])
+    omega, rho = (u[2], u[3], u[4]), vector3(jaw.centre_of_mass)
+    turning = (rate[2], rate[3], rate[4])
+    swing = add(cross(turning, rho), cross(omega, cross(omega, rho)))
+    contact = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
+    inertial = scale(jaw.mass, add(contact, apply(body_to_head, swing)))
+    net = subtract(force, inertial)
+    turn = body_moment(jaw, body_to_head, moment, omega, wrench)
+    turn = subtract(turn, add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega))))
+    turn = subtract(turn, cross(rho, apply_transposed(body_to_head, inertial)))
+    return net[0] + slope * net[2], net[1], turn
+
+
+@njit
+def set_wrenches(jaw, muscles, u, pose, reading, nuisances, first, line_wrench, scratch):
+    """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
+
+    At the ``pose`` half way through the tick, the speeds of ``motion`` at its start, and the load cell's ``reading``
+    (six numbers) of the tick before: the noise of this tick's samples is in the motion, and so in the innovation;
+    regressors taken with them would be biased.
+    """
+    rate = acceleration_kernel(jaw, muscles, pose, u, reading)
+    body_to_head = rotation(pose)
+    _, slope, _, _ = fossa(jaw, pose[0])
+    copy_rest(jaw, scratch.jaw)
+    base_x, base_y, base_turn = left_over(jaw, muscles, pose, u, reading, rate)
+    for j in range(nuisances.mass.shape[0]):
+        change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
+        x, y, turn = left_over(scratch.jaw, muscles, pose, u, reading, rate)
+        along, across = (x - base_x) / STEP / (1.0 + slope * slope), (y - base_y) / STEP
+        pull = apply_transposed(body_to_head, (along, across, slope * along))
+        moment = scale(1.0 / STEP, subtract(turn, base_turn))
+        moment = subtract(moment, cross(vector3(jaw.mouthpiece), pull))
+        # The reading is of axes that are turned, and has an offset.
+        about = (nuisances.turn[j, 0], nuisances.turn[j, 1], nuisances.turn[j, 2])
+        pull = add(pull, cross(about, (reading[0], reading[1], reading[2])))
+        moment = add(moment, cross(about, (reading[3], reading[4], reading[5])))
+        for i in range(3):
+            line_wrench[i, first + j] = pull[i] - nuisances.offset[j, i]
+            line_wrench[3 + i, first + j] = moment[i] - nuisances.offset[j, 3 + i]
+
+
+@njit
+def add_readings(jaw, motion, nuisances, used, first, rows, scratch):
+    """Add to ``rows`` (12, columns) from column ``first`` on what one sd of each nuisance adds to the used readings."""
+    read_motion(jaw, motion, scratch.expected)
+    copy_rest(jaw, scratch.jaw)
+    for j in range(nuisances.reads.shape[0]):
+        if not nuisances.reads[j]:
+            continue
+        change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
+        read_motion(scratch.jaw, motion, scratch.changed)
+        for i in range(N_MEASUREMENTS):
+            if used[i]:
+                rows[i, first + j] += (scratch.changed[i] - scratch.expected[i]) / STEP
+        about = nuisances.turn[j]
+        turn_readings(about, -1.0, scratch.expected, scratch.changed)
+        for i in range(3, N_MEASUREMENTS):
+            if used[i]:
+                rows[i, first + j] += scratch.changed[i] - scratch.expected[i]
+
+
+def set_nuisance_wrenches(jaw, muscles, belief, motion, pose, nuisances, scratch):
+    """``set_wrenches`` where there are nuisances, compiled only then."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(set_nuisance_wrenches, inline="always")
+def _choose_wrenches(jaw, muscles, belief, motion, pose, nuisances, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, muscles, belief, motion, pose, nuisances, scratch: None
+
+    def call(jaw, muscles, belief, motion, pose, nuisances, scratch):
+        first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+        wrenches = scratch.line_wrench
+        last = belief.last_reading
+        reading = (last[0], last[1], last[2], last[3], last[4], last[5])
+        u = (motion[5], motion[6], motion[7], motion[8], motion[9])
+        set_wrenches(jaw, muscles, u, pose, reading, nuisances, first, wrenches, scratch.nuisances)
+
+    return call
+
+
+def add_nuisance_readings(jaw, belief, nuisances, used, scratch):
+    """``add_readings`` where there are nuisances, compiled only then."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(add_nuisance_readings, inline="always")
+def _choose_readings(jaw, belief, nuisances, used, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, nuisances, used, scratch: None
+
+    def call(jaw, belief, nuisances, used, scratch):
+        first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+        add_readings(jaw, belief.motion, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
+
+    return call
+
+
+@njit
+def move_jaw(jaw, nuisances, steps, first):
+    """Change ``jaw`` by so many sds of each nuisance, ``steps`` from ``first`` on."""
+    for j in range(nuisances.mass.shape[0]):
+        change_jaw(jaw, nuisances, j, steps[first + j], jaw)
+    mass, rho = jaw.mass, vector3(jaw.centre_of_mass)
+    square = dot(rho, rho)
+    about = (
+        contact_row(jaw, mass, rho, square, 0),
+        contact_row(jaw, mass, rho, square, 1),
+        contact_row(jaw, mass, rho, square, 2),
+    )
+    for line in range(jaw.l_o.shape[0]):
+        jaw.l_o[line] = norm(subtract(row3(jaw.origin, line), row3(jaw.insertion, line)))
+    set_inverse(about, jaw.inertia_contact_inverse)
+
+
+@njit
+def contact_row(jaw, mass, rho, square, i):
+    """Row i of the inertia about the contact point."""
+    return (
+        jaw.inertia[i, 0] + mass * ((square if i == 0 else 0.0) - rho[i] * rho[0]),
+        jaw.inertia[i, 1] + mass * ((square if i == 1 else 0.0) - rho[i] * rho[1]),
+        jaw.inertia[i, 2] + mass * ((square if i == 2 else 0.0) - rho[i] * rho[2]),
+    )
+
+
+@njit
+def set_inverse(matrix, inverse):
+    """Into ``inverse`` (3, 3) that of a matrix as three rows; of pitch alone where yaw and roll are held."""
+    if inverse[2, 2] == 0.0:
+        inverse[1, 1] = 1.0 / matrix[1][1]
+        return
+    first, second, third = cross(matrix[1], matrix[2]), cross(matrix[2], matrix[0]), cross(matrix[0], matrix[1])
+    determinant = dot(matrix[0], first)
+    for i in range(3):
+        inverse[i, 0], inverse[i, 1], inverse[i, 2] = (
+            first[i] / determinant,
+            second[i] / determinant,
+            third[i] / determinant,
+        )
+
+
+@njit
+def copy_jaw(jaw, copied):
+    """``copied`` = ``jaw`` in all that the filter's kernels read."""
+    copy_rest(jaw, copied)
+    copied.crest = jaw.crest
+    copied.mass, copied.fossa_drop, copied.fossa_frequency = jaw.mass, jaw.fossa_drop, jaw.fossa_frequency
+    copied.damping_rotation, copied.damping_sliding = jaw.damping_rotation, jaw.damping_sliding
+    copied.condyle_mobility, copied.mouthpiece_mobility = jaw.condyle_mobility, jaw.mouthpiece_mobility
+    copied.centre_of_mass[:] = jaw.centre_of_mass
+    copied.gravity[:] = jaw.gravity
+    copied.mouthpiece[:] = jaw.mouthpiece
+    copied.zero[:] = jaw.zero
+    copied.teeth[:, :] = jaw.teeth
+    copied.l_o[:] = jaw.l_o
+    copied.mobility[:] = jaw.mobility
+    copied.tooth_mobility[:] = jaw.tooth_mobility
+    copied.muscle[:] = jaw.muscle
+    copied.inertia[:, :] = jaw.inertia
+    copied.inertia_contact_inverse[:, :] = jaw.inertia_contact_inverse
+    copied.origin[:, :] = jaw.origin
+    copied.insertion[:, :] = jaw.insertion
+
+
+@njit
+def correct_samples(belief, nuisances, samples):
+    """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
+    for j in range(nuisances.mass.shape[0]):
+        mean = belief.nuisances[j]
+        for i in range(samples.shape[0]):
+            turn_wrench(nuisances.turn[j], mean, samples[i])
+            for k in range(N_WRENCH):
+                samples[i, k] -= mean * nuisances.offset[j, k]
+
+
+@njit
+def correct_readings(belief, nuisances, measured, corrected):
+    """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
+    corrected[:] = measured
+    for j in range(nuisances.mass.shape[0]):
+        turn_readings(nuisances.turn[j], belief.nuisances[j], corrected, corrected)

@@ -1,0 +1,158 @@
+"""Numbers of a jaw that are known only within an sd: how one sd of each changes it, and a jaw drawn from all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi, radians
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.anatomy.mandible import default_mandible
+from jawenv.anatomy.muscles import MuscleSet
+from jawenv.kernels.vec3 import apply, cross, norm, subtract
+from jawenv.mechanics.jaw import build_jaw, gravity_in_head
+from jawenv.mechanics.kinematics import contact_point, rotation
+
+# Poses (x in m, pitch in rad) at which the effects of attachments are compared; openings that comfort allows.
+POSES = [(x, 0.0, pitch, yaw, 0.0) for x, pitch in ((2e-3, 0.04), (5e-3, 0.14), (8e-3, 0.24)) for yaw in (-0.04, 0.04)]
+# N, rms over the poses: a shift of a line's ends that moves less than this is left out. The unmodelled force, 0.1 N per
+# tick, hides a constant force of 0.002 N in 30 s.
+NEGLIGIBLE = 2e-3
+
+
+class Unknowns(NamedTuple):
+    """Values of all nuisances that are not exactly known, in sds, standard normal.
+
+    Attributes:
+        origin: (lines, 3) attachments.
+        insertion: (lines, 3).
+        numbers: (6,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt.
+        centre_of_mass: (3,).
+        mouthpiece: (3,).
+        turn: (3,) of the mouthpiece about the body's axes.
+        offset: (6,) of the load cell.
+    """
+
+    origin: NDArray[np.float64]
+    insertion: NDArray[np.float64]
+    numbers: NDArray[np.float64]
+    centre_of_mass: NDArray[np.float64]
+    mouthpiece: NDArray[np.float64]
+    turn: NDArray[np.float64]
+    offset: NDArray[np.float64]
+
+
+def no_unknowns(lines: int) -> Unknowns:
+    """All at their nominal values."""
+    return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(n) for n in (6, 3, 3, 3, 6)))
+
+
+def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
+    """Standard normals for all."""
+    return Unknowns(*(generator.standard_normal(values.shape) for values in no_unknowns(lines)))
+
+
+def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns, tilt_deg: float = 0.0) -> Any:
+    """A copy of the record ``jaw`` with its numbers at ``values``; ``tilt_deg`` is the head's known pitch."""
+    changed, mandible = jaw.copy(), default_mandible()
+    drop, frequency, mass, rotation_damping, sliding_damping, tilt = values.numbers
+    changed["fossa_drop"] *= 1.0 + known.fossa * drop
+    changed["fossa_frequency"] *= 1.0 + known.fossa * frequency
+    changed["crest"] = pi / changed["fossa_frequency"]
+    changed["damping_rotation"] *= 1.0 + known.damping * rotation_damping
+    changed["damping_sliding"] *= 1.0 + known.damping * sliding_damping
+    changed["gravity"] = gravity_in_head(mandible.gravity, tilt_deg + known.head_tilt_deg * tilt)
+    for name in ("mouthpiece", "zero", "teeth"):
+        changed[name] += 1e-3 * known.mouthpiece_mm * values.mouthpiece
+    if known.attachments > 0.0:
+        changed["origin"] += known.attachments * muscles.origin_sd_m * values.origin
+        changed["insertion"] += known.attachments * muscles.insertion_sd_m * values.insertion
+        changed["l_o"] = np.linalg.norm(changed["origin"] - changed["insertion"], axis=1)
+    shift = 1e-3 * np.array([known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm])
+    body = replace(
+        mandible,
+        mass_kg=mandible.mass_kg * (1.0 + known.mass * mass),
+        centre_of_mass_m=mandible.centre_of_mass_m + shift * values.centre_of_mass,
+    )
+    turns = bool(jaw["inertia_contact_inverse"][2, 2] > 0.0)
+    free = (bool(jaw["free_x"]), bool(jaw["free_y"]), True, turns, turns)
+    built = build_jaw(muscles, body, free=free, condyles=2 if jaw["condyles"] == 2 else 1)
+    for name in ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse"):
+        changed[name] = built[name]
+    return changed
+
+
+def turn_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+    """(3,) rotation of the mouthpiece about the body's axes, rad."""
+    return radians(known.mouthpiece_deg) * values.turn
+
+
+def offset_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+    """(6,) the load cell's offset, N and N m."""
+    return np.repeat([known.cell_offset_N, known.cell_offset_N_m], 3) * values.offset
+
+
+def directions(known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: NDArray[np.float64]) -> list[Unknowns]:
+    """One sd of every nuisance that moves the jaw by more than the noise hides.
+
+    A line's six coordinates of ends are taken in the directions in which they act: those along the line have no effect,
+    and are left out.
+    """
+    lines, found = len(muscles.muscle), []
+
+    def one(name: str, *place: int) -> Unknowns:
+        values = no_unknowns(lines)
+        getattr(values, name)[place] = 1.0
+        return values
+
+    numbers = (known.fossa, known.fossa, known.mass, known.damping, known.damping, known.head_tilt_deg)
+    found += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
+    sds = (known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm)
+    found += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
+    found += [one("mouthpiece", k) for k in range(3) if known.mouthpiece_mm > 0.0]
+    found += [one("turn", k) for k in range(3) if known.mouthpiece_deg > 0.0]
+    cell = [known.cell_offset_N] * 3 + [known.cell_offset_N_m] * 3
+    found += [one("offset", k) for k, sd in enumerate(cell) if sd > 0.0]
+    if known.attachments > 0.0:
+        for line in range(lines):
+            found += list(_of_line(known, muscles, jaw, log_parameters, line))
+    return found
+
+
+def _of_line(
+    known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: NDArray[np.float64], line: int
+) -> Iterator[Unknowns]:
+    """The directions of a line's ends that act, by the singular values of what they do to its wrench."""
+    lines, step = len(muscles.muscle), 1e-3
+    place = 2 * muscles.muscle[line]
+    law = np.exp(log_parameters[place : place + 2])
+    effects = np.empty((6 * len(POSES), 6))
+    for k in range(6):
+        values = no_unknowns(lines)
+        (values.origin if k < 3 else values.insertion)[line, k % 3] = step
+        changed = changed_jaw(jaw, known, muscles, values)
+        effects[:, k] = (_pulls(changed, line, law) - _pulls(jaw, line, law)) / step
+    _, sizes, turned = np.linalg.svd(effects)
+    for size, direction in zip(sizes, turned, strict=True):
+        if size > NEGLIGIBLE * np.sqrt(len(POSES)):
+            values = no_unknowns(lines)
+            values.origin[line], values.insertion[line] = direction[:3], direction[3:]
+            yield values
+
+
+def _pulls(jaw: Any, line: int, law: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(6 poses,) force (N) and moment over 5 cm (N) of a line at each of ``POSES``."""
+    pulls = []
+    for pose in POSES:
+        turned, contact = rotation(pose), contact_point(jaw, pose)
+        arm = apply(turned, tuple(jaw["insertion"][line]))
+        way = subtract(tuple(jaw["origin"][line]), tuple(np.add(contact, arm)))
+        length = norm(way)
+        tension = law[0] * np.exp(law[1] * (length / jaw["l_o"][line] - 1.0))
+        pull = tuple(tension / length * np.array(way))
+        pulls += [*pull, *(np.array(cross(arm, pull)) / 0.05)]
+    return np.array(pulls)
