@@ -109,6 +109,19 @@ def half_way(jaw, before, after):
     return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
 
 
+def coasted(state, dt):
+    """The pose after ``dt`` at the rates of ``state``, those of the angles from R^T R'; the rates are not moved."""
+    half = len(state) // 2
+    angles, omega = state[half - 3 : half], state[-3:]
+    by_angle = twin.derivative(lambda a: twin.rotation(np.concatenate([np.zeros(2), a])).ravel(), angles)
+    turns = twin.rotation(np.concatenate([np.zeros(2), angles])).T @ by_angle.T.reshape(3, 3, 3)
+    axes = np.array([[turn[2, 1], turn[0, 2], turn[1, 0]] for turn in turns]).T
+    after = state.copy()
+    after[: half - 3] += dt * state[half:-3]
+    after[half - 3 : half] += dt * np.linalg.solve(axes, omega)
+    return after
+
+
 def rows_of(jaw, state):
     """(12, n) derivative of the readings by the state, by the complex step."""
     if len(state) == 10:

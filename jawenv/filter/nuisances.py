@@ -138,13 +138,14 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 
 
 @njit
-def set_wrenches(jaw, muscles, u, pose, reading, nuisances, first, line_wrench, scratch):
+def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
-    At the ``pose`` half way through the tick, the speeds of ``motion`` at its start, and the load cell's ``reading``
-    (six numbers) of the tick before: the noise of this tick's samples is in the motion, and so in the innovation;
-    regressors taken with them would be biased.
+    ``at`` is the pose half way through the tick, the rates at its start, and the load cell's reading (six numbers) of
+    the tick before: the noise of this tick's samples is in the motion, and so in the innovation; regressors taken with
+    them would be biased.
     """
+    pose, u, reading = at
     rate = acceleration_kernel(jaw, muscles, pose, u, reading)
     body_to_head = rotation(pose)
     _, slope, _, _ = fossa(jaw, pose[0])
@@ -202,7 +203,7 @@ def _choose_wrenches(jaw, muscles, belief, motion, pose, nuisances, scratch):
         last = belief.last_reading
         reading = (last[0], last[1], last[2], last[3], last[4], last[5])
         u = (motion[5], motion[6], motion[7], motion[8], motion[9])
-        set_wrenches(jaw, muscles, u, pose, reading, nuisances, first, wrenches, scratch.nuisances)
+        set_wrenches(jaw, muscles, (pose, u, reading), nuisances, first, wrenches, scratch.nuisances)
 
     return call
 

@@ -41,14 +41,8 @@ SETTLING_TICKS = 10
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 20, 1280
 MOVED = 0.3  # of a natural logarithm
-TOOTH_NOISE = (
-    0.1,
-    0.1,
-    0.2,
-    0.006,
-    0.008,
-    0.002,
-)  # sd of each component over the teeth's force; the last three in m
+# Sd of each component of the wrench over the teeth's force; the last three in m.
+TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
 
 @cache
@@ -141,7 +135,7 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
     """
-    raise NotImplementedError("only called by compiled kernels")
+    return take(belief["jaw"] if belief["nuisances"].size else jaw, belief, measured, samples, tick, settings, scratch)
 
 
 @overload(take_readings)

@@ -43,7 +43,7 @@ class Linear:
         root = rng.normal(size=(N, 2 * N)) * 10.0 ** rng.uniform(-2.0, 0.0, N)[:, None]
         self.belief["motion"], self.belief["motion_cov"] = rng.normal(size=N), root @ root.T
         self.belief["by_tension"][:, :31] = by_tension * rng.normal(size=(N, 31))
-        self.scratch = np.zeros(1, dtype=np.dtype(measurement_update_fields(6, N), align=True))[0]
+        self.scratch = np.zeros(1, dtype=np.dtype(measurement_update_fields(6, 6, N), align=True))[0]
         self.rows, self.variance = rng.normal(size=(12, N)), 10.0 ** rng.uniform(-3.0, 0.0, 12)
         self.start = self.belief.copy()
 

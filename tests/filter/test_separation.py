@@ -6,7 +6,7 @@ import newton_euler as twin
 import numpy as np
 import pytest
 from recorded import SWINGS, recording
-from running import Running, half_way, line_wrenches, rows_of
+from running import Running, coasted, half_way, line_wrenches, rows_of
 
 import jawenv
 from agents import load_agent
@@ -30,7 +30,8 @@ class Joint:
         running.predict(k)
         after = running.belief["motion"].copy()
         A, G = np.split(running.scratch["time"]["step"]["total"], [n], axis=1)
-        lines = line_wrenches(record.jaw, running.belief["basis"], *half_way(record.jaw, before, after), trend)
+        middle = half_way(record.jaw, before, coasted(before, record.dt))
+        lines = line_wrenches(record.jaw, running.belief["basis"], *middle, trend)
         F = np.eye(len(self.mean))
         F[:n, :n], F[:n, n:] = A, G @ lines
         self.P = F @ self.P @ F.T
@@ -104,7 +105,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
     other, moved, stayed = Running(record, theta).run(80), Running(record).run(80), Running(record).run(80)
     moved.belief["mean"] = theta
-    recentre(moved.belief, moved.scratch["belief"])
+    recentre(moved.belief, moved.settings, moved.scratch["belief"])
     difference = other.belief["motion"] - stayed.belief["motion"]
     sd = np.sqrt(np.diag(stayed.belief["motion_cov"]))
     wrong = other.belief["motion"] - moved.belief["motion"]

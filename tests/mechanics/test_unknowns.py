@@ -1,0 +1,63 @@
+"""Numbers of a jaw that are known within an sd: what one of each changes, and the directions that have an effect."""
+
+import numpy as np
+import pytest
+
+from jawenv.anatomy import cohort
+from jawenv.anatomy.knowledge import IMAGED, Knowledge
+from jawenv.mechanics import build_jaw
+from jawenv.mechanics.unknowns import changed_jaw, directions, draw_unknowns, no_unknowns, offset_of, turn_of
+
+TRISMUS = cohort("trismus")
+MUSCLES, MEAN = TRISMUS.muscles, TRISMUS.prior.mean
+LINES = len(MUSCLES.muscle)
+
+
+def test_nothing_unknown_changes_nothing():
+    jaw = build_jaw()
+    for known, values in ((IMAGED, no_unknowns(LINES)), (Knowledge(), draw_unknowns(LINES, np.random.default_rng(0)))):
+        changed = changed_jaw(jaw, known, MUSCLES, values)
+        for name in jaw.dtype.names:
+            np.testing.assert_allclose(changed[name], jaw[name], rtol=1e-12, atol=1e-15, err_msg=name)
+
+
+def test_draws_have_the_sds_that_are_known():
+    jaw, generator = build_jaw(), np.random.default_rng(1)
+    draws = [draw_unknowns(LINES, generator) for _ in range(2000)]
+    jaws = [changed_jaw(jaw, IMAGED, MUSCLES, values) for values in draws]
+
+    def sd(name):
+        return np.std([changed[name] for changed in jaws], axis=0)
+
+    assert sd("mass") == pytest.approx(IMAGED.mass * float(jaw["mass"]), rel=0.1)
+    assert sd("fossa_drop") == pytest.approx(IMAGED.fossa * float(jaw["fossa_drop"]), rel=0.1)
+    np.testing.assert_allclose(sd("centre_of_mass"), [4e-3, 1e-3, 6e-3], rtol=0.1)
+    np.testing.assert_allclose(sd("mouthpiece"), 0.5e-3, rtol=0.1)
+    np.testing.assert_allclose(sd("origin"), IMAGED.attachments * MUSCLES.origin_sd_m, rtol=0.1)
+    np.testing.assert_allclose(np.std([turn_of(IMAGED, v) for v in draws], axis=0), np.radians(0.5), rtol=0.1)
+    offsets = np.std([offset_of(IMAGED, v) for v in draws], axis=0)
+    np.testing.assert_allclose(offsets, np.repeat([IMAGED.cell_offset_N, IMAGED.cell_offset_N_m], 3), rtol=0.1)
+
+
+def test_lines_keep_their_length_at_the_closed_jaw():
+    """F_o is the tension of the closed jaw, whose l_o is that of the true attachments."""
+    changed = changed_jaw(build_jaw(), IMAGED, MUSCLES, draw_unknowns(LINES, np.random.default_rng(2)))
+    np.testing.assert_allclose(np.linalg.norm(changed["origin"] - changed["insertion"], axis=1), changed["l_o"])
+
+
+def test_mouthpiece_and_teeth_are_shifted_together_and_the_encoders_zeroed_there():
+    jaw, values = build_jaw(), draw_unknowns(LINES, np.random.default_rng(3))
+    changed = changed_jaw(jaw, IMAGED, MUSCLES, values)
+    shift = changed["mouthpiece"] - jaw["mouthpiece"]
+    np.testing.assert_allclose(changed["zero"], shift)
+    np.testing.assert_allclose(changed["teeth"] - jaw["teeth"], np.tile(shift, (3, 1)))
+
+
+def test_shifts_along_a_line_need_no_direction():
+    known = Knowledge(attachments=0.1)
+    found = directions(known, MUSCLES, build_jaw(), MEAN)
+    assert 2 * LINES <= len(found) < 6 * LINES
+    for values in found:
+        assert np.isclose(np.sum(values.origin**2) + np.sum(values.insertion**2), 1.0)
+    assert len(directions(IMAGED, MUSCLES, build_jaw(), MEAN)) == len(found) + 21
+    assert directions(Knowledge(), MUSCLES, build_jaw(), MEAN) == []
