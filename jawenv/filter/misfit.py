@@ -21,7 +21,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 
 BLOCK = 100  # ticks: a second, long beside the jaw's own motion and short beside a maneuver
-ALARM = 60.0  # chi-squared of 12 has a chance of 2e-8 to be above: linearisation takes its share
+ALARM = 50.0  # chi-squared of 12 has a chance of 1e-6 to be above: linearisation takes its share
 
 
 @njit

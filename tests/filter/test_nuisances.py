@@ -1,0 +1,161 @@
+"""Nuisances: regressors against the independent jaw, what their mean does to the model, and whether it is honest."""
+
+import gymnasium as gym
+import newton_euler as twin
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from jawenv.anatomy.knowledge import IMAGED
+from jawenv.envs.configuration import configure
+from jawenv.errors import InputError
+from jawenv.filter.nuisances import add_readings, copy_jaw, move_jaw, set_wrenches
+from jawenv.kernels.compiled import njit
+from jawenv.mechanics.unknowns import Unknowns, changed_jaw, offset_of, turn_of
+from jawenv.playing.maneuvers import Player
+
+EPS = 1e-3  # sds
+
+
+@pytest.fixture(scope="module")
+def simulation():
+    env = gym.make("jawenv/Jaw-v2", knowledge="imaged")
+    env.reset(seed=1)
+    return env.unwrapped.simulation
+
+
+@njit
+def wrenches_of(jaw, muscles, at, settings, columns, scratch):
+    set_wrenches(jaw, muscles, at, settings.nuisances, 0, columns, scratch)
+
+
+@njit
+def readings_of(jaw, motion, settings, used, rows, scratch):
+    add_readings(jaw, motion, settings.nuisances, used, 0, rows, scratch)
+
+
+@njit
+def moved(jaw, settings, steps, result):
+    copy_jaw(jaw, result)
+    move_jaw(result, settings.nuisances, steps, 0)
+
+
+def motion_at(rng):
+    """A pose within the painless range, clear of the teeth, with rates."""
+    q = np.array([4e-3, 1e-3, 0.15, 0.05, -0.04]) * rng.uniform(0.5, 1.5, 5)
+    return np.concatenate([q, rng.normal(size=5) * [0.02, 0.02, 0.3, 0.3, 0.3]])
+
+
+def by_differences(simulation, values, motion, wrench, acceleration):
+    """The change of the acceleration by one sd, of the independent jaw, whose device is turned and off by an offset."""
+    jaw, muscles = simulation.models[0], simulation.cohort.muscles
+    theta = simulation.cohort.prior.mean
+
+    def at(share):
+        changed = changed_jaw(jaw, IMAGED, muscles, Unknowns(*(share * value for value in values)))
+        about = share * turn_of(IMAGED, values)
+        true = wrench - share * offset_of(IMAGED, values)
+        true = true + np.concatenate([np.cross(about, wrench[:3]), np.cross(about, wrench[3:])])
+        return acceleration(changed, theta, motion[:5], motion[5:], true)
+
+    return (at(EPS) - at(-EPS)) / (2.0 * EPS)
+
+
+def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, rng):
+    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]["time"]["nuisances"]
+    jaw, theta = simulation.models[0], simulation.cohort.prior.mean
+    muscles = np.exp(theta).reshape(-1, 2)[jaw["muscle"]]
+    for _ in range(3):
+        motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
+        columns = np.zeros((6, len(simulation._sds)))
+        wrenches_of(jaw, muscles, (tuple(motion[:5]), tuple(motion[5:]), tuple(wrench)), settings, columns, scratch)
+        by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
+        for j, values in enumerate(simulation._sds):
+            expected = by_differences(simulation, values, motion, wrench, twin.acceleration)
+            np.testing.assert_allclose(
+                by_wrench @ columns[:, j], expected, rtol=0.03, atol=2e-3 * np.abs(by_wrench).max(), err_msg=f"{j}"
+            )
+
+
+def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation, rng):
+    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]["update"]["nuisances"]
+    jaw, motion = simulation.models[0], motion_at(rng)
+    rows, used = np.zeros((12, len(simulation._sds))), np.ones(12, dtype=np.uint8)
+    readings_of(jaw, motion, settings, used, rows, scratch)
+
+    def read(values, share):
+        changed = changed_jaw(jaw, IMAGED, simulation.cohort.muscles, Unknowns(*(share * value for value in values)))
+        measured = np.array(twin.measurement(changed, motion))
+        measured[:3] -= changed["zero"]
+        about = share * turn_of(IMAGED, values)
+        for places in ([5, 3, 4], [9, 10, 11]):  # roll, pitch, yaw are about x, y, z
+            measured[places] -= np.cross(about, measured[places])
+        return measured
+
+    for j, values in enumerate(simulation._sds):
+        expected = (read(values, EPS) - read(values, -EPS)) / (2.0 * EPS)
+        np.testing.assert_allclose(rows[:, j], expected, atol=2e-6, rtol=0.01, err_msg=f"{j}")
+
+
+def test_the_model_moves_with_the_nuisances(simulation, rng):
+    """To that of the same values, but for products of two."""
+    jaw, record = simulation.models[0], simulation.worlds["known"]["belief"]["jaw"][:1].copy()[0]
+    steps = np.zeros(len(simulation._sds))
+    for j in range(len(steps)):
+        steps[:] = 0.0
+        steps[j] = 0.5
+        moved(jaw, simulation.settings[0]["filter"], steps, record)
+        values = Unknowns(*(0.5 * value for value in simulation._sds[j]))
+        expected = changed_jaw(jaw, IMAGED, simulation.cohort.muscles, values)
+        for name in ("mass", "centre_of_mass", "gravity", "mouthpiece", "zero", "teeth", "fossa_drop", "crest", "l_o"):
+            scale = np.abs(expected[name]).max()
+            np.testing.assert_allclose(record[name], expected[name], rtol=5e-3, atol=1e-4 * scale, err_msg=name)
+        np.testing.assert_allclose(
+            record["inertia_contact_inverse"], expected["inertia_contact_inverse"], rtol=0.05, atol=20.0
+        )
+
+
+def play(knowledge, worlds, seconds, seed, **kwargs):
+    """Info after ``refined``."""
+    disabled = AutoresetMode.DISABLED
+    envs = gym.make_vec("jawenv/Jaw-v2", worlds, knowledge=knowledge, episode_s=60.0, autoreset_mode=disabled, **kwargs)
+    observations, info = envs.reset(seed=seed)
+    player = Player("refined", control="targets")
+    player.reset(worlds, 0)
+    for _ in range(5 * seconds):
+        actions, _ = player.predict(observations)
+        observations, _, _, _, info = envs.step(actions)
+    return envs, info
+
+
+def test_what_is_unknown_is_marginalised_honestly():
+    """Anatomy, mass, tilt, registration, offset and damping drawn for each of 48 patients, seeds of no other use."""
+    _, info = play("imaged", 48, 8, 987_000)
+    z = (info["belief_mean"] - info["truth"]) / info["belief_sd"]
+    assert 0.8 < np.mean(info["nees"]) / 12 < 1.5
+    assert np.max(info["nees"]) / 12 < 6.0
+    assert np.mean(np.abs(z) < 2.0) > 0.9
+    assert np.mean(info["misfit"] > 1.0) < 0.05
+    assert np.median(info["belief_sd"]) < 0.08, "and it teaches"
+
+
+def test_the_same_readings_without_knowing_better_are_misjudged_and_the_alarm_rings():
+    _, untold = play("exact", 24, 6, 987_000, reality={"fossa_error": 0.1, "cell_bias_N": 0.1})
+    assert np.median(untold["nees"]) / 12 > 5.0
+    assert np.mean(untold["misfit"] > 1.0) > 0.9
+
+
+def test_worlds_are_drawn_by_their_seeds_alone():
+    one, info = play("imaged", 3, 1, [5, 6, 7])
+    other, again = play("imaged", 2, 1, [7, 5])
+    first, second = one.unwrapped.simulation.worlds, other.unwrapped.simulation.worlds
+    for i, j in ((2, 0), (0, 1)):
+        np.testing.assert_array_equal(info["belief_mean"][i], again["belief_mean"][j])
+        assert first["truth"]["jaw"][i].tobytes() == second["truth"]["jaw"][j].tobytes()
+        np.testing.assert_array_equal(first["truth"]["cell_offset"][i], second["truth"]["cell_offset"][j])
+
+
+@pytest.mark.parametrize("given", [{"model": "bilateral"}, {"record": True}])
+def test_what_cannot_be_had_together_is_one_line(given):
+    with pytest.raises(InputError, match="allowed"):
+        configure({"knowledge": "imaged"} | given)
