@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -71,6 +72,25 @@ Believed = Annotated[
         metavar="NAME",
     ),
 ]
+Known = Annotated[
+    str,
+    typer.Option(
+        "--knowledge",
+        help="What the filter knows of anatomy and device: exact, imaged, or a file of sds.",
+        metavar="NAME",
+    ),
+]
+
+
+def known_within(given: str) -> dict[str, float]:
+    """The sds that a name or a file says, those above 0.
+
+    Raises:
+        InputError: there is no such name or file, or it is damaged.
+    """
+    from jawenv.anatomy.knowledge import knowledge
+
+    return {name: value for name, value in asdict(knowledge(given)).items() if value > 0.0}
 
 
 def settings_of(

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from jawenv.anatomy import cohort
+from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
@@ -33,6 +34,8 @@ class Settings:
         device: fields of `jawenv.Device` with other values, which the filter knows; none by default.
         reality: effects that the filter does not know, fields of `jawenv.reality.Reality`; none by default.
         estimator: mechanics that the filter believes in; the environment's own by default.
+        knowledge: what the filter knows within sds beside the muscles, fields of `jawenv.Knowledge`; all exactly by
+            default.
         control_hz: control steps per second; the control's own by default.
 
     Raises:
@@ -49,6 +52,7 @@ class Settings:
     reality: dict[str, float] = field(default_factory=dict)
     device: dict[str, float] = field(default_factory=dict)
     estimator: str | None = None
+    knowledge: dict[str, float] = field(default_factory=dict)
     control_hz: float | None = None
 
     def __post_init__(self) -> None:
@@ -70,6 +74,7 @@ class Settings:
         cohort(self.cohort)
         check_reality(self.reality)
         device_of(self.device)
+        knowledge(self.knowledge)
 
     def of_a_patient(self) -> dict[str, Any]:
         """What decides a patient's row: all but how many there are and from which seed on; the cohort is whole."""
@@ -89,6 +94,7 @@ class Settings:
             "reality": self.reality,
             "device": self.device,
             "estimator": self.estimator,
+            "knowledge": self.knowledge,
             "control_hz": self.control_hz,
         }
         return given | {name: value for name, value in changed.items() if value}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -40,6 +40,7 @@ def calibrate_command(
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
+    knowledge: options.Known = "exact",
     output: options.Output = Path("runs/calibrate"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -58,6 +59,7 @@ def calibrate_command(
     settings = options.settings_of(
         patients, cohort, seed, control, sensors, moments[-1], env, reality, device, estimator
     )
+    settings = replace(settings, knowledge=options.known_within(knowledge))
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -38,6 +39,7 @@ def compare_command(
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
+    knowledge: options.Known = "exact",
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
     largest_violation: options.LargestViolation = 0.01,
@@ -68,6 +70,7 @@ def compare_command(
     settings = options.settings_of(
         patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
     )
+    settings = replace(settings, knowledge=options.known_within(knowledge))
     loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
