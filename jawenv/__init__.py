@@ -13,6 +13,7 @@ from jawenv.envs.registration import register_environments
 
 if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
+    from jawenv.anatomy.knowledge import Knowledge
     from jawenv.device import Device
     from jawenv.errors import InputError
     from jawenv.laboratory.analysis.bound import bound_along
@@ -27,6 +28,7 @@ _HOMES = {
     "Cohort": "jawenv.anatomy",
     "Device": "jawenv.device",
     "InputError": "jawenv.errors",
+    "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
     "Maneuver": "jawenv.playing.maneuvers",
     "PARAMETER_NAMES": "jawenv.anatomy",
@@ -54,6 +56,7 @@ __all__ = [
     "Cohort",
     "Device",
     "InputError",
+    "Knowledge",
     "Maneuver",
     "Patient",
     "Player",
