@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
     from jawenv.laboratory.analysis.identifiability import identifiability
     from jawenv.mechanics.acceleration import acceleration
@@ -40,6 +41,7 @@ _HOMES = {
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
     "score": "jawenv.metrics",
+    "treatable": "jawenv.inference.treatable",
 }
 
 try:
@@ -65,6 +67,7 @@ __all__ = [
     "maneuver_names",
     "play",
     "score",
+    "treatable",
 ]
 
 register_environments()
