@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.inference.simulations import Simulations, simulate
     from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
     from jawenv.laboratory.analysis.identifiability import identifiability
@@ -40,7 +41,9 @@ _HOMES = {
     "information_bound": "jawenv.playing.rollout",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
+    "Simulations": "jawenv.inference.simulations",
     "score": "jawenv.metrics",
+    "simulate": "jawenv.inference.simulations",
     "treatable": "jawenv.inference.treatable",
 }
 
@@ -59,6 +62,7 @@ __all__ = [
     "Maneuver",
     "Patient",
     "Player",
+    "Simulations",
     "acceleration",
     "bound_along",
     "cohort",
@@ -67,6 +71,7 @@ __all__ = [
     "maneuver_names",
     "play",
     "score",
+    "simulate",
     "treatable",
 ]
 

@@ -47,7 +47,7 @@ def log_parameters(theta: ArrayLike, size: int) -> Array:
         InputError: another shape, or a value that is no finite number.
     """
     try:
-        values = np.asarray(theta, dtype=np.float64)
+        values = np.array(theta, dtype=np.float64)
     except (TypeError, ValueError):
         values = np.full(1, np.nan)
     if values.ndim != 2 or values.shape[1] != size or not np.isfinite(values).all():
