@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.inference.likelihood import fisher_information, log_likelihood
     from jawenv.inference.simulations import Simulations, simulate
     from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
@@ -37,8 +38,10 @@ _HOMES = {
     "acceleration": "jawenv.mechanics",
     "bound_along": "jawenv.laboratory.analysis.bound",
     "cohort": "jawenv.anatomy",
+    "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.laboratory.analysis.identifiability",
     "information_bound": "jawenv.playing.rollout",
+    "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
     "Simulations": "jawenv.inference.simulations",
@@ -66,8 +69,10 @@ __all__ = [
     "acceleration",
     "bound_along",
     "cohort",
+    "fisher_information",
     "identifiability",
     "information_bound",
+    "log_likelihood",
     "maneuver_names",
     "play",
     "score",
