@@ -20,9 +20,12 @@ def log_likelihood(record: Record, theta: ArrayLike) -> Array:
     The innovations form (Schweppe 1965, IEEE Trans. Inf. Theory 11:61): with nu_k the encoders' innovations in an
     extended Kalman filter of motion and load-cell gain at fixed parameters, and S_k their covariance, it is the sum of
     log N(nu_k; 0, S_k). Linearised about the filtered motion, whose errors are small; the parameters are not
-    linearised. It is of the model that the filter believes in, so it knows nothing of ``reality`` and of pymunk's
-    contacts. Values that were not read are left out. Where a stiff jaw's ticks are divided, in the teeth for one, the
-    number of parts depends on the parameters, and the likelihood jumps by some hundredths of a nat.
+    linearised. Values that were not read are left out.
+
+    It is of the model that the filter believes in, so it knows nothing of ``reality`` and of pymunk's contacts; where
+    the filter loses the motion, as it may with ``sensors="point"``, the value means nothing. Where a stiff jaw's ticks
+    are divided, on the teeth for one, the number of parts depends on the parameters, and the likelihood jumps by some
+    hundredths of a nat; with two condyles by up to 2 nats, and its peak may be several sds from the truth.
 
     Args:
         record: T ticks of p parameters; its truth, states and prior are not read.
