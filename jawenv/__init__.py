@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from jawenv.anatomy.knowledge import Knowledge
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.inference.likelihood import fisher_information, log_likelihood
+    from jawenv.inference.simulations import Simulations, simulate
+    from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
     from jawenv.laboratory.analysis.identifiability import identifiability
     from jawenv.mechanics.acceleration import acceleration
@@ -37,11 +40,16 @@ _HOMES = {
     "acceleration": "jawenv.mechanics",
     "bound_along": "jawenv.laboratory.analysis.bound",
     "cohort": "jawenv.anatomy",
+    "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.laboratory.analysis.identifiability",
     "information_bound": "jawenv.playing.rollout",
+    "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
+    "Simulations": "jawenv.inference.simulations",
     "score": "jawenv.metrics",
+    "simulate": "jawenv.inference.simulations",
+    "treatable": "jawenv.inference.treatable",
 }
 
 try:
@@ -60,14 +68,19 @@ __all__ = [
     "Maneuver",
     "Patient",
     "Player",
+    "Simulations",
     "acceleration",
     "bound_along",
     "cohort",
+    "fisher_information",
     "identifiability",
     "information_bound",
+    "log_likelihood",
     "maneuver_names",
     "play",
     "score",
+    "simulate",
+    "treatable",
 ]
 
 register_environments()

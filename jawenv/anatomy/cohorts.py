@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -27,7 +27,7 @@ from jawenv.anatomy.cohort_fields import CohortFields
 from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
-from jawenv.checks import real_number
+from jawenv.checks import real_number, whole_number
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES, Source, instance_of, read_into, validate
 
@@ -38,6 +38,9 @@ TRUNCATION_SD = 2.0
 
 LARGEST_SD = 1.5
 """Of the natural log of F_o and b; from wider priors the environments' filter does not start reliably."""
+
+MOST_DRAWS = 200
+"""Per patient of a sample that accepts only some."""
 
 _TAIL = float(ndtr(-TRUNCATION_SD))
 
@@ -219,6 +222,38 @@ class Cohort:
     def draw(self, rng: np.random.Generator) -> Patient:
         """One patient, head upright."""
         return Patient.from_log_parameters(self.draw_log_parameters(rng), name=self.name, muscles=self.muscles.names)
+
+    def sample(
+        self, n: int, seed: int, *, accept: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None
+    ) -> NDArray[np.float64]:
+        """Natural-log parameters of ``n`` patients, the first rows of any larger sample with the same seed.
+
+        Args:
+            n: 0 or more.
+            seed: 0 or more; other random numbers than those of an environment with this seed.
+            accept: says of (m, p) parameters who is kept, (m,) bool, as ``jawenv.treatable`` does; whoever is not is
+                drawn again, so that the sample is of the cohort's law under this condition. None keeps all.
+
+        Returns:
+            (n, p) in the order of ``muscles.parameter_names``.
+
+        Raises:
+            InputError: ``n`` or ``seed`` is out of range, or hardly anybody is accepted.
+        """
+        for name, value in (("n", n), ("seed", seed)):
+            number = whole_number(value)
+            if number is None or number < 0:
+                raise InputError(f"{name} is {shown(value)}; allowed: a whole number, 0 or more")
+        rng = np.random.default_rng(seed)
+        kept, drawn, missing = [np.empty((0, self.mean.shape[1]))], 0, int(n)
+        while missing > 0:
+            if drawn > MOST_DRAWS * n:
+                raise InputError(f"cohort {self.name!r}: fewer than one in {MOST_DRAWS} patients is accepted")
+            rows = np.array([self.draw_log_parameters(rng) for _ in range(missing)])
+            drawn += missing
+            kept.append(rows if accept is None else rows[accept(rows)])
+            missing -= len(kept[-1])
+        return np.concatenate(kept)
 
 
 _TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)

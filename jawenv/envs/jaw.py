@@ -19,11 +19,13 @@ from jawenv.envs.reset_options import checked_patient, checked_seed, episode_key
 from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
 from jawenv.errors import InputError, shown
 
 Observation = NDArray[np.float32]
 Action = NDArray[np.float32]
 _ON = np.ones(1, dtype=np.bool_)
+_STATE = ("_np_random", "_np_random_seed", "_begun", "_potential", "_end")
 
 
 def observation_space(size: int) -> Any:
@@ -201,6 +203,25 @@ class JawEnv(gym.Env[Observation, Action]):
         if self.render_mode == "human":
             self.render()
         return simulation.observation[0].copy(), reward, terminated, truncated, info
+
+    def snapshot(self) -> Snapshot:
+        """The state between two steps, random numbers included, for ``restore``: the future is the same bit for bit.
+
+        What wrappers count, and the spaces' own random numbers, are not in it.
+        """
+        return take_snapshot(self, _STATE)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times.
+
+        Pictures keep their trace of the time before.
+
+        Raises:
+            InputError: something else, or a snapshot of an environment with other arguments.
+        """
+        restore_snapshot(self, snapshot)
+        if self._renderer is not None and self._begun:
+            self._renderer.note(moment_of(self.simulation))
 
     def render(self) -> Any:
         """The frame (720, 1280, 3) as ``uint8`` for ``"rgb_array"``; shown in a window for ``"human"``."""

@@ -23,10 +23,12 @@ from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
 from jawenv.errors import InputError, shown
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
 StepBatch = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
+_STATE = ("_generators", "_seeds", "_begun", "_potential", "_done")
 
 
 class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
@@ -228,6 +230,18 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         else:
             info = with_masks(info, self._all.copy())
         return simulation.observation.copy(), reward, terminated, truncated, info
+
+    def snapshot(self) -> Snapshot:
+        """The state of all worlds between two steps, as in the single form."""
+        return take_snapshot(self, _STATE)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot of this environment, or of another one that was made alike; any number of times.
+
+        Raises:
+            InputError: something else, or a snapshot of an environment with other arguments.
+        """
+        restore_snapshot(self, snapshot)
 
     def _restart(self, final_info: dict[str, Any]) -> dict[str, Any]:
         """Reset the worlds that are done; keep their last observation and info."""

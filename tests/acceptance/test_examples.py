@@ -88,3 +88,19 @@ def test_slow_device() -> None:
 def test_slow_device_names_what_is_not_allowed(refusal) -> None:
     told = refusal("slow_device.py", "--patients", "1", "--episode-s", "1", "--every", "0")
     assert told.startswith("error: thinned: every is 0")
+
+
+def test_importance_posterior() -> None:
+    done = run("examples/importance_posterior.py", "--patients", "2", "--seconds", "2", "--samples", "100")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    effective = [float(line.split()[-4]) for line in lines if line.startswith("posterior")]
+    apart = [float(line.split()[-3]) for line in lines if line.startswith("filter")]
+    assert len(effective) == len(apart) == 2
+    assert min(effective) > 40 and max(apart) < 0.3  # a mean that is half an sd off is 0.125 nats apart
+    assert lines[-1].startswith("NEES/2 of 2 patients: posterior ")
+
+
+def test_importance_posterior_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("importance_posterior.py", "--samples", "1") == "error: samples is 1; allowed: 50 or more\n"
+    assert "n is" not in refusal("importance_posterior.py", "--patients", "0")

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import kstest, truncnorm
 
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Patient, cohort
+from jawenv.errors import InputError
 
 PATIENTS = 4000
 SINGLE_GROUP = ["trismus", "healthy", "severe", "blockage", "wide"]
@@ -117,3 +118,38 @@ def test_order_of_severity() -> None:
     F_o = {name: cohort(name).prior.mean[0] for name in COHORTS}
     assert F_o["healthy"] < F_o["blockage"] < F_o["trismus"] < F_o["severe"]
     assert cohort("blockage").prior.mean[1] > cohort("trismus").prior.mean[1] + 2 * cohort("trismus").prior.sd[1]
+
+
+@pytest.mark.parametrize("name", COHORTS)
+def test_a_sample_is_that_many_draws(name: str) -> None:
+    one = cohort(name)
+    sample = one.sample(50, 3)
+    rng = np.random.default_rng(3)
+    np.testing.assert_array_equal(sample, [one.draw_log_parameters(rng) for _ in range(50)])
+    np.testing.assert_array_equal(one.sample(20, 3), sample[:20])
+    assert one.sample(0, 3).shape == (0, 12)
+
+
+def test_a_sample_of_those_accepted_is_the_cohort_without_the_others() -> None:
+    one = cohort("trismus")
+    sample, everybody = one.sample(30, 3, accept=soft), one.sample(200, 3)
+    np.testing.assert_array_equal(sample, everybody[soft(everybody)][:30])
+    np.testing.assert_array_equal(one.sample(10, 3, accept=soft), sample[:10])
+
+
+def soft(theta: np.ndarray) -> np.ndarray:
+    return theta[:, 0] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("n", "seed", "accept", "message"),
+    [
+        (-1, 0, None, "n is -1; allowed: a whole number, 0 or more"),
+        (2.0, 0, None, "n is 2.0"),
+        (1, -1, None, "seed is -1"),
+        (2, 0, lambda theta: np.zeros(len(theta), dtype=bool), "fewer than one in 200 patients is accepted"),
+    ],
+)
+def test_what_a_sample_refuses(n, seed, accept, message) -> None:
+    with pytest.raises(InputError, match=message):
+        cohort("trismus").sample(n, seed, accept=accept)

@@ -1,0 +1,74 @@
+"""The state of worlds in mid-episode, kept apart from the environment, so that a planner can go back to it."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, fields
+from typing import Any
+
+from numpy.typing import NDArray
+
+from jawenv.envs.simulation import Simulation
+from jawenv.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """What the future of an environment follows from; made by ``env.snapshot()``, and never changed by its use.
+
+    Attributes:
+        kind: what the environment is: only an environment of the same is restored from it.
+        arrays: worlds, the filter's jaws, readings, truths and observation.
+        jaws: those that pymunk moves; None in other models.
+        attributes: the environment's own, by name.
+    """
+
+    kind: tuple[Any, ...]
+    arrays: tuple[NDArray[Any], ...]
+    jaws: Any
+    attributes: dict[str, Any]
+
+
+def take_snapshot(env: Any, names: tuple[str, ...]) -> Snapshot:
+    """The state of an environment's simulation, and of its attributes with these names."""
+    simulation = env.simulation
+    arrays = tuple(array.copy() for array in _arrays(simulation))
+    attributes = copy.deepcopy({name: getattr(env, name) for name in names})
+    return Snapshot(_kind(env), arrays, copy.deepcopy(_jaws(simulation)), attributes)
+
+
+def restore_snapshot(env: Any, snapshot: Any) -> None:
+    """Bring an environment into the state of a snapshot.
+
+    Raises:
+        InputError: no snapshot, or one of an environment with another form, number of worlds or arguments.
+    """
+    if not isinstance(snapshot, Snapshot):
+        raise InputError(f"snapshot is a {type(snapshot).__name__}; allowed: what snapshot() has returned")
+    if snapshot.kind != _kind(env):
+        raise InputError("snapshot is of an environment that was made otherwise; allowed: one with the same arguments")
+    simulation = env.simulation
+    for array, kept in zip(_arrays(simulation), snapshot.arrays, strict=True):
+        array[...] = kept
+    if snapshot.jaws is not None:
+        simulation._contact._jaws = copy.deepcopy(snapshot.jaws)
+    vars(env).update(copy.deepcopy(snapshot.attributes))
+
+
+def _arrays(simulation: Simulation) -> tuple[NDArray[Any], ...]:
+    """All that an episode depends on, but for pymunk's jaws."""
+    return simulation.worlds, simulation.models, simulation.ticks, simulation.paths, simulation.observation
+
+
+def _jaws(simulation: Simulation) -> Any:
+    """The jaws that pymunk moves, or None."""
+    contact = simulation._contact
+    return None if contact is None else contact._jaws
+
+
+def _kind(env: Any) -> tuple[Any, ...]:
+    """What must be alike for a snapshot to fit: form, number of worlds and arguments."""
+    configuration, cohort = env.configuration, env.simulation.cohort
+    arguments = tuple(getattr(configuration, each.name) for each in fields(configuration) if each.name != "cohort")
+    vector = getattr(env, "num_envs", None), getattr(env, "autoreset_mode", None), getattr(env, "_last_tick", None)
+    return type(env), vector, cohort.name, cohort.groups, arguments
