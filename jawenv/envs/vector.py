@@ -22,7 +22,7 @@ from jawenv.envs.pictures import WorldPictures
 from jawenv.envs.reset_options import checked_mask, checked_options, checked_patients, checked_seeds, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps
+from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
 from jawenv.envs.world_attributes import attribute_of_worlds, set_attribute_of_worlds
 from jawenv.errors import InputError, shown
 
@@ -79,7 +79,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         fps = self.configuration.steps_per_s
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
-        self.simulation = Simulation(self.num_envs, self.configuration)
+        with enough_memory(self.num_envs):
+            self.simulation = Simulation(self.num_envs, self.configuration)
         self.single_observation_space = observation_space(self.simulation.observation.shape[1])
         self.single_action_space = action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)

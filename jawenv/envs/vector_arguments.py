@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from gymnasium.vector import AutoresetMode
 
 from jawenv.checks import whole_number
 from jawenv.errors import InputError, shown
 
-__all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps"]
+__all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enough_memory"]
 
 
 def checked_num_envs(value: object) -> int:
@@ -22,6 +24,21 @@ def checked_num_envs(value: object) -> int:
     if number is None or number < 1:
         raise InputError(f"num_envs is {shown(value)}; allowed: a whole number, 1 or more")
     return number
+
+
+@contextmanager
+def enough_memory(num_envs: int) -> Iterator[None]:
+    """Around the allocation of the worlds.
+
+    Raises:
+        InputError: their arrays do not fit the memory, or are longer than any array can be.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except (MemoryError, ValueError, OverflowError):
+        raise InputError(f"num_envs is {shown(num_envs)}; allowed: as many as fit the memory") from None
 
 
 def checked_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
