@@ -38,7 +38,7 @@ def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
     make = _named(spec)
     try:
         agent = make(**_taken(make, settings))
-    except Exception as error:  # code of the user's can raise anything
+    except (Exception, SystemExit) as error:  # code of the user's can raise anything, and end the program
         raise InputError(f"agent '{spec}': cannot be made: {_reason(error)}") from error
     missing = [member for member in _MEMBERS if not hasattr(agent, member)]
     if missing or not isinstance(agent, Agent):
@@ -70,7 +70,7 @@ def _module(spec: str) -> Any:
         sys.path.append(os.getcwd())  # last: no file here shall stand in for an installed package
     try:
         return importlib.import_module(name)
-    except Exception as error:  # a module of the user's can raise anything
+    except (Exception, SystemExit) as error:  # a module of the user's can raise anything, and end the program
         absent = error.name if isinstance(error, ModuleNotFoundError) else None
         if absent is not None and (name == absent or name.startswith(f"{absent}.")):
             raise InputError(

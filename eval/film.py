@@ -17,6 +17,7 @@ from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
+from jawenv.playing.protocol import checked_decision
 from jawenv.progress import Progress
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class Episode:
                 while not ended:
                     if drawn and step >= film.start_s * self._steps_per_s and step % film.every == 0:
                         yield env.render()
-                    action, state = agent.predict(observation[None], state, start)
+                    action, state = checked_decision(agent.predict(observation[None], state, start), agent)
                     observation, _, terminated, truncated, info = env.step(action[0])
                     start, ended, step = np.zeros(1, dtype=bool), terminated or truncated, step + 1
                     progress.advance_to(step)

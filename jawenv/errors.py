@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import reprlib
 
-__all__ = ["InputError", "MissingPackageError", "UnknownArgumentError", "out_of_memory", "shown"]
+__all__ = [
+    "InputError",
+    "MissingPackageError",
+    "UnknownArgumentError",
+    "UnknownAttributeError",
+    "out_of_memory",
+    "shown",
+]
 
 LONGEST_SHOWN_VALUE = 60
 
@@ -28,6 +35,10 @@ class MissingPackageError(InputError, ImportError):
 
 class UnknownArgumentError(InputError, TypeError):
     """A keyword argument that is not known; a ``TypeError`` as well, which is what callers of a signature expect."""
+
+
+class UnknownAttributeError(InputError, AttributeError):
+    """An attribute that worlds do not have; an ``AttributeError`` as well, which callers of ``get_attr`` expect."""
 
 
 def out_of_memory(error: MemoryError) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 
 OWN = ("jawenv", "agents", "training", "eval")
 
@@ -13,6 +14,8 @@ OWN = ("jawenv", "agents", "training", "eval")
 def installed(command: str, extra: str) -> Iterator[None]:
     """Around a command: where a package is missing, one line says how to install it, and the exit code is 2.
 
+    What standard output cannot encode is written as a question mark.
+
     Args:
         command: as the message names it.
         extra: of the project's installation, with all that the command needs.
@@ -20,6 +23,8 @@ def installed(command: str, extra: str) -> Iterator[None]:
     Raises:
         ModuleNotFoundError: a module of the project itself is missing.
     """
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal without Unicode shows a question mark
     try:
         yield
     except ModuleNotFoundError as error:

@@ -22,7 +22,15 @@ import notebook_pages  # noqa: E402
 import jawenv  # noqa: E402
 
 PAGES = {"README.md": "index.md"} | {
-    name: name for name in ("agents/README.md", "training/README.md", "eval/README.md", "CHANGELOG.md")
+    name: name
+    for name in (
+        "agents/README.md",
+        "training/README.md",
+        "eval/README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "SECURITY.md",
+    )
 }
 """Pages outside docs/: where they lie in the repository, and in the site."""
 PLAIN = ("LICENSE", "CITATION.cff")

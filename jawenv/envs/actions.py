@@ -31,7 +31,7 @@ def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]
     try:
         values = np.asarray(actions)
         # A complex array would lose its imaginary part, and text that looks like numbers would pass for numbers.
-        array = values.astype(np.float64) if values.dtype.kind not in "cSU" else None
+        array = values.astype(np.float64) if actions is not None and values.dtype.kind not in "cSU" else None
     except (TypeError, ValueError):
         array = None
     if array is None:

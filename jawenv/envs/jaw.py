@@ -15,7 +15,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import Arguments, configure, takes_arguments
 from jawenv.envs.observation import OBSERVATION_BOUND
-from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
+from jawenv.envs.reset_options import checked_options, checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
@@ -156,10 +156,7 @@ class JawEnv(gym.Env[Observation, Action]):
         Raises:
             InputError: the seed or an option is not allowed, or the patient is not usable.
         """
-        for name in options or {}:
-            if name != "patient":
-                raise InputError(f"option {shown(name)} is unknown; allowed: patient")
-        patient = checked_patient((options or {}).get("patient"), "option patient")
+        patient = checked_patient(checked_options(options, ("patient",)).get("patient"), "option patient")
         seed = checked_seed(seed)
         generator, number = (self.np_random, self.np_random_seed) if seed is None else np_random(seed)
         with episode_keys([generator], _ON) as keys:

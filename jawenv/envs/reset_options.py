@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,31 @@ from jawenv.checks import whole_number
 from jawenv.errors import InputError, shown
 from jawenv.files import instance_of
 
-__all__ = ["checked_patient", "checked_seed", "episode_keys"]
+__all__ = [
+    "checked_mask",
+    "checked_options",
+    "checked_patient",
+    "checked_patients",
+    "checked_seed",
+    "checked_seeds",
+    "episode_keys",
+]
+
+
+def checked_options(options: object, allowed: Sequence[str]) -> Mapping[str, Any]:
+    """The options of ``reset``; empty for None.
+
+    Raises:
+        InputError: no mapping, or an option that is not among the allowed.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise InputError(f"options is {shown(options)}; allowed: a mapping with {', '.join(allowed)}, or None")
+    for name in options:
+        if name not in allowed:
+            raise InputError(f"option {shown(name)} is unknown; allowed: {', '.join(allowed)}")
+    return options
 
 
 def checked_patient(patient: object, name: str) -> Patient | None:
@@ -41,6 +66,47 @@ def checked_seed(value: object) -> int | None:
     if seed is None or seed < 0:
         raise InputError(f"seed is {shown(value)}; allowed: a whole number, 0 or more")
     return seed
+
+
+def checked_seeds(value: object, number: int) -> list[int | None]:
+    """Seeds of N worlds: s + i of a whole number s, or the entries of a sequence.
+
+    Raises:
+        InputError: a sequence of another length, or what is no seed.
+    """
+    if isinstance(value, Sequence | np.ndarray):
+        seeds = [checked_seed(entry) for entry in value]
+        if len(seeds) != number:
+            raise InputError(f"seed has {len(seeds)} entries; allowed: an integer or {number} entries")
+        return seeds
+    first = checked_seed(value)
+    return [None if first is None else first + i for i in range(number)]
+
+
+def checked_patients(patients: object, number: int) -> list[Patient | None]:
+    """A patient or None for each of N worlds; none are given by None.
+
+    Raises:
+        InputError: no sequence of N entries, or one that is no patient.
+    """
+    if patients is None:
+        return [None] * number
+    if isinstance(patients, str) or not isinstance(patients, Sequence):
+        raise InputError(f"option patients is {shown(patients)}; allowed: a sequence of {number} entries")
+    if len(patients) != number:
+        raise InputError(f"option patients has {len(patients)} entries; allowed: {number}")
+    return [checked_patient(patient, f"option patients[{i}]") for i, patient in enumerate(patients)]
+
+
+def checked_mask(mask: object, number: int) -> NDArray[np.bool_]:
+    """Which of N worlds begin anew.
+
+    Raises:
+        InputError: anything but an array of N booleans.
+    """
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (number,):
+        raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({number},)")
+    return mask
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""From a world to the scene that the renderer draws: the true motion, and what is believed about it."""
+"""From one of the worlds to the scene that the renderer draws: the true motion, and what is believed about it."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ import numpy as np
 
 from jawenv.device.comfort import COMFORT_LIMITS, HARD, OPENING
 from jawenv.device.linkage import excursions
+from jawenv.envs.info import WorldReader
 from jawenv.envs.plants import TICK
 from jawenv.envs.simulation import Simulation
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 
 
-def build_scene(simulation: Simulation, title: str | None = None) -> Any:
-    """Scene of the first world, for the renderer; model, cohort and control mode are its title by default."""
+def build_scene(simulation: Simulation, title: str | None = None, index: int = 0) -> Any:
+    """Scene of world ``index``, for the renderer; model, cohort and control mode are its title by default."""
     from jawenv.rendering.scene import Scene
 
-    world, configuration = simulation.worlds[0], simulation.configuration
+    world, configuration = simulation.worlds[index], simulation.configuration
     truth, known = world["truth"], world["known"]
-    jaw, info = truth["jaw"], simulation.reader.first()
+    jaw, info = truth["jaw"], WorldReader(simulation.worlds[index : index + 1], configuration.needs_bound).first()
     q, _ = split(truth["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
     contact[2] += truth["lift"][0]
@@ -64,9 +65,9 @@ def build_scene(simulation: Simulation, title: str | None = None) -> Any:
     )
 
 
-def moment_of(simulation: Simulation) -> tuple[float, float, float, float]:
-    """``Moment`` of the first world, as that of its scene."""
-    world = simulation.worlds[0]
+def moment_of(simulation: Simulation, index: int = 0) -> tuple[float, float, float, float]:
+    """``Moment`` of world ``index``, as that of its scene."""
+    world = simulation.worlds[index]
     truth, known = world["truth"], world["known"]
     jaw = truth["jaw"]
     q, _ = split(truth["state"])

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, Unpack
 
 import numpy as np
-from gymnasium import error
+from gymnasium import error, logger
 from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, Prior
-from jawenv.checks import whole_number
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_actions
 from jawenv.envs.configuration import Arguments, configure, takes_arguments
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
-from jawenv.envs.reset_options import checked_patient, checked_seed, episode_keys
+from jawenv.envs.pictures import WorldPictures
+from jawenv.envs.reset_options import checked_mask, checked_options, checked_patients, checked_seeds, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
+from jawenv.envs.vector_arguments import checked_autoreset_mode, checked_num_envs, checked_steps, enough_memory
+from jawenv.envs.world_attributes import attribute_of_worlds, set_attribute_of_worlds
 from jawenv.errors import InputError, shown
 
 Batch = tuple[NDArray[np.float32], dict[str, Any]]
@@ -50,7 +51,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
     file or None per world, and ``reset_mask`` (N,) bool.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {
+        "render_modes": ["rgb_array"],
+        "render_fps": 5,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
 
     @takes_arguments
     def __init__(
@@ -68,22 +73,21 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             UnknownArgumentError: an argument is unknown; both an ``InputError`` and a ``TypeError``.
             InputError: an argument has a value that is not allowed.
         """
-        number = whole_number(num_envs)
-        if number is None or number < 1:
-            raise InputError(f"num_envs is {shown(num_envs)}; allowed: a whole number, 1 or more")
-        if render_mode is not None:
-            raise InputError(f"render_mode is {shown(render_mode)}; allowed in the vector form: None")
-        self.autoreset_mode = _autoreset_mode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.num_envs = checked_num_envs(num_envs)
+        if render_mode not in (None, "rgb_array"):
+            raise InputError(f"render_mode is {shown(render_mode)}; allowed in the vector form: rgb_array")
+        self.autoreset_mode = checked_autoreset_mode(autoreset_mode)
         self.configuration = configure(arguments, type(self))
-        self.render_mode = None
-        self.num_envs = number
-        self.simulation = Simulation(self.num_envs, self.configuration)
+        fps = self.configuration.steps_per_s
+        self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        with enough_memory(self.num_envs):
+            self.simulation = Simulation(self.num_envs, self.configuration)
         self.single_observation_space = observation_space(self.simulation.observation.shape[1])
         self.single_action_space = action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        steps = min(self.configuration.steps, _checked_steps(max_episode_steps))
+        steps = min(self.configuration.steps, checked_steps(max_episode_steps))
         self._last_tick = steps * self.configuration.ticks_per_step
         self._begun = False
         self._generators: list[np.random.Generator] = []
@@ -91,6 +95,9 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self._potential = np.zeros(self.num_envs)
         self._done = np.zeros(self.num_envs, dtype=np.bool_)
         self._all = np.ones(self.num_envs, dtype=np.bool_)
+        self._pictures = WorldPictures(self.simulation, fps) if render_mode == "rgb_array" else None
+        self.picture_title: tuple[str | None, ...] = (None,) * self.num_envs
+        """What stands above the pictures of each world; model, cohort and control mode where it is None."""
 
     @property
     def prior(self) -> Prior:
@@ -113,7 +120,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
     @np_random.setter
     def np_random(self, value: np.random.Generator) -> None:
-        self._generators, self._seeds = [value] * self.num_envs, (-1,) * self.num_envs
+        self.set_generators([value] * self.num_envs)
+
+    def set_generators(self, generators: Sequence[np.random.Generator]) -> None:
+        """Give each world a generator of its own, (N,)."""
+        self._generators, self._seeds = list(generators), (-1,) * self.num_envs
 
     @property
     def np_random_seed(self) -> Any:
@@ -135,34 +146,18 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             InputError: an option is unknown or has the wrong shape, or a patient is not usable.
         """
-        options = options or {}
-        for name in options:
-            if name not in ("patients", "reset_mask"):
-                raise InputError(f"option {shown(name)} is unknown; allowed: patients, reset_mask")
-        chosen = self._checked_mask(options.get("reset_mask"))
+        given = checked_options(options, ("patients", "reset_mask"))
+        mask = given.get("reset_mask")
+        chosen = self._all if mask is None else checked_mask(mask, self.num_envs)
         if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
-        patients = self._checked_patients(options.get("patients"))
+        patients = checked_patients(given.get("patients"), self.num_envs)
         generators, seeds = self._reseeded(seed, chosen)
         self._begin(chosen, patients, generators)
         self._generators, self._seeds, self._begun = generators, seeds, True
+        if self._pictures is not None:
+            self._pictures.note()
         return self.simulation.observation.copy(), with_masks(self.simulation.reader.all(), chosen.copy())
-
-    def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
-        if mask is None:
-            return self._all
-        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
-            raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({self.num_envs},)")
-        return mask
-
-    def _checked_patients(self, patients: Any) -> list[Patient | None]:
-        if patients is None:
-            return [None] * self.num_envs
-        if isinstance(patients, str) or not isinstance(patients, Sequence):
-            raise InputError(f"option patients is {shown(patients)}; allowed: a sequence of {self.num_envs} entries")
-        if len(patients) != self.num_envs:
-            raise InputError(f"option patients has {len(patients)} entries; allowed: {self.num_envs}")
-        return [checked_patient(patient, f"option patients[{i}]") for i, patient in enumerate(patients)]
 
     def _reseeded(
         self, seed: int | Sequence[int | None] | None, chosen: NDArray[np.bool_]
@@ -171,14 +166,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
         A world that gets None keeps its generator.
         """
-        given: Sequence[int | None]
-        if isinstance(seed, Sequence | np.ndarray):
-            given = [checked_seed(entry) for entry in seed]
-            if len(given) != self.num_envs:
-                raise InputError(f"seed has {len(given)} entries; allowed: an integer or {self.num_envs} entries")
-        else:
-            first = checked_seed(seed)
-            given = [None if first is None else first + i for i in range(self.num_envs)]
+        given = checked_seeds(seed, self.num_envs)
         self._make_generators()
         generators, seeds = list(self._generators), list(self._seeds)
         for i in np.flatnonzero(chosen).tolist():
@@ -229,6 +217,8 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             info = self._restart(info)
         else:
             info = with_masks(info, self._all.copy())
+        if self._pictures is not None:
+            self._pictures.note()
         return simulation.observation.copy(), reward, terminated, truncated, info
 
     def snapshot(self) -> Snapshot:
@@ -258,21 +248,50 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             "_final_info": done.copy(),
         }
 
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A frame (height, width, 3) as ``uint8`` of each world, for ``render_mode="rgb_array"``.
 
-def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
-    if isinstance(mode, AutoresetMode):
-        return mode
-    names = [member.name.lower() for member in AutoresetMode]
-    if str(mode).lower() not in names:
-        raise InputError(f"autoreset_mode is {shown(mode)}; allowed: {', '.join(names)}")
-    return AutoresetMode[str(mode).upper()]
+        Frames are 1280 by 720 pixels of one world, 640 by 360 of up to 4, and 480 by 270 of more.
+        """
+        if self._pictures is None:
+            logger.warn("render() without render_mode; make the environment with render_mode='rgb_array'")
+            return None
+        if not self._begun:
+            raise error.ResetNeeded("call reset() before render()")
+        return self._pictures.draw(self.picture_title)
 
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """The pictures of all worlds, for "render", or an attribute of each, as in ``SyncVectorEnv``.
 
-def _checked_steps(value: object) -> float:
-    """The most steps of an episode; infinite for None, and for -1 as ``gymnasium.make`` takes it."""
-    if value is None:
-        return math.inf
-    steps = whole_number(value)
-    if steps is None or (steps < 1 and steps != -1):
-        raise InputError(f"max_episode_steps is {shown(value)}; allowed: a whole number, 1 or more, or None")
-    return math.inf if steps == -1 else steps
+        Raises:
+            UnknownAttributeError: worlds have no such attribute; both an ``InputError`` and an ``AttributeError``.
+            InputError: arguments are given, which neither takes.
+        """
+        given = [*args, *kwargs]
+        if given:
+            raise InputError(f"call({shown(name)}) has the argument {shown(given[0])}; allowed: none")
+        if name == "render":
+            return self.render() or (None,) * self.num_envs
+        return attribute_of_worlds(self, name)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """An attribute of each world, by its name in the single form.
+
+        Raises:
+            UnknownAttributeError: worlds have no such attribute.
+        """
+        return attribute_of_worlds(self, name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set "np_random" or "picture_title" of each world: to an entry of a list or tuple, or all to one value.
+
+        Raises:
+            UnknownAttributeError: the attribute cannot be set.
+            InputError: a list of another length than N, or a value that is not allowed.
+        """
+        set_attribute_of_worlds(self, name, values)
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Free the pictures."""
+        if self._pictures is not None:
+            self._pictures.close()

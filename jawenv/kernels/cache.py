@@ -27,6 +27,7 @@ from filelock import FileLock
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from platformdirs import user_cache_dir
 
+from jawenv.errors import InputError
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
@@ -146,7 +147,13 @@ class _DigestLocator(_CacheLocator):
     @classmethod
     def from_function(cls, py_func: FunctionType, py_file: str) -> _DigestLocator:
         locator = cls(py_func)
-        locator.ensure_cache_path()
+        try:
+            locator.ensure_cache_path()
+        except OSError as error:
+            raise InputError(
+                f"JAWENV_CACHE_DIR: compiled kernels cannot be kept in {cache_folder()} ({error.strerror}); "
+                "allowed: a folder that can be written"
+            ) from None
         return locator
 
     def get_cache_path(self) -> str:

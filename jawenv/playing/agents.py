@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.controls import Control
 from jawenv.errors import InputError
-from jawenv.playing.protocol import Action, Agent, Mask, Observation, State
+from jawenv.playing.protocol import Action, Agent, Mask, Observation, State, checked_decision
 
 __all__ = ["BatchAgent", "Listener", "Memory", "Remembering", "check_size"]
 
@@ -136,7 +136,7 @@ class Listener(BatchAgent):
     def _answer(
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        action, after = self._agent.predict(rows, state, starts, deterministic)
+        action, after = checked_decision(self._agent.predict(rows, state, starts, deterministic), self._agent)
         action = np.asarray(action)
         self._hear(action)
         return action, after

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.errors import InputError, shown
+
 if TYPE_CHECKING:
     from gymnasium.vector import VectorEnv
 
@@ -56,6 +58,22 @@ class Agent(Protocol):
             state: to be handed to the next call; None for an agent without memory.
         """
         ...
+
+
+def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:
+    """What an agent's ``predict`` returned: actions and a state.
+
+    Args:
+        answer: what it returned.
+        agent: whose name, or class, the message has.
+
+    Raises:
+        InputError: no pair, or no array of actions in it.
+    """
+    if not isinstance(answer, tuple | list) or len(answer) != 2 or not hasattr(answer[0], "__len__"):
+        name = getattr(agent, "name", type(agent).__name__)
+        raise InputError(f"agent '{name}': predict() gives {shown(answer)}; allowed: an array of actions, and a state")
+    return answer[0], answer[1]
 
 
 @runtime_checkable

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
+from jawenv.playing.protocol import checked_decision
 from jawenv.playing.singles import SingleWorlds
 
 if TYPE_CHECKING:
@@ -294,7 +295,8 @@ def _watch(
     _write_step(values, 0, info, running)
     valid[:, 0] = True
     for step in range(1, steps + 1):
-        action, state = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
+        decision = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
+        action, state = checked_decision(decision, agent)
         observation, _, ended, cut_off, info = env.step(action)
         starts = np.zeros(number, dtype=bool)
         # A filter that has diverged has no belief to keep: its episode ended the step before.

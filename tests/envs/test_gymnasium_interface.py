@@ -201,7 +201,7 @@ def test_unusable_arguments_of_one_form_are_named():
             {"num_envs": 2, "autoreset_mode": "later"},
             "autoreset_mode is 'later'; allowed: next_step, same_step, disabled",
         ),
-        ({"num_envs": 2, "render_mode": "human"}, "render_mode is 'human'; allowed in the vector form: None"),
+        ({"num_envs": 2, "render_mode": "human"}, "render_mode is 'human'; allowed in the vector form: rgb_array"),
     ):
         with pytest.raises(jawenv.InputError) as caught:
             JawVectorEnv(**{"control": "force", **arguments})

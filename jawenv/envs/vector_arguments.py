@@ -1,0 +1,69 @@
+"""The arguments that only the vector form has, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from gymnasium.vector import AutoresetMode
+
+from jawenv.checks import whole_number
+from jawenv.errors import InputError, shown
+
+__all__ = ["checked_autoreset_mode", "checked_num_envs", "checked_steps", "enough_memory"]
+
+
+def checked_num_envs(value: object) -> int:
+    """How many worlds.
+
+    Raises:
+        InputError: anything but a whole number, 1 or more.
+    """
+    number = whole_number(value)
+    if number is None or number < 1:
+        raise InputError(f"num_envs is {shown(value)}; allowed: a whole number, 1 or more")
+    return number
+
+
+@contextmanager
+def enough_memory(num_envs: int) -> Iterator[None]:
+    """Around the allocation of the worlds.
+
+    Raises:
+        InputError: their arrays do not fit the memory, or are longer than any array can be.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except (MemoryError, ValueError, OverflowError):
+        raise InputError(f"num_envs is {shown(num_envs)}; allowed: as many as fit the memory") from None
+
+
+def checked_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    """Gymnasium's mode, or the one of a name.
+
+    Raises:
+        InputError: no mode has that name.
+    """
+    if isinstance(mode, AutoresetMode):
+        return mode
+    names = [member.name.lower() for member in AutoresetMode]
+    if str(mode).lower() not in names:
+        raise InputError(f"autoreset_mode is {shown(mode)}; allowed: {', '.join(names)}")
+    return AutoresetMode[str(mode).upper()]
+
+
+def checked_steps(value: object) -> float:
+    """The most steps of an episode; infinite for None, and for -1 as ``gymnasium.make`` takes it.
+
+    Raises:
+        InputError: anything else but a whole number, 1 or more.
+    """
+    if value is None:
+        return math.inf
+    steps = whole_number(value)
+    if steps is None or (steps < 1 and steps != -1):
+        raise InputError(f"max_episode_steps is {shown(value)}; allowed: a whole number, 1 or more, or None")
+    return math.inf if steps == -1 else steps
