@@ -10,6 +10,7 @@ from jawenv.filter.cell_trend import follow_trend
 from jawenv.filter.encoders import expect
 from jawenv.filter.measurement_update import update_motion
 from jawenv.filter.state import begin_belief, begin_motion
+from jawenv.filter.tick import add_tooth_noise
 from jawenv.filter.time_update import predict_motion
 from jawenv.laboratory.record_filter import FilterRun
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -18,10 +19,13 @@ ALL = np.ones(12, dtype=np.uint8)
 
 
 class Running:
-    """The filter's motion and information along a record, at a belief that stays ``log_parameters``."""
+    """The filter's motion and information along a record, at a belief that stays ``log_parameters``.
 
-    def __init__(self, record, log_parameters=None):
-        self.record, self.size = record, len(record.start_mean)
+    ``teeth``: with the uncertainty of their force.
+    """
+
+    def __init__(self, record, log_parameters=None, teeth=False):
+        self.record, self.size, self.teeth = record, len(record.start_mean), teeth
         run = FilterRun(record)
         _, self.belief, _, self.settings, self.scratch = run.arguments
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
@@ -32,6 +36,8 @@ class Running:
     def predict(self, k):
         record = self.record
         noise = record.noise_variance[:N_WRENCH].copy()
+        if self.teeth:
+            add_tooth_noise(record.jaw, self.belief["motion"], noise)
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 

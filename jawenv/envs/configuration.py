@@ -46,6 +46,7 @@ class Arguments(TypedDict, total=False):
     reality: Reality | Source | None
     model: str
     estimator: Estimator | None
+    knowledge: str | Knowledge | Source | None
 
 
 @dataclass(frozen=True)

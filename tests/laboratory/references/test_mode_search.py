@@ -55,7 +55,7 @@ def test_the_density_is_that_of_the_readings_and_the_prior(record):
     """Each tick's readings from the joint normal the filter predicts; the gain error integrated out by quadrature."""
     short = record.until(0.5)
     parameters = short.prior.mean + 0.1
-    running = Running(short, parameters)
+    running = Running(short, parameters, teeth=True)
     expected, constant = 0.0, 0.5 * 12 * np.log(2.0 * np.pi)
     for k in range(len(short.samples) + 1):
         if k > 0:
@@ -84,7 +84,7 @@ def test_the_belief_is_made_of_the_information_of_a_filter_that_stays_there(reco
     """Step by step, then learned from; the whole search, which goes on about what it finds, ends elsewhere."""
     short = record.until(0.5)
     parameters = short.prior.mean + 0.1
-    running, search = Running(short, parameters).run(len(short.samples)), Search(short)
+    running, search = Running(short, parameters, teeth=True).run(len(short.samples)), Search(short)
     for _ in range(mode_search.STEPS):
         learn(running.belief, running.settings, running.scratch["belief"])
     search.at(parameters)
