@@ -37,13 +37,13 @@ class Knowledge(NumericFields):
         cell_offset_N: of the load cell's offset, each component of the force. Makers' accuracy of miniature cells is
             0.05 to 0.25 % of 100 N with drift; 0.1 after taring (G).
         cell_offset_N_m: the same of the moments (G).
-        damping: of the damping of rotation and of sliding, relative: nothing of it was measured in vivo (G). Above 0.2
+        damping: of the damping of rotation and of sliding, relative: nothing of it was measured in vivo (G). With more
             the filter claims too much.
     """
 
     attachments: float = number(0.0, 0.3, "1")
-    fossa: float = number(0.0, 0.3, "1")
-    mass: float = number(0.0, 0.3, "1")
+    fossa: float = number(0.0, 0.2, "1")
+    mass: float = number(0.0, 0.2, "1")
     centre_of_mass_x_mm: float = number(0.0, 20.0, "mm")
     centre_of_mass_y_mm: float = number(0.0, 20.0, "mm")
     centre_of_mass_z_mm: float = number(0.0, 20.0, "mm")
@@ -52,7 +52,7 @@ class Knowledge(NumericFields):
     mouthpiece_deg: float = number(0.0, 5.0, "deg")
     cell_offset_N: float = number(0.0, 2.0, "N", record="cell_offset_force")
     cell_offset_N_m: float = number(0.0, 0.1, "N m", record="cell_offset_moment")
-    damping: float = number(0.0, 0.3, "1")
+    damping: float = number(0.0, 0.2, "1")
 
     @property
     def exact(self) -> bool:

@@ -106,8 +106,9 @@ class Configuration:
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
-        if self.filter_model == "bilateral" and not self.build_knowledge().exact:
-            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as its filter has two condyles")
+        if (self.filter_model == "bilateral" or model.plant == "contact") and not self.build_knowledge().exact:
+            why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
+            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
         if self.record and not self.build_knowledge().exact:
             raise InputError("record is true; allowed with knowledge that is exact, as the filters of records have it")
 

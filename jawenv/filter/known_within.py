@@ -16,9 +16,7 @@ _PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation"
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 
 
-def write_nuisances(
-    record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet, sds: list[Unknowns], tilt_deg: float = 0.0
-) -> None:
+def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet, sds: list[Unknowns]) -> None:
     """Fill a record of dtype ``nuisance_dtype`` with the changes per sd, taken over ``STEP`` sds.
 
     Args:
@@ -27,11 +25,10 @@ def write_nuisances(
         known: the sds.
         muscles: the jaw's.
         sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
-        tilt_deg: the head's known pitch.
     """
     for j, values in enumerate(sds):
         small = Unknowns(*(STEP * value for value in values))
-        changed = changed_jaw(jaw, known, muscles, small, tilt_deg)
+        changed = changed_jaw(jaw, known, muscles, small)
         for name in (*_PLAIN, "mouthpiece", "l_o"):
             record[name][j] = (changed[name] - jaw[name]) / STEP
         for name in ("origin", "insertion"):

@@ -11,6 +11,7 @@ from jawenv.filter.posterior import posterior_dtype, update_belief
 from jawenv.filter.refocus import refocus
 from jawenv.filter.state import tension_columns
 from jawenv.kernels.compiled import njit
+from jawenv.mechanics.unknowns import FARTHEST
 
 
 def belief_fields(n_muscles: int, n_nuisances: int = 0) -> list[Any]:
@@ -48,7 +49,8 @@ def recentre(belief, settings, scratch):
 def move_nuisances(belief, first, row, nuisances, scratch):
     """The nuisances' mean moves to the most probable one at the new tensions, by ``row`` from ``first`` + 1 on.
 
-    The gain error, at ``first``, is where it is: its score stands for its mean.
+    None goes beyond ``FARTHEST``, where a model is none any more. The gain error, at ``first``, is where it is: its
+    score stands for its mean.
     """
     if belief.nuisances.shape[0] == 0:
         return
@@ -60,8 +62,9 @@ def move_nuisances(belief, first, row, nuisances, scratch):
         pulled[k] = value
     solve_decomposed(belief.nuisance_factor, pulled)
     for k in range(1, pulled.shape[0]):
-        row[first + k] = pulled[k]
-        belief.nuisances[k - 1] += pulled[k]
+        before = belief.nuisances[k - 1]
+        belief.nuisances[k - 1] = min(max(before + pulled[k], -FARTHEST), FARTHEST)
+        row[first + k] = belief.nuisances[k - 1] - before
     move_jaw(belief.jaw, nuisances, row, first + 1)
 
 

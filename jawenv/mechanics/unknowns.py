@@ -23,6 +23,8 @@ POSES = [(x, 0.0, pitch, yaw, 0.0) for x, pitch in ((2e-3, 0.04), (5e-3, 0.14), 
 # tick, hides a constant force of 0.002 N in 30 s.
 NEGLIGIBLE = 2e-3
 
+FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
+
 
 class Unknowns(NamedTuple):
     """Values of all nuisances that are not exactly known, in sds, standard normal.
@@ -52,8 +54,9 @@ def no_unknowns(lines: int) -> Unknowns:
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
-    """Standard normals for all."""
-    return Unknowns(*(generator.standard_normal(values.shape) for values in no_unknowns(lines)))
+    """Standard normals for all, none beyond ``FARTHEST``: a mass stays positive."""
+    draws = (generator.standard_normal(values.shape) for values in no_unknowns(lines))
+    return Unknowns(*(np.clip(values, -FARTHEST, FARTHEST) for values in draws))
 
 
 def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns, tilt_deg: float = 0.0) -> Any:

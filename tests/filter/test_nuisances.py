@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from jawenv.anatomy.knowledge import IMAGED
+from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.filter.nuisances import add_readings, copy_jaw, move_jaw, set_wrenches
 from jawenv.kernels.compiled import njit
-from jawenv.mechanics.unknowns import Unknowns, changed_jaw, offset_of, turn_of
+from jawenv.mechanics.unknowns import FARTHEST, Unknowns, changed_jaw, offset_of, turn_of
 from jawenv.playing.maneuvers import Player
 
 EPS = 1e-3  # sds
@@ -155,7 +155,29 @@ def test_worlds_are_drawn_by_their_seeds_alone():
         np.testing.assert_array_equal(first["truth"]["cell_offset"][i], second["truth"]["cell_offset"][j])
 
 
-@pytest.mark.parametrize("given", [{"model": "bilateral"}, {"record": True}])
+def test_whatever_is_done_a_model_stays_one():
+    """Full commands at the largest sds: numbers stay finite, and no nuisance is believed beyond its limit."""
+    largest = {name: kind.high for name, kind in Knowledge.numeric_fields().items()}
+    envs = gym.make_vec(
+        "jawenv/Jaw-v2",
+        16,
+        knowledge=largest,
+        control="trajectory",
+        cohort="wide",
+        episode_s=4.0,
+        autoreset_mode=AutoresetMode.DISABLED,
+    )
+    envs.reset(seed=3)
+    actions = np.array([[1.0 - 2.0 * (i >> k & 1) for k in range(4)] for i in range(16)], dtype=np.float32)
+    for _ in range(60):
+        observations, rewards, _, _, info = envs.step(actions)
+        for values in (observations, rewards, info["belief_cov"], info["misfit"]):
+            assert np.isfinite(values).all()
+    believed = envs.unwrapped.simulation.worlds["known"]["belief"]["nuisances"]
+    assert 1.0 < np.abs(believed).max() <= FARTHEST
+
+
+@pytest.mark.parametrize("given", [{"model": "bilateral"}, {"model": "sagittal"}, {"record": True}])
 def test_what_cannot_be_had_together_is_one_line(given):
     with pytest.raises(InputError, match="allowed"):
         configure({"knowledge": "imaged"} | given)
