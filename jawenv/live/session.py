@@ -1,0 +1,211 @@
+"""A drive of one patient, step by step, with the environment and its filter; it knows nothing of any page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+import jawenv.envs.registration  # noqa: F401  (the ids)
+from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.envs.shown_world import build_scene
+from jawenv.errors import InputError
+from jawenv.laboratory.recordings.files import save_record
+from jawenv.laboratory.recordings.of_simulation import record_of
+from jawenv.laboratory.recordings.record import Record
+from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
+from jawenv.live.outcome import KNOWN, Outcome
+from jawenv.live.setup import Setup
+from jawenv.live.steering import Steering
+from jawenv.metrics.precision import time_to
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.protocol import Array
+from jawenv.rendering.scene import Scene
+
+BY_HAND = "you"
+_LIMITS = np.array(LOWEST), HIGHEST
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a page shows of one moment.
+
+    Attributes:
+        scene: jaw, belief and comfort.
+        targets: (4,) what was asked for, as fractions of the patient's comfort.
+        driver: who drove: ``you``, or the name of a maneuver.
+        outcome: what has been reached so far.
+        misfit: the filter's alarm, above 1 where nothing that it could believe explains the readings.
+        ended: whether the episode is over.
+        why: why it ended; empty while it goes on.
+    """
+
+    scene: Scene
+    targets: Array
+    driver: str
+    outcome: Outcome
+    misfit: float
+    ended: bool
+    why: str
+
+
+class Session:
+    """One patient who is driven; ``begin`` starts an episode, ``drive`` makes a control step.
+
+    Args:
+        setup: whom, and how.
+
+    Attributes:
+        setup: as given.
+        steering: who says where the jaw is to go.
+
+    Raises:
+        InputError: the environment refuses the setup.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        made: Any = gym.make(setup.env_id, disable_env_checker=True, **setup.env_kwargs)
+        self._env = made.unwrapped
+        self.steering = Steering(setup.control, setup.control_hz)
+        self.begin()
+
+    def begin(self) -> Shown:
+        """Start the episode anew: the same patient with the same noise, at rest."""
+        driver = self.steering.driver
+        self.steering = Steering(self.setup.control, self.setup.control_hz)
+        self.steering.driver = driver
+        self._observation, info = self._env.reset(seed=self.setup.seed)
+        self._times: list[float] = []
+        self._targets: list[Array] = []
+        self._sds = [np.asarray(info["belief_sd"])]
+        self._discomfort_s = 0.0
+        self._violated, self._ended, self._why = False, False, ""
+        self._drivers: set[str] = set()
+        self._misfit = 0.0
+        return self.shown()
+
+    def hand_over(self, name: str) -> None:
+        """Let a maneuver drive, or the hand.
+
+        Args:
+            name: of a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
+
+        Raises:
+            InputError: no such maneuver.
+        """
+        if name == BY_HAND:
+            # The hand goes on from where the jaw was sent.
+            self.steering.hand = np.clip(self.steering.asked, *_LIMITS)
+            self.steering.driver = None
+        else:
+            self.steering.driver = Maneuver.load(name) if Path(name).suffix else Maneuver.named(name)
+
+    @property
+    def driver(self) -> str:
+        """Who drives."""
+        return BY_HAND if self.steering.driver is None else self.steering.driver.name
+
+    @property
+    def ended(self) -> bool:
+        """Whether the episode is over."""
+        return self._ended
+
+    def drive(self, targets: object | None = None) -> Shown:
+        """One control step; nothing moves after the end of the episode.
+
+        Args:
+            targets: (4,) where the hand wants the jaw; as before where it is None. A maneuver that drives ignores it.
+
+        Raises:
+            InputError: targets that are out of range.
+        """
+        if targets is not None:
+            self.steering.set_hand(targets)
+        if self._ended:
+            return self.shown()
+        action, _ = self.steering.predict(self._observation, episode_start=np.array([not self._times]))
+        self._observation, _, terminated, truncated, info = self._env.step(action)
+        self._times.append((len(self._times) + 1) / self.setup.control_hz)
+        self._targets.append(np.clip(self.steering.asked, *_LIMITS))
+        self._sds.append(np.asarray(info["belief_sd"]))
+        self._discomfort_s += info["cost"] / self.setup.control_hz
+        self._violated |= bool(info["violation"])
+        self._misfit = float(info["misfit"])
+        self._drivers.add(self.driver)
+        self._ended = bool(terminated or truncated)
+        if terminated:
+            self._why = "a hard limit was crossed" if self._violated else "the filter lost the jaw"
+        elif truncated:
+            self._why = "the time is over"
+        return self.shown()
+
+    def shown(self) -> Shown:
+        """The present moment."""
+        return Shown(
+            build_scene(self._env.simulation),
+            self.steering.asked.copy(),
+            self.driver,
+            self.outcome(),
+            self._misfit,
+            self._ended,
+            self._why,
+        )
+
+    def outcome(self) -> Outcome:
+        """What has been reached so far."""
+        time = np.array([0.0, *self._times])
+        sds = np.array(self._sds)[None]
+        ten, five = (float(time_to(sds, time, threshold)[0]) for threshold in KNOWN)
+        worst, duration = float(self._sds[-1].max()), float(time[-1])
+        return Outcome(self._name(), (ten, five), worst, self._discomfort_s, duration, self._violated)
+
+    def _name(self) -> str:
+        """Who has driven in this episode."""
+        return " and ".join(sorted(self._drivers, reverse=True)) or BY_HAND
+
+    def maneuver(self, name: str) -> Maneuver:
+        """What was driven in this episode, as a maneuver.
+
+        Raises:
+            InputError: nothing was driven yet.
+        """
+        return maneuver_of_drive(name, self._times, self._targets)
+
+    def record(self) -> Record:
+        """What the device has measured in this episode.
+
+        Raises:
+            InputError: no step was made, or the filter does not know the anatomy exactly.
+        """
+        if not self.setup.records:
+            raise InputError("recording: knowledge is imaged; allowed: exact, as the filters of records have it")
+        if not self._times:
+            raise InputError("recording: nothing was driven; allowed: one step or more")
+        return record_of(self._env.simulation, 0)
+
+    def save(self, folder: Path) -> list[Path]:
+        """Write what was driven into a folder: a maneuver file, and a recording where anatomy is known exactly.
+
+        Returns:
+            The files, with a number that none in the folder has.
+
+        Raises:
+            InputError: nothing was driven, or the folder cannot be written.
+        """
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+        number = 1
+        while (folder / f"my_drive_{number}.yaml").exists():
+            number += 1
+        path = folder / f"my_drive_{number}.yaml"
+        write_maneuver(path, self.maneuver(path.stem))
+        if not self.setup.records:
+            return [path]
+        save_record(self.record(), path.with_suffix(".csv"))
+        return [path, path.with_suffix(".csv")]

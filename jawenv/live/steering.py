@@ -1,0 +1,74 @@
+"""Who says where the jaw is to go: a hand, or a maneuver that may be taken over at any time and given back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jawenv.controls import Control
+from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
+from jawenv.errors import InputError, shown
+from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.maneuvers.maneuver import Channels, Targets
+from jawenv.playing.maneuvers.signals import KeyframePoint, Keyframes
+from jawenv.playing.protocol import Array
+
+_ZERO = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0),))
+# The hand has all four channels, the roll among them.
+_BY_HAND = Maneuver(
+    name="by_hand",
+    title="By hand",
+    description="Targets that a person sets.",
+    source="jawenv live",
+    channels=Channels(opening=_ZERO, roll=_ZERO),
+)
+
+
+class Steering(Player):
+    """An agent of one world whose targets come from a hand or from a maneuver, in every control mode.
+
+    Args:
+        control: control mode of the environment.
+        control_hz: control steps per second of the environment.
+
+    Attributes:
+        hand: (4,) where the hand wants the jaw, as fractions of the patient's comfort; see ``channels.CHANNELS``.
+        asked: (4,) what was asked for in the last step, by whoever drove.
+        driver: the maneuver that drives; None while the hand does.
+    """
+
+    def __init__(self, control: Control, control_hz: float) -> None:
+        super().__init__(_BY_HAND, control=control, control_hz=control_hz)
+        self.hand: Array = np.zeros(len(CHANNELS))
+        self.asked: Array = np.zeros(len(CHANNELS))
+        self.driver: Maneuver | None = None
+
+    def set_hand(self, targets: object) -> None:
+        """Say where the hand wants the jaw.
+
+        Args:
+            targets: (4,) fractions: opening 0 to 1, side, fore-aft and roll -1 to 1.
+
+        Raises:
+            InputError: another shape, or a value that is not in its range.
+        """
+        try:
+            given = np.array(targets, dtype=np.float64)
+        except (TypeError, ValueError):
+            given = np.empty(0)
+        if given.shape != (len(CHANNELS),):
+            raise InputError(f"targets: {shown(targets)} given; allowed: {len(CHANNELS)} numbers")
+        for name, value, low in zip(CHANNELS, given.tolist(), LOWEST, strict=True):
+            if not low - 1e-9 <= value <= HIGHEST + 1e-9:
+                raise InputError(f"{name}: {value:g} given; allowed: {low:g} to {HIGHEST:g}")
+        self.hand = given
+
+    def targets(self, time: Array) -> Targets:
+        """See `Player.targets`; the hand's move no faster than the device moves them."""
+        if self.driver is not None:
+            wanted = self.driver.targets(time)
+        else:
+            reach = np.array(FASTEST_TARGET) * self._dt
+            value = self.asked + np.clip(self.hand - self.asked, -reach, reach)
+            wanted = Targets(value[None], (value - self.asked)[None] / self._dt)
+        self.asked = wanted.value[0]
+        return wanted
