@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.rendering import palette
-from jawenv.rendering.canvas import Canvas
 from jawenv.rendering.palette import Colour
 from jawenv.rendering.scene import Scene
+
+if TYPE_CHECKING:
+    from jawenv.rendering.canvas import Canvas
 
 Array = NDArray[np.float64]
 

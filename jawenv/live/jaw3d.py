@@ -1,0 +1,150 @@
+"""The jaw in three dimensions: surfaces and lines of a viser scene that follow the moments of a drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from jawenv.playing.protocol import Array
+from jawenv.rendering import outlines, palette
+from jawenv.rendering.mesh import Mesh, loft
+from jawenv.rendering.muscles import muscle_colours
+from jawenv.rendering.scene import Scene
+
+UNITS_PER_M = 10.0  # of the viser scene, whose lights suit things of about one unit
+_UNITS_PER_MM = UNITS_PER_M / 1000.0
+_MM_PER_N = 1.6
+_LONGEST_ARROW_MM = 45.0
+_LEAST_FORCE_N = 0.2
+_CAMERA_M = np.array([0.30, -0.27, 0.02])
+_LOOK_AT_M = np.array([0.045, 0.0, -0.030])
+_PROFILE = (outlines.SIDE_HEAD, outlines.SIDE_ORBIT)
+_LINE: palette.Colour = (168, 156, 134)
+
+
+class Jaw3D:
+    """The jaw of one patient in the scene of a viser server.
+
+    Args:
+        server: a ``viser.ViserServer``.
+        scene: the first moment.
+    """
+
+    def __init__(self, server: Any, scene: Scene) -> None:
+        self._viser = server.scene
+        self._sent: dict[str, Any] = {}
+        self._lines = len(scene.muscle_names)
+        _prepare(server)
+        self._add_skull(scene)
+        self._jaw = self._viser.add_frame("/jaw", show_axes=False)
+        self._add_mesh("/jaw/bone", outlines.mandible(), palette.BONE_LIGHT)
+        self._add_mesh("/jaw/teeth", outlines.lower_teeth(), palette.TOOTH_LIGHT)
+        self._plate = self._add_mesh("/mouthpiece", outlines.mouthpiece(), palette.PLATE_LIGHT)
+        spindle = _spindle()
+        self._muscles = [self._add_mesh(f"/muscles/{i}", spindle, palette.ACCENT) for i in range(self._lines)]
+        self._force = self._viser.add_arrows(
+            "/force",
+            np.zeros((1, 2, 3), dtype=np.float32),
+            palette.INK,
+            shaft_radius=0.012,
+            head_radius=0.035,
+            head_length=0.07,
+            visible=False,
+        )
+        self.show(scene)
+
+    def show(self, scene: Scene) -> None:
+        """Move everything to a moment; what has not changed is not sent again."""
+        self._place("jaw", self._jaw, scene.rotation, scene.contact_m)
+        self._place("plate", self._plate, scene.rotation, scene.mouthpiece_m)
+        colours = muscle_colours(scene)
+        for i, handle in enumerate(self._muscles):
+            start, end = scene.muscle_origin_m[i], scene.muscle_insertion_m[i]
+            along = end - start
+            length = float(np.linalg.norm(along))
+            self._place(f"muscle {i}", handle, _turn_to(along / length), start)
+            radius = _muscle_radius_mm(float(scene.muscle_tension_N[i])) * _UNITS_PER_MM
+            self._set(handle, f"size {i}", "scale", (radius, radius, length * UNITS_PER_M))
+            self._set(handle, f"colour {i}", "color", colours[i])
+        self._show_force(scene)
+
+    def remove(self) -> None:
+        """Take all of it out of the scene, for another patient."""
+        self._viser.reset()
+
+    def _show_force(self, scene: Scene) -> None:
+        size = float(np.linalg.norm(scene.mouthpiece_force_N))
+        seen = size >= _LEAST_FORCE_N
+        self._set(self._force, "force seen", "visible", seen)
+        if not seen:
+            return
+        reach = min(_MM_PER_N * size, _LONGEST_ARROW_MM) + 7.0
+        start = scene.mouthpiece_m + 0.010 * scene.rotation[:, 0]
+        tip = start + scene.mouthpiece_force_N / size * reach / 1000.0
+        points = np.array([[start, tip]]) * UNITS_PER_M
+        self._set(self._force, "force", "points", points.astype(np.float32).round(4))
+
+    def _add_skull(self, scene: Scene) -> None:
+        self._add_mesh("/skull/teeth", outlines.upper_teeth(), palette.TOOTH_LIGHT)
+        head, orbit = (np.insert(outlines.closed(each), 1, 0.0, axis=1) for each in _PROFILE)
+        self._add_line("/skull/head", head, _LINE)
+        self._add_line("/skull/orbit", orbit, _LINE)
+        for side, y in (("left", outlines.CONDYLE_Y_MM), ("right", -outlines.CONDYLE_Y_MM)):
+            arch = np.insert(outlines.closed(outlines.SIDE_ARCH), 1, y, axis=1)
+            self._add_line(f"/skull/arch_{side}", arch, _LINE)
+            path = 1000.0 * scene.path_m(outlines.PATH_X_MM / 1000.0)
+            curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
+            self._add_line(f"/skull/path_{side}", curve, palette.FOSSA, width=4.0)
+
+    def _add_mesh(self, name: str, mesh: Mesh, colour: palette.Colour) -> Any:
+        faces = np.vstack([mesh.faces[:, :3], mesh.faces[:, [0, 2, 3]]])
+        unit = 1.0 if name.startswith("/muscles") else _UNITS_PER_MM
+        vertices = (mesh.vertices * unit).astype(np.float32)
+        return self._viser.add_mesh_simple(name, vertices, faces.astype(np.uint32), color=colour, side="double")
+
+    def _add_line(self, name: str, points_mm: Array, colour: palette.Colour, width: float = 1.5) -> None:
+        points = np.stack([points_mm[:-1], points_mm[1:]], axis=1) * _UNITS_PER_MM
+        self._viser.add_line_segments(name, points.astype(np.float32), colour, line_width=width)
+
+    def _place(self, name: str, handle: Any, turn: Array, place_m: Array) -> None:
+        x, y, z, w = Rotation.from_matrix(turn).as_quat()
+        self._set(handle, f"{name} turn", "wxyz", tuple(np.round([w, x, y, z], 5).tolist()))
+        self._set(handle, f"{name} place", "position", tuple(np.round(place_m * UNITS_PER_M, 5).tolist()))
+
+    def _set(self, handle: Any, key: str, attribute: str, value: Any) -> None:
+        if not np.array_equal(self._sent.get(key, ()), value):
+            setattr(handle, attribute, value)
+            self._sent[key] = value
+
+
+def _prepare(server: Any) -> None:
+    """Lights, and a camera that sees the jaw from the patient's right and front."""
+    server.scene.set_up_direction("+z")
+    server.scene.configure_default_lights(cast_shadow=False)
+    server.initial_camera.position = tuple((_CAMERA_M * UNITS_PER_M).tolist())
+    server.initial_camera.look_at = tuple((_LOOK_AT_M * UNITS_PER_M).tolist())
+    server.initial_camera.fov = float(np.radians(32.0))
+
+
+def _spindle() -> Mesh:
+    """A belly of radius 1 from the origin to (0, 0, 1)."""
+    height = np.linspace(0.0, 1.0, 11)
+    radius = 0.40 + 0.60 * np.sin(np.pi * height) ** 0.8
+    angle = 2.0 * np.pi * np.arange(12) / 12
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    levels = np.repeat(height[:, None, None], len(angle), axis=1)
+    return loft(np.concatenate([radius[:, None, None] * ring, levels], axis=-1))
+
+
+def _muscle_radius_mm(tension_N: float) -> float:
+    """Half the width of a muscle, growing with the root of its tension."""
+    return min(1.2 + 0.9 * float(np.sqrt(tension_N)), 7.0)
+
+
+def _turn_to(direction: Array) -> Array:
+    """A rotation that takes the z axis to a unit direction."""
+    aside = np.cross([0.0, 1.0, 0.0] if abs(direction[1]) < 0.9 else [1.0, 0.0, 0.0], direction)
+    aside /= np.linalg.norm(aside)
+    return np.column_stack([aside, np.cross(direction, aside), direction])

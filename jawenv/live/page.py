@@ -1,0 +1,239 @@
+"""The page: a viser server that shows one session to all browsers, and drives it in real time."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from jawenv.anatomy import COHORTS
+from jawenv.controls import CONTROLS
+from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
+from jawenv.errors import InputError
+from jawenv.ladder import MODELS
+from jawenv.live import panels
+from jawenv.live.jaw3d import Jaw3D
+from jawenv.live.keys import Keys, keys_html, moved
+from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.session import BY_HAND, Session
+from jawenv.live.setup import Known, Setup
+from jawenv.playing.maneuvers import maneuver_names
+from jawenv.playing.protocol import Array
+
+_SLIDERS = ("Opening", "Side (left +)", "Fore-aft force", "Roll (right down +)")
+_STEP = 0.005
+
+
+class Page:
+    """A page of sliders, keys, posteriors and a jaw, with one session behind it.
+
+    Callbacks of viser run in threads of their own; they only leave wishes, which ``run`` fulfils between two steps.
+
+    Args:
+        server: a ``viser.ViserServer``.
+        setup: of the first session.
+        folder: where drives are saved.
+        driver: who drives at first: ``you`` or a maneuver.
+
+    Raises:
+        InputError: the setup or the driver is refused.
+    """
+
+    def __init__(self, server: Any, setup: Setup, folder: Path, driver: str = BY_HAND) -> None:
+        self._server, self._folder = server, folder
+        self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._stopped = threading.Event()
+        self._paused, self._remark, self._rivals = False, "", list[Outcome]()
+        self.steps = 0
+        self.session = Session(setup)
+        self.session.hand_over(driver)
+        self._shown = self.session.shown()
+        self._jaw = Jaw3D(server, self._shown.scene)
+        self._keys = Keys(server)
+        self._lay_out()
+        self._show()
+
+    def run(self) -> None:
+        """Drive in real time until ``stop``."""
+        due = time.perf_counter()
+        while not self._stopped.is_set():
+            while not self._wishes.empty():
+                self._fulfil(self._wishes.get())
+            if not self._paused and not self.session.ended:
+                self.step()
+            due = max(due + self.period_s, time.perf_counter() - self.period_s)
+            self._stopped.wait(max(0.0, due - time.perf_counter()))
+
+    def stop(self) -> None:
+        """End ``run``, from any thread."""
+        self._stopped.set()
+
+    @property
+    def period_s(self) -> float:
+        """Time from one step to the next, s."""
+        return 1.0 / self.session.setup.control_hz
+
+    def step(self) -> None:
+        """One control step, by keys and sliders or by the maneuver that drives."""
+        down = self._keys.take()
+        if down and self.session.driver != BY_HAND:
+            self._hand_over(BY_HAND)
+        hand = self._slider_targets()
+        if down:
+            hand = moved(hand, down, self.period_s)
+        self._shown = self.session.drive(hand)
+        self.steps += 1
+        if down or self.session.driver != BY_HAND:
+            self._set_sliders(hand if down else self._shown.targets)
+        self._show()
+        if self.session.ended:
+            self._end()
+
+    def _show(self) -> None:
+        with self._server.atomic():
+            self._jaw.show(self._shown.scene)
+            self._posterior.content = panels.posterior_html(self._shown.scene)
+            self._comfort.content = panels.comfort_html(self._shown.scene)
+            self._status.content = panels.status_html(self._shown, self._remark)
+
+    def _end(self) -> None:
+        """Save what was driven, and say what the rivals reach on this patient."""
+        saved = self._saved()
+        if not self._rivals:
+            self._rivals = outcomes_of_rivals(self.session.setup)
+        self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
+
+    def _saved(self) -> list[str]:
+        return [str(path) for path in self.session.save(self._folder)]
+
+    def _begin(self) -> None:
+        """The same patient again."""
+        self._remark, self._score.content = "", ""
+        self._set_sliders(np.zeros(len(CHANNELS)))
+        self._shown = self.session.begin()
+        self._show()
+
+    def _change(self) -> None:
+        """Another patient, model, control or knowledge."""
+        values = {name: handle.value for name, handle in self._choices.items()}
+        setup = Setup(**(values | {"seed": int(values["seed"])}))
+        self._say("making the environment: the first of a model compiles for up to a minute")
+        session = Session(setup)
+        session.hand_over(self._driver.value)
+        self.session, self._rivals = session, []
+        self._jaw.remove()
+        self._jaw = Jaw3D(self._server, session.shown().scene)
+        self._begin()
+
+    def _hand_over(self, name: str) -> None:
+        self.session.hand_over(name)
+        if self._driver.value != name:
+            self._driver.value = name
+        self._set_sliders(self.session.steering.asked)
+
+    def _fulfil(self, wish: Callable[[], None]) -> None:
+        """Do what a browser asked for; what is refused is said in one line on the page."""
+        try:
+            wish()
+        except InputError as error:
+            self._say(str(error))
+
+    def _say(self, remark: str) -> None:
+        self._remark = remark
+        self._status.content = panels.status_html(self._shown, remark)
+
+    def _pause(self) -> None:
+        self._paused = not self._paused
+        self._pause_button.label = "Go on" if self._paused else "Pause"
+
+    def _single_step(self) -> None:
+        if not self._paused:
+            self._pause()
+        if not self.session.ended:
+            self.step()
+
+    def _save(self) -> None:
+        self._say("saved: " + ", ".join(self._saved()))
+
+    def _slider_targets(self) -> Array:
+        return np.clip([slider.value for slider in self._sliders], LOWEST, HIGHEST)
+
+    def _set_sliders(self, targets: Array) -> None:
+        for slider, value in zip(self._sliders, np.clip(targets, LOWEST, HIGHEST).tolist(), strict=True):
+            rounded = round(value, 4)
+            if slider.value != rounded:
+                slider.value = rounded
+
+    def _wish(self, wish: Callable[[], None]) -> Callable[[Any], None]:
+        """A callback of viser's that leaves a wish, if a browser is behind it."""
+
+        def leave(event: Any) -> None:
+            if event.client is not None:
+                self._wishes.put(wish)
+
+        return leave
+
+    def _lay_out(self) -> None:
+        gui = self._server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 92, 138))
+        gui.set_panel_label("jawenv live")
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(390)
+        self._status = gui.add_html("")
+        self._sliders = [
+            gui.add_slider(name, low, HIGHEST, _STEP, 0.0) for name, low in zip(_SLIDERS, LOWEST, strict=True)
+        ]
+        for slider in self._sliders:
+            slider.on_update(self._wish(self._hand_over_to_slider))
+        gui.add_html(keys_html())
+        self._driver = gui.add_dropdown("Driver", (BY_HAND, *maneuver_names()), initial_value=self._first_driver())
+        self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
+        self._add_buttons(gui)
+        self._score = gui.add_html("")
+        self._add_choices(gui)
+        panel = gui.add_panel()
+        with panel.add_tab("Knowledge and comfort"):
+            self._posterior, self._comfort = gui.add_html(""), gui.add_html("")
+        panel.dock_left()
+        panel.set_width(390)
+
+    def _first_driver(self) -> str:
+        driver = self.session.driver
+        return driver if driver in maneuver_names() else BY_HAND
+
+    def _hand_over_to_slider(self) -> None:
+        """A slider that is moved takes over from a maneuver, and keeps where it was moved to."""
+        if self.session.driver != BY_HAND:
+            self.session.hand_over(BY_HAND)
+            self._driver.value = BY_HAND
+
+    def _add_buttons(self, gui: Any) -> None:
+        self._pause_button = gui.add_button("Pause")
+        self._pause_button.on_click(self._wish(self._pause))
+        for label, wish in (
+            ("Single step", self._single_step),
+            ("Same patient again", self._begin),
+            ("Save the drive", self._save),
+        ):
+            gui.add_button(label).on_click(self._wish(wish))
+
+    def _add_choices(self, gui: Any) -> None:
+        setup = self.session.setup
+        cohorts = tuple(dict.fromkeys((*COHORTS, setup.cohort)))
+        with gui.add_folder("Patient and model", expand_by_default=False):
+            self._choices = {
+                "seed": gui.add_number("Patient seed", setup.seed, min=0, step=1),
+                "cohort": gui.add_dropdown("Cohort", cohorts, initial_value=setup.cohort),
+                "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=setup.model),
+                "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=setup.control),
+                "knowledge": gui.add_dropdown("Knowledge", get_args(Known), initial_value=setup.knowledge),
+                "episode_s": gui.add_number("Episode, s", setup.episode_s, min=1.0, max=600.0, step=1.0),
+            }
+            gui.add_button("New episode").on_click(self._wish(self._change))
+
+

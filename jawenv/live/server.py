@@ -1,0 +1,55 @@
+"""A viser server of this machine alone, or one line that says why there is none."""
+
+from __future__ import annotations
+
+import socket
+from typing import Any
+
+from jawenv.checks import whole_number
+from jawenv.errors import InputError, shown
+from jawenv.extras import needs
+
+HOST = "127.0.0.1"
+PORT = 8090
+LARGEST_PORT = 65535
+
+
+def serve(port: int = PORT) -> Any:
+    """Start a ``viser.ViserServer`` on the loopback address.
+
+    Args:
+        port: 0 takes one that is free.
+
+    Raises:
+        InputError: the port is taken, or no number of a port.
+        MissingPackageError: viser is not installed.
+    """
+    number = whole_number(port)
+    if number is None or not 0 <= number <= LARGEST_PORT:
+        raise InputError(f"port: {shown(port)} given, allowed is a whole number, 0 to {LARGEST_PORT}")
+    with needs("jawenv live", "viser", "live"):
+        import viser
+    _check_free(number)
+    server: Any = viser.ViserServer(host=HOST, port=number, label="jawenv live", verbose=False)
+    if number and server.get_port() != number:  # viser takes the next one when it is too late
+        server.stop()
+        raise _taken(number)
+    return server
+
+
+def url_of(server: Any) -> str:
+    """Where a browser finds it."""
+    return f"http://{HOST}:{server.get_port()}"
+
+
+def _check_free(port: int) -> None:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError:
+            raise _taken(port) from None
+
+
+def _taken(port: int) -> InputError:
+    return InputError(f"port: {port} is taken or not allowed; give another one with --port, or 0 for a free one")
