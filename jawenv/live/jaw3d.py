@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from jawenv.playing.protocol import Array
@@ -18,10 +19,9 @@ _UNITS_PER_MM = UNITS_PER_M / 1000.0
 _MM_PER_N = 1.6
 _LONGEST_ARROW_MM = 45.0
 _LEAST_FORCE_N = 0.2
-_CAMERA_M = np.array([0.30, -0.27, 0.02])
-_LOOK_AT_M = np.array([0.045, 0.0, -0.030])
-_PROFILE = (outlines.SIDE_HEAD, outlines.SIDE_ORBIT)
-_LINE: palette.Colour = (168, 156, 134)
+_CAMERA_M = np.array([0.40, -0.36, 0.03])
+_LOOK_AT_M = np.array([0.040, 0.0, -0.020])
+_BONE_PLATE: palette.Colour = (168, 156, 134)
 
 
 class Jaw3D:
@@ -88,12 +88,9 @@ class Jaw3D:
 
     def _add_skull(self, scene: Scene) -> None:
         self._add_mesh("/skull/teeth", outlines.upper_teeth(), palette.TOOTH_LIGHT)
-        head, orbit = (np.insert(outlines.closed(each), 1, 0.0, axis=1) for each in _PROFILE)
-        self._add_line("/skull/head", head, _LINE)
-        self._add_line("/skull/orbit", orbit, _LINE)
+        self._add_plate("/skull/head", outlines.closed(outlines.SIDE_HEAD), 0.0, 0.22)
         for side, y in (("left", outlines.CONDYLE_Y_MM), ("right", -outlines.CONDYLE_Y_MM)):
-            arch = np.insert(outlines.closed(outlines.SIDE_ARCH), 1, y, axis=1)
-            self._add_line(f"/skull/arch_{side}", arch, _LINE)
+            self._add_plate(f"/skull/arch_{side}", outlines.closed(outlines.SIDE_ARCH), y, 0.45)
             path = 1000.0 * scene.path_m(outlines.PATH_X_MM / 1000.0)
             curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
             self._add_line(f"/skull/path_{side}", curve, palette.FOSSA, width=4.0)
@@ -103,6 +100,12 @@ class Jaw3D:
         unit = 1.0 if name.startswith("/muscles") else _UNITS_PER_MM
         vertices = (mesh.vertices * unit).astype(np.float32)
         return self._viser.add_mesh_simple(name, vertices, faces.astype(np.uint32), color=colour, side="double")
+
+    def _add_plate(self, name: str, outline_mm: Array, y_mm: float, opacity: float) -> None:
+        """A flat, translucent piece of the skull, of its outline (N, 2) in x and z."""
+        vertices = (np.insert(outline_mm, 1, y_mm, axis=1) * _UNITS_PER_MM).astype(np.float32)
+        faces = _triangles(outline_mm)
+        self._viser.add_mesh_simple(name, vertices, faces, color=_BONE_PLATE, side="double", opacity=opacity)
 
     def _add_line(self, name: str, points_mm: Array, colour: palette.Colour, width: float = 1.5) -> None:
         points = np.stack([points_mm[:-1], points_mm[1:]], axis=1) * _UNITS_PER_MM
@@ -126,6 +129,17 @@ def _prepare(server: Any) -> None:
     server.initial_camera.position = tuple((_CAMERA_M * UNITS_PER_M).tolist())
     server.initial_camera.look_at = tuple((_LOOK_AT_M * UNITS_PER_M).tolist())
     server.initial_camera.fov = float(np.radians(32.0))
+
+
+def _triangles(outline: Array) -> Any:
+    """Triangles (K, 3) that fill a closed outline (N, 2)."""
+    faces = Delaunay(outline).simplices
+    x, z = outline[faces].mean(axis=1).T
+    (x0, z0), (x1, z1) = outline.T, np.roll(outline, -1, axis=0).T
+    crosses = (z0 > z[:, None]) != (z1 > z[:, None])
+    rise = np.where(z1 == z0, 1.0, z1 - z0)
+    left_of_edge = x[:, None] < x0 + (z[:, None] - z0) / rise * (x1 - x0)
+    return faces[(crosses & left_of_edge).sum(axis=1) % 2 == 1].astype(np.uint32)
 
 
 def _spindle() -> Mesh:

@@ -17,15 +17,15 @@ from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.live import panels
-from jawenv.live.jaw3d import Jaw3D
 from jawenv.live.keys import Keys, keys_html, moved
 from jawenv.live.outcome import Outcome, outcomes_of_rivals
 from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import Known, Setup
+from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.protocol import Array
 
-_SLIDERS = ("Opening", "Side (left +)", "Fore-aft force", "Roll (right down +)")
+_SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 
 
@@ -45,7 +45,7 @@ class Page:
     """
 
     def __init__(self, server: Any, setup: Setup, folder: Path, driver: str = BY_HAND) -> None:
-        self._server, self._folder = server, folder
+        self._folder = folder
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._paused, self._remark, self._rivals = False, "", list[Outcome]()
@@ -53,9 +53,9 @@ class Page:
         self.session = Session(setup)
         self.session.hand_over(driver)
         self._shown = self.session.shown()
-        self._jaw = Jaw3D(server, self._shown.scene)
+        self._view = View(server, self._shown)
         self._keys = Keys(server)
-        self._lay_out()
+        self._lay_out(self._view.gui)
         self._show()
 
     def run(self) -> None:
@@ -95,11 +95,7 @@ class Page:
             self._end()
 
     def _show(self) -> None:
-        with self._server.atomic():
-            self._jaw.show(self._shown.scene)
-            self._posterior.content = panels.posterior_html(self._shown.scene)
-            self._comfort.content = panels.comfort_html(self._shown.scene)
-            self._status.content = panels.status_html(self._shown, self._remark)
+        self._view.show(self._shown, self._remark)
 
     def _end(self) -> None:
         """Save what was driven, and say what the rivals reach on this patient."""
@@ -126,8 +122,7 @@ class Page:
         session = Session(setup)
         session.hand_over(self._driver.value)
         self.session, self._rivals = session, []
-        self._jaw.remove()
-        self._jaw = Jaw3D(self._server, session.shown().scene)
+        self._view.renew(session.shown())
         self._begin()
 
     def _hand_over(self, name: str) -> None:
@@ -145,11 +140,11 @@ class Page:
 
     def _say(self, remark: str) -> None:
         self._remark = remark
-        self._status.content = panels.status_html(self._shown, remark)
+        self._view.say(self._shown, remark)
 
     def _pause(self) -> None:
         self._paused = not self._paused
-        self._pause_button.label = "Go on" if self._paused else "Pause"
+        self._say("paused" if self._paused else "")
 
     def _single_step(self) -> None:
         if not self._paused:
@@ -178,13 +173,7 @@ class Page:
 
         return leave
 
-    def _lay_out(self) -> None:
-        gui = self._server.gui
-        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 92, 138))
-        gui.set_panel_label("jawenv live")
-        gui.main_panel.dock_right()
-        gui.main_panel.set_width(390)
-        self._status = gui.add_html("")
+    def _lay_out(self, gui: Any) -> None:
         self._sliders = [
             gui.add_slider(name, low, HIGHEST, _STEP, 0.0) for name, low in zip(_SLIDERS, LOWEST, strict=True)
         ]
@@ -193,14 +182,13 @@ class Page:
         gui.add_html(keys_html())
         self._driver = gui.add_dropdown("Driver", (BY_HAND, *maneuver_names()), initial_value=self._first_driver())
         self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
-        self._add_buttons(gui)
+        self._buttons = gui.add_button_group("Drive", tuple(self._button_wishes()))
+        self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
         self._score = gui.add_html("")
         self._add_choices(gui)
-        panel = gui.add_panel()
-        with panel.add_tab("Knowledge and comfort"):
-            self._posterior, self._comfort = gui.add_html(""), gui.add_html("")
-        panel.dock_left()
-        panel.set_width(390)
+
+    def _button_wishes(self) -> dict[str, Callable[[], None]]:
+        return {"Pause": self._pause, "Step": self._single_step, "Again": self._begin, "Save": self._save}
 
     def _first_driver(self) -> str:
         driver = self.session.driver
@@ -211,16 +199,6 @@ class Page:
         if self.session.driver != BY_HAND:
             self.session.hand_over(BY_HAND)
             self._driver.value = BY_HAND
-
-    def _add_buttons(self, gui: Any) -> None:
-        self._pause_button = gui.add_button("Pause")
-        self._pause_button.on_click(self._wish(self._pause))
-        for label, wish in (
-            ("Single step", self._single_step),
-            ("Same patient again", self._begin),
-            ("Save the drive", self._save),
-        ):
-            gui.add_button(label).on_click(self._wish(wish))
 
     def _add_choices(self, gui: Any) -> None:
         setup = self.session.setup

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import socket
 from typing import Any
 
@@ -30,7 +32,8 @@ def serve(port: int = PORT) -> Any:
     with needs("jawenv live", "viser", "live"):
         import viser
     _check_free(number)
-    server: Any = viser.ViserServer(host=HOST, port=number, label="jawenv live", verbose=False)
+    with contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
+        server: Any = viser.ViserServer(host=HOST, port=number, label="jawenv live", verbose=False)
     if number and server.get_port() != number:  # viser takes the next one when it is too late
         server.stop()
         raise _taken(number)

@@ -1,0 +1,72 @@
+"""What all browsers see of a moment: the jaw, what is known of it, comfort, and how far one has come."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jawenv.live import panels
+from jawenv.live.jaw3d import Jaw3D
+from jawenv.live.session import Shown
+
+_NARROW_PX = 600
+_PANEL_PX = 390
+# The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
+_STYLE = """
+<style>@media (max-width: 36em) {
+  [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
+  [style*='width: 20em'] > [style*='width: 20em'], [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
+}</style>
+"""
+
+
+class View:
+    """The part of a page that shows moments.
+
+    Args:
+        server: a ``viser.ViserServer``.
+        first: the first moment.
+
+    Attributes:
+        gui: of the server, for what a page adds.
+    """
+
+    def __init__(self, server: Any, first: Shown) -> None:
+        self._server, self.gui = server, server.gui
+        self._jaw = Jaw3D(server, first.scene)
+        self.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 92, 138))
+        self.gui.set_panel_label("jawenv live")
+        self.gui.main_panel.dock_right()
+        self.gui.main_panel.set_width(_PANEL_PX)
+        self._status = self.gui.add_html("")
+        self.gui.add_html(_STYLE)
+        panel = self.gui.add_panel()
+        with panel.add_tab("Knowledge"):
+            self._posterior, self._comfort = self.gui.add_html(""), self.gui.add_html("")
+        panel.dock_left()
+        panel.set_width(_PANEL_PX)
+        panel.expand()
+        server.on_client_connect(_fit)
+
+    def show(self, shown: Shown, remark: str = "") -> None:
+        """Show a moment, and a remark below the figures."""
+        with self._server.atomic():
+            self._jaw.show(shown.scene)
+            self._posterior.content = panels.posterior_html(shown.scene)
+            self._comfort.content = panels.comfort_html(shown.scene)
+            self._status.content = panels.status_html(shown, remark)
+
+    def say(self, shown: Shown, remark: str) -> None:
+        """Change only the figures and the remark."""
+        self._status.content = panels.status_html(shown, remark)
+
+    def renew(self, first: Shown) -> None:
+        """Another patient or model: another jaw."""
+        self._jaw.remove()
+        self._jaw = Jaw3D(self._server, first.scene)
+
+
+def _fit(client: Any) -> None:
+    """On a narrow page, put the jaw above the sheet of controls."""
+    if client.camera.image_width < _NARROW_PX:
+        client.camera.position = (6.2, -5.6, -1.0)
+        client.camera.look_at = (0.45, 0.0, -1.4)
