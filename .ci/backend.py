@@ -22,7 +22,7 @@ get_requires_for_build_sdist = build_meta.get_requires_for_build_sdist
 get_requires_for_build_wheel = build_meta.get_requires_for_build_wheel
 prepare_metadata_for_build_editable = build_meta.prepare_metadata_for_build_editable
 
-OF_THE_WHEEL = ("all", "reference", "render", "sagittal")
+OF_THE_WHEEL = ("all", "live", "reference", "render", "sagittal")
 _EXTRA = re.compile(r"""^Provides-Extra: (?P<own>.+)$|^Requires-Dist:.*\bextra == ["'](?P<needs>.+?)["']""")
 
 

@@ -13,10 +13,10 @@ from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
+from jawenv.commands.running import Commands, run
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.seeds import REPORTS
-from training.help import Commands, run
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4

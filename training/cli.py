@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from jawenv.commands.running import Commands, run
 from jawenv.errors import InputError
 from training import options
-from training.help import Commands, run
 from training.options import configured
 from training.search.design_command import design
 from training.search.distill_command import distill

@@ -93,7 +93,7 @@ class Jaw3D:
             self._add_plate(f"/skull/arch_{side}", outlines.closed(outlines.SIDE_ARCH), y, 0.45)
             path = 1000.0 * scene.path_m(outlines.PATH_X_MM / 1000.0)
             curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
-            self._add_line(f"/skull/path_{side}", curve, palette.FOSSA, width=4.0)
+            self._add_line(f"/skull/path_{side}", curve, palette.FOSSA)
 
     def _add_mesh(self, name: str, mesh: Mesh, colour: palette.Colour) -> Any:
         faces = np.vstack([mesh.faces[:, :3], mesh.faces[:, [0, 2, 3]]])
@@ -107,9 +107,9 @@ class Jaw3D:
         faces = _triangles(outline_mm)
         self._viser.add_mesh_simple(name, vertices, faces, color=_BONE_PLATE, side="double", opacity=opacity)
 
-    def _add_line(self, name: str, points_mm: Array, colour: palette.Colour, width: float = 1.5) -> None:
+    def _add_line(self, name: str, points_mm: Array, colour: palette.Colour) -> None:
         points = np.stack([points_mm[:-1], points_mm[1:]], axis=1) * _UNITS_PER_MM
-        self._viser.add_line_segments(name, points.astype(np.float32), colour, line_width=width)
+        self._viser.add_line_segments(name, points.astype(np.float32), colour, thickness=0.018)
 
     def _place(self, name: str, handle: Any, turn: Array, place_m: Array) -> None:
         x, y, z, w = Rotation.from_matrix(turn).as_quat()

@@ -1,7 +1,7 @@
 """Keys that are held, from the browser to the loop.
 
 viser has hotkeys, which say that a key was pressed and not that it was let go, and its camera moves with the keys that
-drive here. So a script of the page catches those keys before the camera does, and hands each press and each release to a
+drive here. So a script of the page catches those keys before the camera does, and hands each press and release to a
 hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's.
 """
 

@@ -70,5 +70,3 @@ def _played(setup: Setup, maneuver: Maneuver) -> Outcome:
         float(reached.duration_s[0]),
         bool(reached.violated[0]),
     )
-
-

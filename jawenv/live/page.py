@@ -156,7 +156,8 @@ class Page:
         self._say("saved: " + ", ".join(self._saved()))
 
     def _slider_targets(self) -> Array:
-        return np.clip([slider.value for slider in self._sliders], LOWEST, HIGHEST)
+        targets: Array = np.clip([slider.value for slider in self._sliders], LOWEST, HIGHEST)
+        return targets
 
     def _set_sliders(self, targets: Array) -> None:
         for slider, value in zip(self._sliders, np.clip(targets, LOWEST, HIGHEST).tolist(), strict=True):
@@ -213,5 +214,3 @@ class Page:
                 "episode_s": gui.add_number("Episode, s", setup.episode_s, min=1.0, max=600.0, step=1.0),
             }
             gui.add_button("New episode").on_click(self._wish(self._change))
-
-

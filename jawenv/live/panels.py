@@ -31,7 +31,8 @@ def posterior_html(scene: Scene) -> str:
         for parameter in ("log_F_o", "log_b"):
             i = index[f"{parameter}/{muscle}"]
             value = f"{math.exp(float(scene.belief_mean[i])):#.3g}".rstrip(".")
-            cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{_sd_cell(float(scene.belief_sd[i]), worst)}")
+            sd = _sd_cell(float(scene.belief_sd[i]), worst)
+            cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{sd}")
         rows.append(f"<tr><th style='{_NAME}'>{escape(_name(muscle))}</th>{''.join(cells)}</tr>")
     known = " · ".join(f"{int((scene.belief_sd <= sd).sum())} to {100 * sd:.0f} %" for sd in KNOWN)
     title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)} known: {known}</span>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import socket
+from collections.abc import Iterator
 from typing import Any
 
 from jawenv.checks import whole_number
@@ -16,8 +17,9 @@ PORT = 8090
 LARGEST_PORT = 65535
 
 
-def serve(port: int = PORT) -> Any:
-    """Start a ``viser.ViserServer`` on the loopback address.
+@contextlib.contextmanager
+def serving(port: int = PORT) -> Iterator[Any]:
+    """A ``viser.ViserServer`` on the loopback address, stopped at the end of the block.
 
     Args:
         port: 0 takes one that is free.
@@ -34,10 +36,13 @@ def serve(port: int = PORT) -> Any:
     _check_free(number)
     with contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
         server: Any = viser.ViserServer(host=HOST, port=number, label="jawenv live", verbose=False)
-    if number and server.get_port() != number:  # viser takes the next one when it is too late
-        server.stop()
-        raise _taken(number)
-    return server
+    try:
+        if number and server.get_port() != number:  # viser takes the next one when it is too late
+            raise _taken(number)
+        yield server
+    finally:
+        with contextlib.redirect_stdout(io.StringIO()):
+            server.stop()
 
 
 def url_of(server: Any) -> str:

@@ -14,7 +14,7 @@ _PANEL_PX = 390
 _STYLE = """
 <style>@media (max-width: 36em) {
   [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
-  [style*='width: 20em'] > [style*='width: 20em'], [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
+  [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
 }</style>
 """
 

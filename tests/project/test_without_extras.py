@@ -6,7 +6,18 @@ import sys
 
 import pytest
 
-BLOCKED = ("matplotlib", "filterpy", "pymunk", "pygame", "yaml", "pandas", "pyarrow", "torch", "stable_baselines3")
+BLOCKED = (
+    "matplotlib",
+    "filterpy",
+    "pymunk",
+    "pygame",
+    "yaml",
+    "pandas",
+    "pyarrow",
+    "torch",
+    "viser",
+    "stable_baselines3",
+)
 
 PLAYS = """
 import gymnasium as gym, numpy as np

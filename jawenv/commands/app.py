@@ -1,0 +1,123 @@
+"""The command line ``jawenv``: ``live``, ``play``, ``score``, ``identify`` and ``list``."""
+
+from __future__ import annotations
+
+import sys
+from io import TextIOWrapper
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jawenv.commands import options
+from jawenv.commands.running import Commands, run
+from jawenv.controls import DEFAULT_CONTROL
+from jawenv.seeds import REPORTS
+
+app = typer.Typer(
+    cls=Commands,
+    name="jawenv",
+    help="Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.callback()
+def _root() -> None:
+    """Drive a simulated jaw, play and score maneuvers, identify muscles from a recording."""
+
+
+@app.command("live")
+def live_command(
+    recording: Annotated[
+        Path | None, typer.Argument(metavar="[RECORDING]", help="Play this .csv or .parquet in place of a drive.")
+    ] = None,
+    port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = 8090,
+    driver: Annotated[
+        str, typer.Option(help="Who drives at first: you, a maneuver or a maneuver file.", metavar="NAME")
+    ] = "you",
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    model: options.Model = "jaw",
+    control: options.Control = DEFAULT_CONTROL,
+    knowledge: options.Known = "exact",
+    episode_s: options.EpisodeS = 30.0,
+    output: Annotated[Path, typer.Option(help="Folder where drives are saved.", metavar="FOLDER")] = Path("runs/live"),
+    open_browser: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
+) -> None:
+    """Drive the jaw of a patient by hand, on a page of this machine (docs/live.md). Ctrl-C ends it."""
+    from jawenv.commands.live import drive, play_back
+
+    if recording is not None:
+        play_back(recording, port, open_browser)
+    else:
+        settings = {"seed": seed, "cohort": cohort, "model": model, "control": control}
+        drive({**settings, "knowledge": knowledge, "episode_s": episode_s}, driver, port, output, open_browser)
+
+
+@app.command("play")
+def play_command(
+    maneuver: options.Maneuver,
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    model: options.Model = "jaw",
+    control: options.Control = DEFAULT_CONTROL,
+    episode_s: options.EpisodeS = 30.0,
+) -> None:
+    """Show one episode of a maneuver in a window, and say what was reached."""
+    from jawenv.commands.maneuvers import play
+
+    play(maneuver, seed, model, {"cohort": cohort, "control": control, "episode_s": episode_s})
+
+
+@app.command("score")
+def score_command(
+    maneuver: options.Maneuver,
+    patients: Annotated[int, typer.Option(help="How many.", metavar="N")] = 16,
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    model: options.Model = "jaw",
+    control: options.Control = DEFAULT_CONTROL,
+    knowledge: options.Known = "exact",
+    episode_s: options.EpisodeS = 30.0,
+) -> None:
+    """Play a maneuver on simulated patients; say what it finds out, and whether that can be believed."""
+    from jawenv.commands.maneuvers import print_score
+
+    kwargs = {"cohort": cohort, "control": control, "knowledge": knowledge, "episode_s": episode_s}
+    print_score(maneuver, patients, seed, model, kwargs)
+
+
+@app.command("identify")
+def identify_command(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A .csv or .parquet file.")],
+    cohort: Annotated[
+        str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
+    ] = None,
+) -> None:
+    """Estimate F_o and b of every muscle from a recording, with their standard deviations (docs/recordings.md)."""
+    from jawenv.commands.recordings import identify
+
+    identify(recording, cohort)
+
+
+@app.command("list")
+def list_command(
+    what: Annotated[str, typer.Argument(metavar="maneuvers|agents|cohorts|models", help="What to list.")],
+) -> None:
+    """Say which maneuvers, agents, cohorts or models there are."""
+    from jawenv.commands.listing import print_list
+
+    print_list(what)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns:
+        Exit code: 0 done, 2 unusable input, 130 interrupted.
+    """
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal without Unicode shows a question mark
+    return run(app, "jawenv", arguments, "fewer patients, or shorter episodes,")

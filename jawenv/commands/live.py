@@ -1,0 +1,65 @@
+"""The command ``jawenv live``."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from jawenv.live.server import serving, url_of
+
+
+class _Page(Protocol):
+    def run(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+def drive(settings: Mapping[str, Any], driver: str, port: int, folder: Path, open_browser: bool) -> None:
+    """Show a page on which a patient is driven, until Ctrl-C.
+
+    Args:
+        settings: fields of ``jawenv.live.setup.Setup``.
+        driver: who drives at first.
+        port: of the page.
+        folder: where drives are saved.
+        open_browser: whether to open a browser.
+
+    Raises:
+        InputError: a setting is refused, or the port is taken.
+        MissingPackageError: viser is not installed.
+    """
+    from jawenv.live.page import Page
+    from jawenv.live.setup import Setup
+
+    setup = Setup(**settings)
+    with serving(port) as server:
+        _show(Page(server, setup, folder, driver), server, open_browser)
+
+
+def play_back(path: Path, port: int, open_browser: bool) -> None:
+    """Show a recording on a page, until Ctrl-C.
+
+    Raises:
+        InputError: the file cannot be read or is damaged, or the port is taken.
+        MissingPackageError: viser is not installed.
+    """
+    from jawenv.laboratory.recordings.files import load_record
+    from jawenv.live.playback import Playback
+    from jawenv.live.playback_page import PlaybackPage
+
+    playback = Playback(load_record(path), path.stem)
+    with serving(port) as server:
+        _show(PlaybackPage(server, playback), server, open_browser)
+
+
+def _show(page: _Page, server: Any, open_browser: bool) -> None:
+    url = url_of(server)
+    print(f"the jaw is at {url} on this machine; Ctrl-C ends it", flush=True)
+    if open_browser:
+        webbrowser.open(url)
+    try:
+        page.run()
+    except KeyboardInterrupt:
+        page.stop()

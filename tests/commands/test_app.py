@@ -1,0 +1,111 @@
+"""The command line of the library, in this process."""
+
+import subprocess
+import sys
+
+import pytest
+
+from jawenv.anatomy import COHORTS
+from jawenv.commands import live
+from jawenv.commands.app import main
+from jawenv.ladder import MODELS
+from jawenv.live.session import Session
+from jawenv.live.setup import Setup
+from jawenv.playing.maneuvers import maneuver_names
+
+
+@pytest.mark.parametrize(("what", "names"), [("maneuvers", maneuver_names()), ("cohorts", COHORTS), ("models", MODELS)])
+def test_list_names_all_of_a_kind(what, names, capsys):
+    assert main(["list", what]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(names)
+
+
+def test_list_of_agents_says_where_the_rest_is(capsys):
+    assert main(["list", "agents"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(maneuver_names()) + 1 and "a clone of the project" in lines[-1]
+
+
+@pytest.mark.parametrize("knowledge", ["exact", "imaged"])
+def test_score_prints_every_parameter_and_whether_it_can_be_believed(capsys, knowledge):
+    assert main(["score", "refined", "--patients", "2", "--episode-s", "1", "--knowledge", knowledge]) == 0
+    out = capsys.readouterr().out
+    assert out.count("/masseter_") == 4 and "NEES" in out and "all known to 10%" in out
+
+
+def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys):
+    session = Session(Setup(seed=500, episode_s=1.0))
+    session.hand_over("refined")
+    while not session.ended:
+        session.drive()
+    path = session.save(tmp_path)[1]
+    assert main(["identify", str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"{path}: 1 s at 100 Hz" and len(lines) == 14
+
+
+def test_live_drives_until_it_is_interrupted(tmp_path, capsys, monkeypatch):
+    opened = []
+    monkeypatch.setattr(live.webbrowser, "open", opened.append)
+    monkeypatch.setattr("jawenv.live.page.Page.run", interrupt)
+    assert main(["live", "--port", "0", "--output", str(tmp_path), "--driver", "refined", "--open"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("the jaw is at http://127.0.0.1:") and opened[0] in out and out.count("\n") == 1
+
+
+def test_live_plays_a_recording(tmp_path, capsys, monkeypatch):
+    session = Session(Setup(seed=500, episode_s=1.0))
+    session.drive([0.3, 0.0, 0.0, 0.0])
+    monkeypatch.setattr("jawenv.live.playback_page.PlaybackPage.run", interrupt)
+    assert main(["live", str(session.save(tmp_path)[1]), "--port", "0"]) == 0
+    assert "the jaw is at" in capsys.readouterr().out
+
+
+def interrupt(page):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["list", "birds"], "list: 'birds' given, allowed are maneuvers, agents, cohorts, models"),
+        (["score", "nope"], "maneuver 'nope': unknown; allowed: chirp"),
+        (["score", "refined", "--model", "bird"], "model is 'bird'; allowed: hinge"),
+        (["identify", "nowhere.csv"], "nowhere.csv"),
+        (["live", "nowhere.csv"], "nowhere.csv"),
+        (["live", "--seed", "-1"], "seed: -1 given"),
+        (["live", "--port", "70000"], "port: 70000 given"),
+        (["live", "--port", "0", "--driver", "nope"], "maneuver 'nope': unknown"),
+        (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
+        (["fly"], "No such command"),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_exit_2(arguments, message, capsys):
+    assert main(arguments) == 2
+    said = capsys.readouterr()
+    assert said.err.startswith("error: ") and message in said.err and said.err.count("\n") == 1 and said.out == ""
+
+
+def test_play_without_a_display_names_the_page(capsys, monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    assert main(["play", "refined"]) == 2
+    assert "use `jawenv live --driver NAME`" in capsys.readouterr().err
+
+
+def test_play_shows_an_episode(capsys, monkeypatch):
+    monkeypatch.setattr("jawenv.rendering.display.check_display", lambda user, remedy: None)
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    assert main(["play", "refined", "--episode-s", "0.4"]) == 0
+    assert "worst sd" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("package", "command", "extra"), [("viser", ["live"], "live"), ("pygame", ["play", "refined"], "render")]
+)
+def test_a_missing_extra_is_one_line_and_exit_2(package, command, extra):
+    blocked = f"import sys; sys.modules[{package!r}] = None\n"
+    code = f"{blocked}from jawenv.commands.app import main\nsys.exit(main({command!r}))"
+    environment = {"DISPLAY": ":0", "PATH": "/usr/bin:/bin", "HOME": "/tmp"}
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
+    assert ran.returncode == 2 and f'pip install "jawenv[{extra}]"' in ran.stderr and ran.stderr.count("\n") == 1

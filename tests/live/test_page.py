@@ -1,0 +1,155 @@
+"""The page in headless Chromium: keys and sliders move the jaw, standard deviations fall, all browsers see one jaw."""
+
+import socket
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from jawenv.errors import InputError
+from jawenv.laboratory.recordings.files import load_record
+from jawenv.live.page import Page
+from jawenv.live.playback import Playback
+from jawenv.live.playback_page import PlaybackPage
+from jawenv.live.server import serving, url_of
+from jawenv.live.session import BY_HAND
+from jawenv.live.setup import Setup
+from tests.eval.report.browser import executable
+
+FEW_PIXELS = "/?fixedDpr=0.25"  # these browsers draw without a graphics card
+
+
+@contextmanager
+def running(page):
+    thread = threading.Thread(target=page.run, daemon=True)
+    thread.start()
+    try:
+        yield page
+    finally:
+        page.stop()
+        thread.join(10)
+        assert not thread.is_alive()
+
+
+def look_at(browser, server, width=700):
+    """A tab with what it complains of in ``complaints``."""
+    tab = browser.new_page(viewport={"width": width, "height": 500})
+    tab.complaints = []
+    tab.on("console", lambda message: tab.complaints.append(message.text) if message.type == "error" else None)
+    tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
+    tab.goto(url_of(server) + FEW_PIXELS)
+    tab.wait_for_selector("[data-worst]", timeout=60_000)
+    return tab
+
+
+@contextmanager
+def browser_of_tests():
+    from playwright.sync_api import sync_playwright
+
+    path = executable()
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def worst(tab):
+    return float(tab.get_attribute("[data-worst]", "data-worst"))
+
+
+def wait_until(condition, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.05)
+
+
+def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
+    with browser_of_tests() as browser, serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
+        with running(page):
+            tab, other = look_at(browser, server), look_at(browser, server, 480)
+            before = worst(tab)
+            tab.keyboard.down("KeyS")
+            wait_until(lambda: page.session.steering.hand[0] > 0.4)
+            tab.keyboard.up("KeyS")
+            wait_until(lambda: not page._keys.take())
+            held = page.session.steering.hand.copy()
+            tab.keyboard.press("KeyD")
+            wait_until(lambda: page.session.steering.hand[1] > held[1])
+            assert page.session.steering.hand[0] == pytest.approx(held[0])
+            wait_until(lambda: worst(tab) < 0.7 * before and worst(other) < 0.7 * before)
+            assert tab.complaints == other.complaints == []
+            assert other.evaluate("document.documentElement.scrollWidth") <= 480
+
+
+def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path):
+    with browser_of_tests() as browser, serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=4.0), tmp_path, driver="refined")
+        assert page._driver.value == "refined"
+        page._pause()
+        with running(page):
+            tab = look_at(browser, server)
+            tab.get_by_text("Step", exact=True).click()
+            wait_until(lambda: page.steps == 1)
+            tab.get_by_text("Pause", exact=True).click()
+            wait_until(lambda: page.steps > 20)
+            tab.keyboard.press("KeyS")
+            wait_until(lambda: page.session.driver == BY_HAND)
+            tab.wait_for_selector("#score", timeout=60_000)
+            words = tab.inner_text("#score")
+            assert "refined" in words and "slow opening" in words and "you and refined" in words
+            assert tab.complaints == []
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".yaml"]
+
+
+def test_a_recording_plays_in_the_same_view(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=1.0), tmp_path, driver="refined")
+        while not page.session.ended:
+            page.step()
+    playback = Playback(load_record(tmp_path / "my_drive_1.csv"), "my_drive_1")
+    with browser_of_tests() as browser, serving(0) as server:
+        with running(PlaybackPage(server, playback)):
+            tab = look_at(browser, server)
+            first = worst(tab)
+            wait_until(lambda: worst(tab) != first)
+            assert "driven by my_drive_1" in tab.inner_text("#status") and tab.complaints == []
+
+
+def test_another_patient_and_a_refused_choice(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=2.0), tmp_path)
+        page.step()
+        page._choices["seed"].value = 501
+        page._choices["model"].value = "sides"
+        page._fulfil(page._change)
+        assert page.session.setup.seed == 501 and len(page._shown.scene.parameter_names) == 4
+        page.step()
+        page._choices["model"].value = "bilateral"
+        page._choices["knowledge"].value = "imaged"
+        page._fulfil(page._change)
+        assert page.session.setup.model == "sides"
+        assert "knowledge is not exact" in page._view._status.content
+
+
+def test_a_port_that_is_taken_is_one_line():
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        with pytest.raises(InputError, match=f"port: {port} is taken or not allowed; give another one"):
+            with serving(port):
+                pass
+    with pytest.raises(InputError, match="port: 70000 given, allowed is a whole number, 0 to 65535"):
+        with serving(70000):
+            pass
+
+
+def test_the_page_is_of_this_machine_alone():
+    with serving(0) as server:
+        assert url_of(server) == f"http://127.0.0.1:{server.get_port()}"
+        assert server.get_host() == "127.0.0.1"

@@ -1,0 +1,162 @@
+"""A drive by hand, without any page: what it reaches, what is saved of it, and who drives."""
+
+import numpy as np
+import pytest
+
+from eval.entries import load_entries
+from jawenv.errors import InputError
+from jawenv.laboratory.recordings.files import load_record
+from jawenv.live.drive_file import maneuver_of_drive
+from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.playback import Playback
+from jawenv.live.session import BY_HAND, Session
+from jawenv.live.setup import Setup
+from jawenv.playing.maneuvers import Maneuver
+
+SHORT = Setup(seed=500, episode_s=3.0)
+
+
+def circles(step):
+    return [0.5 + 0.4 * np.sin(step / 8), 0.5 * np.sin(step / 5), 0.2 * np.sin(step / 7), 0.1 * np.sin(step / 9)]
+
+
+@pytest.fixture(scope="module")
+def driven():
+    session = Session(SHORT)
+    step = 0
+    while not session.ended:
+        shown = session.drive(circles(step))
+        step += 1
+    return session, shown, step
+
+
+def test_a_hand_makes_20_steps_a_second_and_learns(driven):
+    session, shown, steps = driven
+    assert steps == 60 and shown.ended and shown.why == "the time is over" and shown.driver == BY_HAND
+    assert shown.outcome.worst_sd == pytest.approx(shown.scene.belief_sd.max())
+    assert shown.outcome.worst_sd < 0.3 * shown.scene.prior_sd.max()
+    assert shown.outcome.duration_s == pytest.approx(3.0) and not shown.outcome.violated
+    again = session.drive(circles(0))
+    assert again.scene.time_s == shown.scene.time_s
+
+
+@pytest.mark.parametrize("control", ["targets", "trajectory", "force"])
+def test_the_hand_opens_the_jaw_in_every_control_mode(control):
+    session = Session(Setup(seed=500, episode_s=3.0, control=control))
+    for _ in range(40):
+        shown = session.drive([0.5, 0.0, 0.0, 0.0])
+    assert 0.3 < shown.scene.comfort["opening"] < 0.7
+
+
+def test_a_maneuver_that_drives_is_the_maneuver_and_can_be_taken_over():
+    session = Session(SHORT)
+    session.hand_over("refined")
+    for _ in range(20):
+        shown = session.drive([0.0, 0.0, 0.0, 0.0])
+    wanted = Maneuver.named("refined").targets(np.array([1.0])).value[0]
+    assert shown.driver == "refined"
+    np.testing.assert_allclose(shown.targets, wanted)
+    session.hand_over(BY_HAND)
+    held = session.drive()
+    np.testing.assert_allclose(held.targets, np.clip(wanted, [0, -1, -1, -1], 1))
+    assert session.drive([0.2, 0.0, 0.0, 0.0]).outcome.name == "you and refined"
+
+
+def test_a_session_that_a_maneuver_drives_reaches_what_the_rival_reaches():
+    session = Session(SHORT)
+    session.hand_over("refined")
+    while not session.ended:
+        shown = session.drive()
+    refined, slow = outcomes_of_rivals(SHORT)
+    assert shown.outcome.time_to_s == refined.time_to_s
+    assert shown.outcome.worst_sd == pytest.approx(refined.worst_sd, rel=1e-9)
+    assert shown.outcome.discomfort_s == pytest.approx(refined.discomfort_s, abs=1e-9)
+    assert slow.name == "slow_opening" and slow.worst_sd > refined.worst_sd
+
+
+def test_the_file_of_a_drive_plays_it_again(driven, tmp_path):
+    session, shown, _ = driven
+    maneuver, recording = session.save(tmp_path)
+    assert (maneuver.name, recording.name) == ("my_drive_1.yaml", "my_drive_1.csv")
+    again = Session(SHORT)
+    again.hand_over(str(maneuver))
+    while not again.ended:
+        played = again.drive()
+    np.testing.assert_allclose(played.scene.belief_mean, shown.scene.belief_mean, atol=1e-4)
+    assert session.save(tmp_path)[0].name == "my_drive_2.yaml"
+    (entry,) = load_entries([str(maneuver)], {"control": "targets"}, "jawenv/Jaw-v2")
+    assert entry.label == "my_drive_1"
+
+
+def test_the_recording_of_a_drive_shows_the_same_jaw_and_belief(driven, tmp_path):
+    session, shown, _ = driven
+    playback = Playback(load_record(session.save(tmp_path)[1]), "a drive")
+    last = playback.shown(len(playback) - 1)
+    assert last.ended and len(playback) == 61
+    np.testing.assert_allclose(last.scene.belief_mean, shown.scene.belief_mean, atol=0.02)
+    np.testing.assert_allclose(last.scene.mouthpiece_m, shown.scene.mouthpiece_m, atol=2e-3)
+    np.testing.assert_allclose(last.scene.muscle_tension_N, shown.scene.muscle_tension_N, rtol=0.2)
+
+
+def test_the_same_patient_begins_again(driven):
+    session = Session(SHORT)
+    first = session.drive([0.4, 0.0, 0.0, 0.0])
+    begun = session.begin()
+    assert begun.scene.time_s == 0.0 and begun.outcome.duration_s == 0.0
+    np.testing.assert_array_equal(session.drive([0.4, 0.0, 0.0, 0.0]).scene.belief_mean, first.scene.belief_mean)
+
+
+def test_imaged_knowledge_is_driven_and_has_no_recording(tmp_path):
+    session = Session(Setup(seed=500, episode_s=3.0, knowledge="imaged"))
+    session.drive([0.4, 0.0, 0.0, 0.0])
+    assert [path.suffix for path in session.save(tmp_path)] == [".yaml"]
+    with pytest.raises(InputError, match="knowledge is imaged; allowed: exact"):
+        session.record()
+
+
+def test_samples_on_a_line_are_left_out():
+    times = [0.05 * k for k in range(1, 41)]
+    targets = [np.array([min(t, 1.0), 0.0, np.sin(t), 0.0]) for t in times]
+    maneuver = maneuver_of_drive("straight", times, targets)
+    assert len(maneuver.channels.opening.points) == 3 and len(maneuver.channels.side.points) == 2
+    np.testing.assert_allclose(maneuver.targets(np.array(times)).value, targets, atol=3e-5)
+
+
+@pytest.mark.parametrize(
+    ("targets", "message"),
+    [
+        ([0.5, 0.0], "targets: .* given; allowed: 4 numbers"),
+        ("up", "targets: 'up' given; allowed: 4 numbers"),
+        ([-0.1, 0, 0, 0], "opening: -0.1 given; allowed: 0 to 1"),
+        ([0, 0, 0, float("nan")], "roll: nan given; allowed: -1 to 1"),
+    ],
+)
+def test_targets_out_of_range_are_refused(driven, targets, message):
+    with pytest.raises(InputError, match=message):
+        driven[0].drive(targets)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"seed": -1}, "seed: -1 given"),
+        ({"knowledge": "vague"}, "knowledge: 'vague' given, allowed are exact, imaged"),
+        ({"model": "bird"}, "model is 'bird'; allowed: hinge"),
+    ],
+)
+def test_a_setup_says_what_is_wrong(settings, message):
+    with pytest.raises(InputError, match=message):
+        Setup(**settings)
+
+
+def test_nothing_driven_is_nothing_to_save(tmp_path):
+    with pytest.raises(InputError, match="nothing was driven"):
+        Session(SHORT).save(tmp_path)
+
+
+def test_an_outcome_within_comfort_is_one_that_is_ranked():
+    good = Outcome("you", (2.0, np.inf), 0.06, 0.05, 30.0, False)
+    assert good.within_comfort
+    assert good.line() == "you: all to 10 % 2.0 s, to 5 % never, worst sd 6.0 %, discomfort 0.05 s"
+    assert not Outcome("you", (2.0, 3.0), 0.06, 0.2, 30.0, False).within_comfort
+    assert not Outcome("you", (2.0, 3.0), 0.06, 0.0, 30.0, True).within_comfort
