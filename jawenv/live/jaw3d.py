@@ -46,7 +46,7 @@ class Jaw3D:
         self._muscles = [self._add_mesh(f"/muscles/{i}", spindle, palette.ACCENT) for i in range(self._lines)]
         self._force = self._viser.add_arrows(
             "/force",
-            np.zeros((1, 2, 3), dtype=np.float32),
+            _arrow(scene.mouthpiece_m, np.array([0.0, 0.0, -0.01])),
             palette.INK,
             shaft_radius=0.012,
             head_radius=0.035,
@@ -77,14 +77,11 @@ class Jaw3D:
     def _show_force(self, scene: Scene) -> None:
         size = float(np.linalg.norm(scene.mouthpiece_force_N))
         seen = size >= _LEAST_FORCE_N
+        if seen:
+            reach_m = (min(_MM_PER_N * size, _LONGEST_ARROW_MM) + 7.0) / 1000.0
+            start = scene.mouthpiece_m + 0.010 * scene.rotation[:, 0]
+            self._set(self._force, "force", "points", _arrow(start, scene.mouthpiece_force_N / size * reach_m))
         self._set(self._force, "force seen", "visible", seen)
-        if not seen:
-            return
-        reach = min(_MM_PER_N * size, _LONGEST_ARROW_MM) + 7.0
-        start = scene.mouthpiece_m + 0.010 * scene.rotation[:, 0]
-        tip = start + scene.mouthpiece_force_N / size * reach / 1000.0
-        points = np.array([[start, tip]]) * UNITS_PER_M
-        self._set(self._force, "force", "points", points.astype(np.float32).round(4))
 
     def _add_skull(self, scene: Scene) -> None:
         self._add_mesh("/skull/teeth", outlines.upper_teeth(), palette.TOOTH_LIGHT)
@@ -129,6 +126,11 @@ def _prepare(server: Any) -> None:
     server.initial_camera.position = tuple((_CAMERA_M * UNITS_PER_M).tolist())
     server.initial_camera.look_at = tuple((_LOOK_AT_M * UNITS_PER_M).tolist())
     server.initial_camera.fov = float(np.radians(32.0))
+
+
+def _arrow(start_m: Array, along_m: Array) -> Any:
+    """The ends (1, 2, 3) of an arrow, in units of the viser scene."""
+    return (np.array([[start_m, start_m + along_m]]) * UNITS_PER_M).round(4).astype(np.float32)
 
 
 def _triangles(outline: Array) -> Any:

@@ -23,6 +23,7 @@ from test_without_extras import BLOCKED
 
 import eval.cli
 import jawenv
+import jawenv.commands.app
 import jawenv.playing.rollout
 import training.cli
 from agents.card import Result
@@ -165,6 +166,8 @@ def test_a_command_is_taken(place: str, line: str) -> None:
     elif Path(program).name == "pip":
         project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
         assert set(re.findall(r"\[(\w+)\]", words[-1])) <= set(project["optional-dependencies"]), place
+    elif Path(program).name == "jawenv":
+        taken(jawenv.commands.app.app, words)
     elif words[:1] == ["-m"]:
         taken(COMMANDS[words[1]], words[2:])
     elif program.endswith("python") and words[0] != "-c":
