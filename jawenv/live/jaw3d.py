@@ -55,20 +55,30 @@ class Jaw3D:
         )
         self.show(scene)
 
-    def show(self, scene: Scene) -> None:
-        """Move everything to a moment; what has not changed is not sent again."""
+    def show(self, scene: Scene, whole: bool = True) -> None:
+        """Move everything to a moment; what has not changed is not sent again.
+
+        Args:
+            scene: the moment.
+            whole: sizes, colours and the force as well. Browsers move things at once, and draw anew what has another
+                size or colour, which they never come to if it changes too often for them.
+        """
         self._place("jaw", self._jaw, scene.rotation, scene.contact_m)
         self._place("plate", self._plate, scene.rotation, scene.mouthpiece_m)
-        colours = muscle_colours(scene)
         for i, handle in enumerate(self._muscles):
             start, end = scene.muscle_origin_m[i], scene.muscle_insertion_m[i]
-            along = end - start
-            length = float(np.linalg.norm(along))
-            self._place(f"muscle {i}", handle, _turn_to(along / length), start)
+            self._place(f"muscle {i}", handle, _turn_to((end - start) / np.linalg.norm(end - start)), start)
+        if whole:
+            self._show_muscles(scene)
+            self._show_force(scene)
+
+    def _show_muscles(self, scene: Scene) -> None:
+        colours = muscle_colours(scene)
+        for i, handle in enumerate(self._muscles):
+            length = float(np.linalg.norm(scene.muscle_insertion_m[i] - scene.muscle_origin_m[i])) * UNITS_PER_M
             radius = _muscle_radius_mm(float(scene.muscle_tension_N[i])) * _UNITS_PER_MM
-            self._set(handle, f"size {i}", "scale", (radius, radius, length * UNITS_PER_M))
+            self._set(handle, f"size {i}", "scale", (round(radius, 4), round(radius, 4), round(length, 3)))
             self._set(handle, f"colour {i}", "color", colours[i])
-        self._show_force(scene)
 
     def remove(self) -> None:
         """Take all of it out of the scene, for another patient."""

@@ -20,7 +20,6 @@ from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, Outcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
-from jawenv.metrics.precision import time_to
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.protocol import Array
 from jawenv.rendering.scene import Scene
@@ -81,7 +80,8 @@ class Session:
         self._observation, info = self._env.reset(seed=self.setup.seed)
         self._times: list[float] = []
         self._targets: list[Array] = []
-        self._sds = [np.asarray(info["belief_sd"])]
+        self._reached = dict.fromkeys(KNOWN, np.inf)
+        self._note_sd(info)
         self._discomfort_s = 0.0
         self._violated, self._ended, self._why = False, False, ""
         self._drivers: set[str] = set()
@@ -131,7 +131,7 @@ class Session:
         self._observation, _, terminated, truncated, info = self._env.step(action)
         self._times.append((len(self._times) + 1) / self.setup.control_hz)
         self._targets.append(np.clip(self.steering.asked, *_LIMITS))
-        self._sds.append(np.asarray(info["belief_sd"]))
+        self._note_sd(info)
         self._discomfort_s += info["cost"] / self.setup.control_hz
         self._violated |= bool(info["violation"])
         self._misfit = float(info["misfit"])
@@ -157,11 +157,19 @@ class Session:
 
     def outcome(self) -> Outcome:
         """What has been reached so far."""
-        time = np.array([0.0, *self._times])
-        sds = np.array(self._sds)[None]
-        ten, five = (float(time_to(sds, time, threshold)[0]) for threshold in KNOWN)
-        worst, duration = float(self._sds[-1].max()), float(time[-1])
-        return Outcome(self._name(), (ten, five), worst, self._discomfort_s, duration, self._violated)
+        ten, five = self._reached.values()
+        return Outcome(self._name(), (ten, five), self._worst_sd, self._discomfort_s, self._time_s, self._violated)
+
+    @property
+    def _time_s(self) -> float:
+        return self._times[-1] if self._times else 0.0
+
+    def _note_sd(self, info: dict[str, Any]) -> None:
+        """Keep the worst sd, and when it was first small enough."""
+        self._worst_sd = float(info["belief_sd"].max())
+        for threshold, reached in self._reached.items():
+            if self._worst_sd <= threshold and np.isinf(reached):
+                self._reached[threshold] = self._time_s
 
     def _name(self) -> str:
         """Who has driven in this episode."""

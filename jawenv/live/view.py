@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 from jawenv.live import panels
@@ -9,6 +10,7 @@ from jawenv.live.jaw3d import Jaw3D
 from jawenv.live.session import Shown
 
 _NARROW_PX = 600
+_WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
 _PANEL_PX = 390
 # The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
 _STYLE = """
@@ -32,6 +34,7 @@ class View:
 
     def __init__(self, server: Any, first: Shown) -> None:
         self._server, self.gui = server, server.gui
+        self._whole_at = 0.0
         self._jaw = Jaw3D(server, first.scene)
         self.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 92, 138))
         self.gui.set_panel_label("jawenv live")
@@ -49,8 +52,12 @@ class View:
 
     def show(self, shown: Shown, remark: str = "") -> None:
         """Show a moment, and a remark below the figures."""
+        now = time.monotonic()
+        whole = shown.ended or now - self._whole_at >= _WHOLE_EVERY_S
+        if whole:
+            self._whole_at = now
         with self._server.atomic():
-            self._jaw.show(shown.scene)
+            self._jaw.show(shown.scene, whole)
             self._posterior.content = panels.posterior_html(shown.scene)
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)
