@@ -99,7 +99,11 @@ class Page:
 
     def _end(self) -> None:
         """Save what was driven, and say what the rivals reach on this patient."""
-        saved = self._saved()
+        saved: list[str] = []
+        try:
+            saved = self._saved()
+        except InputError as error:
+            self._say(str(error))
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)

@@ -9,7 +9,7 @@ from jawenv.live import panels
 from jawenv.live.jaw3d import Jaw3D
 from jawenv.live.session import Shown
 
-_NARROW_PX = 600
+_NARROW = 0.6  # width over height of the picture
 _WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
 _PANEL_PX = 390
 # The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
@@ -74,6 +74,6 @@ class View:
 
 def _fit(client: Any) -> None:
     """On a narrow page, put the jaw above the sheet of controls."""
-    if client.camera.image_width < _NARROW_PX:
+    if client.camera.aspect < _NARROW:
         client.camera.position = (6.2, -5.6, -1.0)
         client.camera.look_at = (0.45, 0.0, -1.4)

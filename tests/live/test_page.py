@@ -136,6 +136,15 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         assert "knowledge is not exact" in page._view._status.content
 
 
+def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):
+    (tmp_path / "file").write_text("")
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=0.2), tmp_path / "file")
+        while not page.session.ended:
+            page.step()
+        assert "cannot be made" in page._view._status.content and "refined" in page._score.content
+
+
 def test_a_port_that_is_taken_is_one_line():
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
