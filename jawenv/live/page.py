@@ -20,7 +20,7 @@ from jawenv.live import panels
 from jawenv.live.keys import Keys, keys_html, moved
 from jawenv.live.outcome import Outcome, outcomes_of_rivals
 from jawenv.live.session import BY_HAND, Session
-from jawenv.live.setup import Known, Setup
+from jawenv.live.setup import LONGEST_S, SHORTEST_S, Known, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.protocol import Array
@@ -215,6 +215,6 @@ class Page:
                 "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=setup.model),
                 "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=setup.control),
                 "knowledge": gui.add_dropdown("Knowledge", get_args(Known), initial_value=setup.knowledge),
-                "episode_s": gui.add_number("Episode, s", setup.episode_s, min=1.0, max=600.0, step=1.0),
+                "episode_s": gui.add_number("Episode, s", setup.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5),
             }
             gui.add_button("New episode").on_click(self._wish(self._change))

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from jawenv.checks import whole_number
+from jawenv.checks import real_number, whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.errors import InputError, shown
 from jawenv.ladder import model_named
 from jawenv.playing.rollout import LARGEST_SEED
 
 Known = Literal["exact", "imaged"]
+SHORTEST_S, LONGEST_S = 1.0, 600.0  # of an episode: the device's readings are kept
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Setup:
         control: control mode. Targets are what the hand sets in each; in the other two the device's law makes
             commands of them.
         knowledge: what the filter knows of anatomy and device.
-        episode_s: length of an episode, s.
+        episode_s: length of an episode, 1 to 600 s.
 
     Raises:
         InputError: a value is not allowed. What the environment refuses, it refuses when it is made.
@@ -45,6 +46,9 @@ class Setup:
             raise InputError(f"seed: {shown(self.seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
         if self.knowledge not in get_args(Known):
             raise InputError(f"knowledge: {shown(self.knowledge)} given, allowed are {', '.join(get_args(Known))}")
+        length = real_number(self.episode_s)
+        if length is None or not SHORTEST_S <= length <= LONGEST_S:
+            raise InputError(f"episode_s: {shown(self.episode_s)} given, allowed are {SHORTEST_S:g} to {LONGEST_S:g} s")
         model_named(self.model)
 
     @property

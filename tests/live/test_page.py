@@ -139,7 +139,7 @@ def test_another_patient_and_a_refused_choice(tmp_path):
 def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):
     (tmp_path / "file").write_text("")
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=0.2), tmp_path / "file")
+        page = Page(server, Setup(seed=500, episode_s=1.0), tmp_path / "file")
         while not page.session.ended:
             page.step()
         assert "cannot be made" in page._view._status.content and "refined" in page._score.content

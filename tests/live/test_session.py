@@ -141,6 +141,7 @@ def test_targets_out_of_range_are_refused(driven, targets, message):
     [
         ({"seed": -1}, "seed: -1 given"),
         ({"knowledge": "vague"}, "knowledge: 'vague' given, allowed are exact, imaged"),
+        ({"episode_s": 0.2}, "episode_s: 0.2 given, allowed are 1 to 600 s"),
         ({"model": "bird"}, "model is 'bird'; allowed: hinge"),
     ],
 )
