@@ -20,6 +20,7 @@ from typing import Any
 
 from jawenv.filter.basis import set_derivatives
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.instrument import set_rows_of_past
 from jawenv.filter.nuisances import add_nuisance_readings, nuisance_fields
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
@@ -165,6 +166,7 @@ def update_motion(jaw, belief, measured, used, settings, scratch):
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
+    set_rows_of_past(jaw, belief, used, scratch)
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings.nuisances, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)

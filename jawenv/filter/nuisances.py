@@ -23,7 +23,7 @@ from jawenv.filter.turned import turn_readings, turn_wrench
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
-from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel, body_moment, inertia_times
+from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
 from jawenv.mechanics.forces import resultant
 from jawenv.mechanics.jaw import N_TEETH, jaw_dtype
 from jawenv.mechanics.kinematics import fossa, rotation
@@ -141,12 +141,10 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
-    ``at`` is the pose half way through the tick, the rates at its start, and the load cell's reading (six numbers) of
-    the tick before: the noise of this tick's samples is in the motion, and so in the innovation; regressors taken with
-    them would be biased.
+    ``at`` is the pose half way through the tick, the rates and their rate of change over it, and the load cell's
+    reading (six numbers) of the tick before, all as the past alone has them (``instrument``).
     """
-    pose, u, reading = at
-    rate = acceleration_kernel(jaw, muscles, pose, u, reading)
+    pose, u, rate, reading = at
     body_to_head = rotation(pose)
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
@@ -187,23 +185,43 @@ def add_readings(jaw, motion, nuisances, used, first, rows, scratch):
                 rows[i, first + j] += scratch.changed[i] - scratch.expected[i]
 
 
-def set_nuisance_wrenches(jaw, muscles, belief, motion, pose, nuisances, scratch):
+@njit
+def middle_rates(before, after, dt):
+    """Mean of the rates over a tick, and their mean rate of change."""
+    u = (
+        0.5 * (before[5] + after[5]),
+        0.5 * (before[6] + after[6]),
+        0.5 * (before[7] + after[7]),
+        0.5 * (before[8] + after[8]),
+        0.5 * (before[9] + after[9]),
+    )
+    rate = (
+        (after[5] - before[5]) / dt,
+        (after[6] - before[6]) / dt,
+        (after[7] - before[7]) / dt,
+        (after[8] - before[8]) / dt,
+        (after[9] - before[9]) / dt,
+    )
+    return u, rate
+
+
+def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
     """``set_wrenches`` where there are nuisances, compiled only then."""
     raise NotImplementedError("only called by compiled kernels")
 
 
 @overload(set_nuisance_wrenches, inline="always")
-def _choose_wrenches(jaw, muscles, belief, motion, pose, nuisances, scratch):
+def _choose_wrenches(jaw, muscles, belief, pose, settings, scratch):
     if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, muscles, belief, motion, pose, nuisances, scratch: None
+        return lambda jaw, muscles, belief, pose, settings, scratch: None
 
-    def call(jaw, muscles, belief, motion, pose, nuisances, scratch):
+    def call(jaw, muscles, belief, pose, settings, scratch):
         first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
         wrenches = scratch.line_wrench
         last = belief.last_reading
         reading = (last[0], last[1], last[2], last[3], last[4], last[5])
-        u = (motion[5], motion[6], motion[7], motion[8], motion[9])
-        set_wrenches(jaw, muscles, (pose, u, reading), nuisances, first, wrenches, scratch.nuisances)
+        u, rate = middle_rates(scratch.start_motion, scratch.instrument.motion, settings.dt)
+        set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)
 
     return call
 
@@ -220,7 +238,7 @@ def _choose_readings(jaw, belief, nuisances, used, scratch):
 
     def call(jaw, belief, nuisances, used, scratch):
         first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-        add_readings(jaw, belief.motion, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
+        add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
 
     return call
 

@@ -60,6 +60,7 @@ def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: i
         ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
         ("nuisances_replayed_at", "f8", (n_nuisances,)),
         ("jaw", jaw_dtype(n_lines if n_nuisances else 1)),  # the filter's model at that mean, where there are nuisances
+        ("predicted", "f8", (n_states if n_nuisances else 1,)),  # motion at the tick's end as the past alone has it
         ("last_reading", "f8", (N_WRENCH,)),  # of the load cell, the mean of the last tick, corrected
         # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
         ("nuisance_factor", "f8", (n_nuisances + 1, n_nuisances + 1)),
@@ -81,6 +82,8 @@ def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: i
 def begin_motion(belief, motion, sd):
     """Set the mean of the motion (n) before the first reading, and its sds (n)."""
     belief.motion[:] = motion
+    for i in range(belief.predicted.shape[0]):
+        belief.predicted[i] = motion[i]
     lose_motion(belief, sd)
 
 

@@ -7,9 +7,9 @@ correlated with the errors of the filtered motion and would bias g.
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any
 
+from jawenv.filter.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
 from jawenv.filter.joint_step import set_muscles
 from jawenv.filter.motion_step import move, step_dtype
 from jawenv.filter.nuisances import nuisance_fields, set_nuisance_wrenches
@@ -19,7 +19,6 @@ from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.kinematics import angle_rates
 
 
 def time_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> list[Any]:
@@ -29,7 +28,7 @@ def time_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances:
         ("step", step_dtype(n_lines, n_states)),
         ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
         ("start_motion", "f8", (n_states,)),
-        ("coasted", "f8", (n_states,)),
+        ("instrument", record_dtype(instrument_fields(n_states))),
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
         ("total", "f8", (n_states, inputs)),  # [A, G]
         ("turned", "f8", (inputs, n_states)),  # its transpose
@@ -52,45 +51,18 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     dt, start_sd = settings.dt, settings.start_sd
     set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
+    predict_from_past(jaw, belief, dt, scratch)
     move(jaw, belief.motion, samples, dt, scratch.step)
     if not all_finite(belief.motion):
         belief.motion[:] = scratch.start_motion
         lose_motion(belief, start_sd)
         return
-    scratch.total[:, :] = scratch.step.total
+    scratch.total[:, :] = jacobian_of_tick(belief, scratch)
     predict_cov(belief.motion_cov, noise_variance, scratch)
-    coast(scratch.start_motion, dt, scratch.coasted)
-    pose, position = middle_of(jaw, scratch.start_motion, scratch.coasted)
+    pose, position = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
     set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
-    set_nuisance_wrenches(jaw, scratch.step.muscles, belief, scratch.start_motion, pose, settings.nuisances, scratch)
+    set_nuisance_wrenches(jaw, scratch.step.muscles, belief, pose, settings, scratch)
     predict_by_tension(belief.by_tension, scratch)
-
-
-@njit
-def coast(start, dt, after):
-    """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``.
-
-    Where a servo or a stop answers within the tick, the motion that the reading moves is correlated with what acted in
-    the tick and is not known, and so with the innovation. Regressors taken along it are biased (Forssell & Ljung 1999,
-    Automatica 35:1215); those of the predicted rates are an instrument.
-    """
-    half = start.shape[0] // 2
-    first = half - 3  # of the angles
-    pose = (0.0, 0.0, start[first], start[first + 1], start[first + 2])
-    turning = angle_rates(pose, (start[half + first], start[half + first + 1], start[half + first + 2]))
-    for i in range(first):
-        after[i] = start[i] + dt * start[half + i]
-    for i in range(3):
-        after[first + i] = start[first + i] + dt * turning[i]
-
-
-@njit
-def all_finite(values):
-    """Whether all of ``values`` (n) are numbers."""
-    total = 0.0
-    for i in range(values.shape[0]):
-        total += values[i]
-    return isfinite(total)
 
 
 @njit

@@ -10,6 +10,7 @@ from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.filter.nuisances import add_readings, copy_jaw, move_jaw, set_wrenches
+from jawenv.filter.tick import take_readings
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.unknowns import FARTHEST, Unknowns, changed_jaw, offset_of, turn_of
 from jawenv.playing.maneuvers import Player
@@ -32,6 +33,11 @@ def wrenches_of(jaw, muscles, at, settings, columns, scratch):
 @njit
 def readings_of(jaw, motion, settings, used, rows, scratch):
     add_readings(jaw, motion, settings.nuisances, used, 0, rows, scratch)
+
+
+@njit
+def read_tick(model, belief, measured, samples, settings, scratch):
+    take_readings(model, belief, measured, samples, 1000, settings, scratch)
 
 
 @njit
@@ -68,7 +74,9 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
     for _ in range(3):
         motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
         columns = np.zeros((6, len(simulation._sds)))
-        wrenches_of(jaw, muscles, (tuple(motion[:5]), tuple(motion[5:]), tuple(wrench)), settings, columns, scratch)
+        rate = twin.acceleration(jaw, theta, motion[:5], motion[5:], wrench)
+        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench)
+        wrenches_of(jaw, muscles, at, settings, columns, scratch)
         by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
         for j, values in enumerate(simulation._sds):
             expected = by_differences(simulation, values, motion, wrench, twin.acceleration)
@@ -115,12 +123,12 @@ def test_the_model_moves_with_the_nuisances(simulation, rng):
         )
 
 
-def play(knowledge, worlds, seconds, seed, **kwargs):
-    """Info after ``refined``."""
+def play(knowledge, worlds, seconds, seed, maneuver="refined", **kwargs):
+    """Info after a maneuver."""
     disabled = AutoresetMode.DISABLED
     envs = gym.make_vec("jawenv/Jaw-v2", worlds, knowledge=knowledge, episode_s=60.0, autoreset_mode=disabled, **kwargs)
     observations, info = envs.reset(seed=seed)
-    player = Player("refined", control="targets")
+    player = Player(maneuver, control="targets")
     player.reset(worlds, 0)
     for _ in range(5 * seconds):
         actions, _ = player.predict(observations)
@@ -137,6 +145,31 @@ def test_what_is_unknown_is_marginalised_honestly():
     assert np.mean(np.abs(z) < 2.0) > 0.9
     assert np.mean(info["misfit"] > 1.0) < 0.05
     assert np.median(info["belief_sd"]) < 0.08, "and it teaches"
+
+
+def test_a_maneuver_that_teaches_little_is_honest_too():
+    """Nuisances are told apart by small differences, which the noise of a tick must not be in (``instrument``)."""
+    _, info = play("imaged", 32, 20, 988_000, "opening_with_swings")
+    assert 0.8 < np.mean(info["nees"]) / 12 < 2.0
+    assert np.max(info["nees"]) / 12 < 7.0
+
+
+def test_what_is_derived_holds_nothing_of_the_ticks_own_readings(rng):
+    envs, _ = play("imaged", 1, 2, 989_000, "opening_with_swings")
+    simulation = envs.unwrapped.simulation
+    rows, settings = simulation.ticks[0], simulation.settings[0]["filter"]
+    scratch, found = simulation._scratches[0]["filter"], []
+    for noise in (0.0, 0.1):
+        belief = simulation.worlds["known"]["belief"][:1].copy()
+        samples = rows[100]["samples"] + noise * rng.normal(size=(3, 6))
+        measured = rows[100]["measured"] + 1e-3 * noise * rng.normal(size=12)
+        read_tick(simulation.models[0], belief[0], measured, samples, settings, scratch)
+        found.append((belief["motion"].copy(), scratch["time"]["total"].copy(), scratch["time"]["line_wrench"].copy()))
+        found[-1] += (scratch["update"]["rows"].copy(),)
+    (moved_one, *one), (moved_other, *other) = found
+    assert not np.array_equal(moved_one, moved_other)
+    for name, first, second in zip(("[A, G]", "wrenches", "H"), one, other, strict=True):
+        np.testing.assert_array_equal(first, second, err_msg=name)
 
 
 def test_the_same_readings_without_knowing_better_are_misjudged_and_the_alarm_rings():

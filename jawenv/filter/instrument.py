@@ -1,0 +1,114 @@
+"""What the derivatives by tensions and nuisances are taken along: the motion that the past alone predicts.
+
+A regressor that contains anything of this tick's noise is correlated with this tick's innovation, and its score is
+biased: a servo or a stop answers within the tick, so the motion that a reading moves contains an answer to what acted
+in the tick and is not known (Forssell & Ljung 1999, Automatica 35:1215). What is predicted from earlier readings is an
+instrument.
+
+Where the muscles alone are unknown, a pose predicted at constant rates suffices. Nuisances are told apart by small
+differences between columns that are nearly parallel, and there the Jacobian, the rates and the rows of the readings
+must be predicted as well: the motion takes the tick under the last tick's mean reading, and all is linearised along it.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from numba.extending import overload
+
+from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.motion_step import move
+from jawenv.kernels.compiled import njit
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.kinematics import angle_rates
+
+
+def instrument_fields(n_states: int) -> list[Any]:
+    """Fields of the working memory."""
+    return [
+        ("motion", "f8", (n_states,)),  # at the end of the tick
+        ("total", "f8", (n_states, n_states + N_WRENCH)),  # its derivative by state and wrench, [A, G]
+        ("held", "f8", (N_SAMPLES, N_WRENCH)),  # the last reading as samples of this tick
+    ]
+
+
+@njit
+def all_finite(values):
+    """Whether all of ``values`` (n) are numbers."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        total += values[i]
+    return isfinite(total)
+
+
+@njit
+def coast(start, dt, after):
+    """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``."""
+    half = start.shape[0] // 2
+    first = half - 3  # of the angles
+    pose = (0.0, 0.0, start[first], start[first + 1], start[first + 2])
+    turning = angle_rates(pose, (start[half + first], start[half + first + 1], start[half + first + 2]))
+    for i in range(first):
+        after[i] = start[i] + dt * start[half + i]
+    for i in range(3):
+        after[first + i] = start[first + i] + dt * turning[i]
+
+
+@njit
+def hold_reading(jaw, belief, dt, scratch):
+    """The motion at the end of the tick under the last tick's mean reading, and its derivative."""
+    instrument = scratch.instrument
+    for i in range(N_SAMPLES):
+        for k in range(N_WRENCH):
+            instrument.held[i, k] = belief.last_reading[k]
+    instrument.motion[:] = scratch.start_motion
+    move(jaw, instrument.motion, instrument.held, dt, scratch.step)
+    if not all_finite(instrument.motion):
+        instrument.motion[:] = scratch.start_motion
+    instrument.total[:, :] = scratch.step.total
+    belief.predicted[:] = instrument.motion
+
+
+def predict_from_past(jaw, belief, dt, scratch):
+    """Into ``scratch.instrument`` what the past alone predicts of the tick: of the motion, or of the pose alone."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(predict_from_past, inline="always")
+def _choose_prediction(jaw, belief, dt, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, dt, scratch: coast(scratch.start_motion, dt, scratch.instrument.motion)
+    return lambda jaw, belief, dt, scratch: hold_reading(jaw, belief, dt, scratch)
+
+
+def jacobian_of_tick(belief, scratch):
+    """[A, G] of the tick: along the predicted motion where there are nuisances, else along the motion itself."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(jacobian_of_tick, inline="always")
+def _choose_jacobian(belief, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda belief, scratch: scratch.step.total
+    return lambda belief, scratch: scratch.instrument.total
+
+
+def set_rows_of_past(jaw, belief, used, scratch):
+    """Where there are nuisances, the rows of the used readings at the predicted motion."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(set_rows_of_past, inline="always")
+def _choose_rows(jaw, belief, used, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, used, scratch: None
+
+    def call(jaw, belief, used, scratch):
+        expect(jaw, belief.predicted, scratch.rows, scratch.expected)
+        for i in range(N_MEASUREMENTS):
+            if not used[i]:
+                scratch.rows[i, :] = 0.0
+
+    return call
