@@ -96,21 +96,23 @@ def _csv(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
 
 
 def _parquet(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
-    pa, pq = _pyarrow()
+    pa = _pyarrow()
+    from jawenv.laboratory.recordings.parquet import write_parquet
+
     table = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns.items()})
     table = table.replace_schema_metadata({_KEY: json.dumps(about).encode()})
     buffer = io.BytesIO()
-    pq.write_table(table, buffer, compression="zstd")
+    write_parquet(table, buffer)
     return buffer.getvalue()
 
 
-def _pyarrow() -> tuple[Any, Any]:
+def _pyarrow() -> Any:
     try:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
         raise InputError("Parquet needs pyarrow (pip install pyarrow); allowed without it: a .csv file") from None
-    return pyarrow, pyarrow.parquet
+    return pyarrow
 
 
 def _read_csv(path: Path, known: Collection[str]) -> Table:
@@ -166,7 +168,7 @@ def _number(text: str, path: Path, column: str, line: int) -> float:
 
 
 def _read_parquet(path: Path) -> Table:
-    pa, _ = _pyarrow()
+    pa = _pyarrow()
     from jawenv.laboratory.recordings.parquet import read_parquet
 
     try:
