@@ -170,5 +170,5 @@ def read_evaluations(run: RunFolder) -> list[dict[str, float]]:
     except InputError:
         raise
     except (ValueError, TypeError, AttributeError, csv.Error) as error:
-        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())}") from error
+        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())[:120]}") from error
     return rows

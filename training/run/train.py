@@ -336,5 +336,6 @@ def _saved(checkpoint: Path) -> dict[str, Any]:
 
 
 def _damaged(checkpoint: Path, error: Exception) -> InputError:
-    reason = " ".join(str(error).split())[:200] or type(error).__name__
+    told = " ".join(str(error).split()).removeprefix(f"{checkpoint}: damaged stable-baselines3 checkpoint: ")
+    reason = told[:200] or type(error).__name__
     return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")

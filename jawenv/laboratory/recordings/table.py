@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 from jawenv.reading import read_text
 
@@ -133,7 +133,7 @@ def _read_csv(path: Path, known: Collection[str]) -> Table:
                 about[name] = json.loads(value)
             except (ValueError, RecursionError):
                 raise InputError(
-                    f"{path}: {name} in row {first} is {value.strip()!r}; allowed: JSON, as [1, 2]"
+                    f"{path}: {name} in row {first} is {shown(value.strip())}; allowed: JSON, as [1, 2]"
                 ) from None
     try:
         rows = list(csv.reader(lines[first:]))
@@ -164,7 +164,7 @@ def _number(text: str, path: Path, column: str, line: int) -> float:
         return float(stripped)
     except ValueError:
         allowed = "a number, or empty where nothing was read"
-        raise InputError(f"{path}: {column} in row {line} is {stripped[:40]!r}; allowed: {allowed}") from None
+        raise InputError(f"{path}: {column} in row {line} is {shown(stripped)}; allowed: {allowed}") from None
 
 
 def _read_parquet(path: Path) -> Table:
