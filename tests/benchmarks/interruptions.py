@@ -107,7 +107,7 @@ def broken(name, whole, folder, signal_, length, times, rng) -> bool:
         codes.append(code)
         if code == 2:
             print(error)
-        if name == "export" and code == 0:
+        if name == "export" and (folder / "shared" / "card.json").exists():  # nothing is left to do
             shutil.rmtree(folder / "shared")
     finished(COMMANDS[name], folder)
     wanted, found = contents(whole), contents(folder)
