@@ -11,7 +11,7 @@ DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $
 export PYTHON
 
 .DEFAULT_GOAL := help
-.PHONY: help demo notebooks docs tables test lint bench clean
+.PHONY: help demo notebooks docs tables test lint bench sbom clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -47,6 +47,13 @@ lint: ## ruff and mypy
 bench: ## measure speed, memory growth and start-up
 	@.ci/setup train eval dev
 	$(BIN)/python tests/benchmarks/bench.py
+
+sbom: ## list what is installed, with versions and licences, as CycloneDX: runs/sbom/jawenv.cdx.json
+	@.ci/setup train eval
+	$(BIN)/python -m venv --clear runs/sbom/.tool
+	runs/sbom/.tool/bin/python -m pip install --quiet --disable-pip-version-check cyclonedx-bom==7.5.0
+	runs/sbom/.tool/bin/cyclonedx-py environment $(BIN)/python --pyproject pyproject.toml --mc-type library \
+		--output-reproducible --output-file runs/sbom/jawenv.cdx.json
 
 clean: ## remove build products and caches; .venv and runs/ stay
 	rm -rf build dist *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -57,11 +57,16 @@ def read_data(path: Path) -> dict[str, Any]:
     """What a checkpoint says in plain text, such as its steps; what is pickled there stays text.
 
     Raises:
-        InputError: no such file.
-        Exception: of many kinds, where the checkpoint is damaged.
+        InputError: no such file, or a damaged one.
     """
-    with open_file(path) as file, zipfile.ZipFile(file) as archive:
-        data: dict[str, Any] = json.loads(read_member(archive, "data", LARGEST_TEXT))
+    with open_file(path) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                data = json.loads(read_member(archive, "data", LARGEST_TEXT))
+            if not isinstance(data, dict):
+                raise ValueError(f"its data is {shown(data)}; allowed: a mapping")
+        except Exception as error:  # a damaged archive or text can raise anything
+            raise _damaged(path, _reason(error)) from None
     return data
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import json
 import numbers
 import os
@@ -207,6 +208,18 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             unfinished.unlink()
+
+
+def remove_unfinished(output: Path) -> None:
+    """Remove what `atomic_write` could not, since its process was killed.
+
+    Args:
+        output: a file, or a folder whose files count and not those of folders in it. Nobody else may be writing there.
+    """
+    left = [*output.parent.glob(f".{glob.escape(output.name)}.*.unfinished"), *output.glob(".*.unfinished")]
+    for path in left:
+        with contextlib.suppress(OSError):
+            path.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

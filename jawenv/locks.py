@@ -11,6 +11,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from jawenv.errors import InputError
+from jawenv.files import remove_unfinished
 
 __all__ = ["alone"]
 
@@ -20,7 +21,7 @@ def alone(output: Path) -> Iterator[None]:
     """No other process writes this file, or into this folder, within the block.
 
     The lock is the file ``.NAME.lock`` beside the output, which is removed at the end of the block. The system frees it
-    when the process ends, whatever ends it.
+    when the process ends, whatever ends it. What such a process was writing is removed by the next one.
 
     Args:
         output: a file or a folder, which need not exist. The folder that it is to lie in is made where it is missing,
@@ -42,6 +43,7 @@ def alone(output: Path) -> Iterator[None]:
         reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
         raise InputError(f"output {output}: cannot be {'written' if place.exists() else 'made'}: {reason}") from None
     try:
+        remove_unfinished(place)
         yield
     finally:
         with contextlib.suppress(OSError):  # Windows removes no file that is open

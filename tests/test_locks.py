@@ -64,3 +64,15 @@ def test_an_output_below_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="run: cannot be made: Not a directory"), alone(tmp_path / "file" / "run"):
         pass
+
+
+def test_what_a_killed_process_was_writing_goes(tmp_path):
+    folder = tmp_path / "out"
+    (folder / "deeper").mkdir(parents=True)
+    left = [folder / ".a.npz.0f.unfinished", tmp_path / ".out.0f.unfinished"]
+    others = [folder / "deeper" / ".a.0f.unfinished", tmp_path / ".other.0f.unfinished", folder / "a.npz"]
+    for path in (*left, *others):
+        path.touch()
+    with alone(folder):
+        assert not any(path.exists() for path in left)
+    assert all(path.exists() for path in others)

@@ -23,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from jawenv.files import atomic_write  # noqa: E402
+from jawenv.locks import alone  # noqa: E402
 from jawenv.progress import Progress  # noqa: E402
 
 SOURCES = sorted((ROOT / "eval" / "notebooks").glob("*.ipynb"))
@@ -41,7 +42,7 @@ def execute_all(console: Console) -> int:
         The exit code: 0, or 1 where a cell raised an error.
     """
     KEPT.mkdir(parents=True, exist_ok=True)
-    with Progress(len(SOURCES), "notebooks", console) as progress:
+    with alone(KEPT), Progress(len(SOURCES), "notebooks", console) as progress:
         for number, path in enumerate(SOURCES, 1):
             place = _kept(path)
             if not place.exists():

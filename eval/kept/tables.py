@@ -10,12 +10,11 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from jawenv import versions
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
-from jawenv.laboratory.recordings.parquet import read_parquet
+from jawenv.laboratory.recordings.parquet import read_parquet, write_parquet
 
 _KEY = b"jawenv.eval"
 
@@ -35,7 +34,7 @@ def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:
     table = pa.Table.from_pandas(frame, preserve_index=False)
     metadata = {**(table.schema.metadata or {}), _KEY: json.dumps(about, sort_keys=True).encode()}
     with atomic_write(path) as unfinished:
-        pq.write_table(table.replace_schema_metadata(metadata), unfinished, compression="zstd")
+        write_parquet(table.replace_schema_metadata(metadata), unfinished)
 
 
 def read_table(

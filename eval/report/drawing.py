@@ -52,6 +52,7 @@ _STYLE: dict[Any, Any] = {
     "figure.facecolor": "none",
     "savefig.facecolor": "none",
     "svg.fonttype": "none",
+    "svg.hashsalt": "jawenv",  # ids that are the same in every run
     "lines.linewidth": 1.4,
     "lines.solid_capstyle": "round",
 }

@@ -11,6 +11,7 @@ from eval.kept.tables import made_with, write_table
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.run import play_study
 from jawenv.files import write_text
+from jawenv.locks import alone
 
 OUTPUT = Path("runs/study")
 PATIENTS = "patients.parquet"
@@ -39,18 +40,19 @@ def study(
     output = output or OUTPUT / name
     rows = play_study(wanted, output, run, trust=trust)
     about = made_with(command, study=wanted.model_dump(mode="json"))
-    write_table(rows, output / PATIENTS, about)
-    console.print("estimating figures, pairs and profiles with their intervals")
-    figures = {
-        "cells": estimates.cells(rows, wanted),
-        "pairs": estimates.pairs(rows, wanted),
-        "profiles": estimates.profiles(rows, wanted),
-    }
-    for each, table in figures.items():
-        write_table(table, output / f"{each}.parquet", about)
-    page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], wanted, about)
-    write_text(output / "study.md", page)
-    drawing.draw(figures["profiles"], wanted, output / "profiles.svg")
+    with alone(output):
+        write_table(rows, output / PATIENTS, about)
+        console.print("estimating figures, pairs and profiles with their intervals")
+        figures = {
+            "cells": estimates.cells(rows, wanted),
+            "pairs": estimates.pairs(rows, wanted),
+            "profiles": estimates.profiles(rows, wanted),
+        }
+        for each, table in figures.items():
+            write_table(table, output / f"{each}.parquet", about)
+        page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], wanted, about)
+        write_text(output / "study.md", page)
+        drawing.draw(figures["profiles"], wanted, output / "profiles.svg")
     tables.show(figures["cells"], wanted, console)
     console.print(f"tables:  {output / 'study.md'}\nfigure:  {output / 'profiles.svg'}", soft_wrap=True)
     console.print(f"results: {output / PATIENTS}, and cells, pairs, profiles beside it", soft_wrap=True)

@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 from agents.registry import load_agent, names
-from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError
-from jawenv.playing.maneuvers.maneuver import FOLDER, Maneuver
+from jawenv.playing.maneuvers.maneuver import FASTEST_ASKED, FOLDER, Maneuver
 
 README = Path(__file__).parents[2] / "agents" / "README.md"
 SPEEDS_MM = np.array([25.0, 6.0])  # opening and side range of a typical patient
@@ -78,6 +78,17 @@ def test_readme_example_plays(tmp_path: Path) -> None:
     assert agent.name == example()["name"]
 
 
+@pytest.mark.parametrize("name", names())
+def test_bounds_of_what_comes_along_are_those_that_are_seen(name: str) -> None:
+    channels = Maneuver.load(FOLDER / f"{name}.yaml").channels
+    t = np.linspace(0.0, 200.0, 200_001)
+    for channel in CHANNELS:
+        signal = channels.signal(channel)
+        low, high = signal.bounds()
+        assert low - 1e-9 <= signal.value(t).min() < low + 2e-3 and high - 2e-3 < signal.value(t).max() <= high + 1e-9
+        assert np.abs(signal.rate(t)).max() <= signal.fastest() + 1e-6 <= FASTEST_ASKED
+
+
 def refusal(tmp_path: Path, text: str) -> str:
     path = tmp_path / "mine.yaml"
     path.write_text(text, encoding="utf-8")
@@ -115,10 +126,49 @@ def changed(place: str, value: object) -> str:
         ("channels.opening.points", [{"t_s": 0, "value": -0.2}], "opening runs from -0.2 to -0.2, allowed is 0 to 1"),
         ("channels.side.harmonics", [{"amplitude": "big", "period_s": 4}], "amplitude = 'big' must be a number"),
         ("fade_in_s", 0, "fade_in_s = 0"),
+        (
+            "channels.opening.points",
+            [{"t_s": 0, "value": 0}, {"t_s": 130, "value": 0}, {"t_s": 131, "value": 50}],
+            "channels: opening runs from 0 to 50, allowed is 0 to 1",
+        ),
+        (
+            "channels.opening.points",
+            [
+                {"t_s": 0, "value": 0},
+                {"t_s": 1.002, "value": 0},
+                {"t_s": 1.005, "value": 7},
+                {"t_s": 1.008, "value": 0},
+            ],
+            "channels: opening runs from 0 to 7, allowed is 0 to 1",
+        ),
+        (
+            "channels.opening.points",
+            [{"t_s": 0, "value": 0}, {"t_s": 1, "value": 0}, {"t_s": 1.01, "value": 0.5}],
+            "channels: opening moves at 93.75 per second, allowed is 10 at most",
+        ),
+        (
+            "channels.side.harmonics",
+            [{"amplitude": 0.9, "frequency_hz": 5}],
+            "channels: side moves at 28.27 per second, allowed is 10 at most",
+        ),
+        (
+            "channels.side",
+            {"kind": "prbs", "amplitude": 0.5, "interval_s": 1, "switch_s": 0.01, "register_bits": 3},
+            "channels: side moves at 187.5 per second, allowed is 10 at most",
+        ),
+        ("fade_in_s", 1e-9, "fade_in_s = 1e-09 must be greater than or equal to 0.001"),
     ],
 )
 def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, place: str, value: object, expected: str) -> None:
     assert expected in refusal(tmp_path, changed(place, value))
+
+
+def test_a_target_that_begins_away_from_rest_fades_in_slowly(tmp_path: Path) -> None:
+    content = example()
+    content["channels"]["side"]["harmonics"] = [{"amplitude": 0.6, "period_s": 4, "phase_deg": 90}]
+    content["fade_in_s"] = 0.01
+    expected = "fade_in_s = 0.01 takes side to 0.6 at 60 per second, allowed is 10 at most"
+    assert expected in refusal(tmp_path, yaml.safe_dump(content))
 
 
 def test_what_is_no_maneuver_is_named(tmp_path: Path) -> None:

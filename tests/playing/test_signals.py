@@ -1,5 +1,7 @@
 """Target signals: values, exact rates, continuity, and what a wrong description is told."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -142,10 +144,71 @@ def test_prbs_seed_shifts_the_sequence() -> None:
     assert not np.allclose(first.value(held), other.value(held))
 
 
+HZ = st.floats(0.01, 10.0)
+SINE = st.fixed_dictionaries({"amplitude": st.floats(-0.4, 0.4), "frequency_hz": HZ, "phase_deg": st.floats(-360, 360)})
+
+
+@given(
+    description=st.one_of(
+        st.fixed_dictionaries({"kind": st.just("harmonics"), "harmonics": st.lists(SINE, min_size=1, max_size=4)}),
+        st.fixed_dictionaries(
+            {
+                "kind": st.just("chirp"),
+                "amplitude": st.floats(-1, 1),
+                "from_hz": HZ,
+                "to_hz": HZ,
+                "duration_s": st.floats(0.1, 100),
+            }
+        ),
+        st.builds(
+            lambda values, smooth: {
+                "kind": "keyframes",
+                "interpolation": "smooth" if smooth else "linear",
+                "points": [{"t_s": 0.7 * k, "value": value} for k, value in enumerate(values)],
+            },
+            st.lists(st.floats(-1, 1), min_size=1, max_size=6),
+            st.booleans(),
+        ),
+    ),
+    start=st.floats(0, 3500),
+)
+def test_no_value_and_no_rate_lies_outside_of_the_bounds(description: dict, start: float) -> None:
+    signal = SIGNAL.validate_python(description)
+    t = start + np.linspace(0.0, 20.0, 2001)
+    low, high = signal.bounds()
+    assert low - 1e-9 <= signal.value(t).min() and signal.value(t).max() <= high + 1e-9
+    assert np.abs(signal.rate(t)).max() <= signal.fastest() * (1 + 1e-9) + 1e-9
+
+
+def test_the_bounds_of_a_multisine_are_those_of_a_fine_grid() -> None:
+    sines = [{"amplitude": 0.3 / k, "period_s": 12 / k, "phase_deg": 50 * k * k} for k in (1, 2, 3, 5)]
+    signal = SIGNAL.validate_python({"kind": "harmonics", "offset": 0.1, "harmonics": sines})
+    t = np.linspace(0.0, 12.0, 200_001)
+    expected = [signal.value(t).min(), signal.value(t).max()]
+    np.testing.assert_allclose(signal.bounds(), expected, atol=3e-6)
+    assert signal.fastest() == pytest.approx(np.abs(signal.rate(t)).max(), abs=1e-5)
+    assert signal.bounds()[1] < 0.1 + 0.9 * sum(sine["amplitude"] for sine in sines)
+
+
+def test_two_sines_that_meet_after_half_an_hour() -> None:
+    """Their sum is small for minutes, and twice as large as any of them in the end."""
+    sines = [{"amplitude": 0.6, "frequency_hz": 0.5}, {"amplitude": -0.6, "frequency_hz": 0.5 + 1 / 3600}]
+    low, high = SIGNAL.validate_python({"kind": "harmonics", "harmonics": sines}).bounds()
+    assert high == pytest.approx(1.2, abs=1e-5) and low == pytest.approx(-1.2, abs=1e-5)
+
+
+def test_bounds_of_the_largest_sum_take_no_time() -> None:
+    sines = [{"amplitude": 1 / 32, "frequency_hz": 10 - 0.001 * k} for k in range(32)]
+    signal = SIGNAL.validate_python({"kind": "harmonics", "harmonics": sines})
+    start = time.monotonic()
+    assert signal.bounds()[1] >= 0.99 and signal.fastest() > 0.0
+    assert time.monotonic() - start < 1.0
+
+
 @given(switch_s=st.floats(0.05, 1.0))
 def test_prbs_never_leaves_its_levels(switch_s: float) -> None:
     signal = SIGNAL.validate_python({**SMOOTH["prbs"], "switch_s": switch_s})
-    low, high = signal.bounds(30.0)
+    low, high = signal.bounds()
     assert low == pytest.approx(0.2, abs=1e-9) and high == pytest.approx(0.8, abs=1e-9)
 
 
@@ -165,6 +228,16 @@ def test_prbs_never_leaves_its_levels(switch_s: float) -> None:
             {"kind": "harmonics", "harmonics": [{"amplitude": 1, "period_s": 2, "frequency_hz": 0.5}]},
             "exactly one of period_s and frequency_hz",
         ),
+        ({"kind": "harmonics", "harmonics": [{"amplitude": 0.01, "period_s": 9}] * 33}, "at most 32"),
+        ({"kind": "harmonics", "harmonics": [{"amplitude": 0, "frequency_hz": 11}]}, "less than or equal to 10"),
+        ({"kind": "harmonics", "harmonics": [{"amplitude": 0, "period_s": 1e-300}]}, "greater than or equal to 0.1"),
+        ({"kind": "keyframes", "points": [{"t_s": 1e300, "value": 0}]}, "less than or equal to 3600"),
+        (
+            {"kind": "keyframes", "points": [{"t_s": 1, "value": 0}, {"t_s": 1 + 1e-12, "value": 0}]},
+            "t_s 1.000000000001 follows 1; allowed: 0.001 s later, or more",
+        ),
+        ({**SMOOTH["chirp"], "duration_s": 1e-300}, "duration_s"),
+        ({**SMOOTH["prbs"], "interval_s": 1e-300}, "interval_s"),
         ({**SMOOTH["chirp"], "from_hz": 0}, "from_hz"),
         ({**SMOOTH["prbs"], "switch_s": 2.0}, "must not exceed"),
         ({**SMOOTH["prbs"], "seed": 16}, "below 2\\^register_bits"),

@@ -191,3 +191,16 @@ def test_the_command_runs_as_a_program(run: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "training", "export", str(run), "--output", str(tmp_path / "shared")]
     done = subprocess.run(command, cwd=Path(agents.__file__).parents[1], capture_output=True, text=True)
     assert done.returncode == 0 and "after 1,234 steps" in done.stdout and done.stderr == ""
+
+
+def test_an_export_that_was_stopped_is_given_again(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shared = tmp_path / "shared"
+    assert export(run, shared) == 0
+    files = {path.name for path in shared.iterdir()}
+    (shared / "card.json").unlink()
+    (shared / ".card.json.0123.unfinished").write_text("{")
+    assert export(run, shared) == 0
+    assert {path.name for path in shared.iterdir()} == files == {"card.json", "policy.safetensors", "README.md"}
+    assert "already holds an exported policy" in refusal(capsys, run, shared)

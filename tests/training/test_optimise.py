@@ -24,8 +24,8 @@ def test_any_numbers_make_a_maneuver_within_its_channels(numbers):
     """The file's own checks refuse one that leaves them."""
     maneuver = Sines().maneuver(numbers, CANDIDATE)
     for name in CHANNELS:
-        low, high = maneuver.channels.signal(name).bounds(20.0)
-        assert high <= PEAKS[name][1] + 1e-6 and low >= (0.0 if name == "opening" else -PEAKS[name][1]) - 1e-6
+        low, high = maneuver.channels.signal(name).bounds()
+        assert high <= PEAKS[name][1] + 2e-6 and low >= (0.0 if name == "opening" else -PEAKS[name][1]) - 2e-6
 
 
 def test_numbers_and_waves_are_the_same_thing():
@@ -92,7 +92,7 @@ def bowl(target):
     """A judge with a minimum at the maneuver whose peak of side is ``target``."""
 
     def judge(maneuvers):
-        peaks = [m.channels.signal("side").bounds(20.0)[1] for m in maneuvers]
+        peaks = [m.channels.signal("side").value(np.arange(0.0, 20.0, 0.01)).max() for m in maneuvers]
         return [Judged((peak - target) ** 2, 0.0, 0.0, 0.0, 0.0, 0.1) for peak in peaks]
 
     return judge

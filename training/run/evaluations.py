@@ -114,13 +114,14 @@ class Evaluations(BaseCallback):
             "return_sd": float(outcome.figures["return"].std()),
         }
         row = {name: figures[name] for name in COLUMNS if name in figures}
+        # The row last: a run that is killed before it evaluates again, and saves the model again.
+        if self._compare(figures | {"steps": self.last}):
+            self._run.save_model(self.model, self._run.best_model)
+            self._show_best()
         _append(self._run, self.last, row)
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
         self.logger.dump(self.last)
-        if self._compare(figures | {"steps": self.last}):
-            self._run.save_model(self.model, self._run.best_model)
-            self._show_best()
         if self._report is not None:
             self._report(self.last, row)
 
@@ -170,5 +171,5 @@ def read_evaluations(run: RunFolder) -> list[dict[str, float]]:
     except InputError:
         raise
     except (ValueError, TypeError, AttributeError, csv.Error) as error:
-        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())}") from error
+        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())[:120]}") from error
     return rows

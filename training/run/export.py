@@ -30,11 +30,12 @@ from agents.policies import TrainedPolicy, load_policy
 from agents.residual import Residual, ResidualPolicy
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.errors import InputError
-from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json
+from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json, write_text
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
 from training.run.config import EnvConfig, TrainingConfig
 from training.run.folder import RunFolder
+from training.run.model_card import README, readme
 from training.run.network import Network, network_of
 
 if TYPE_CHECKING:
@@ -196,18 +197,19 @@ def _check_free(output: Path, overwrite: bool) -> None:
         present = {path.name for path in output.iterdir()} if output.exists() else set()
     except OSError as error:
         raise InputError(f"output {output}: cannot be read: {error.strerror}") from None
-    if present - {CARD, WEIGHTS}:
+    if present - {CARD, WEIGHTS, README}:
         raise InputError(f"output {output} is a folder that holds something other than an exported policy")
-    if present and not overwrite:
+    if CARD in present and not overwrite:  # weights alone were left by an export that was stopped
         raise InputError(f"output {output} already holds an exported policy; replace it with --overwrite")
 
 
 def _write(output: Path, weights: bytes, card: ModelCard) -> None:
-    """Write the weights, then the card: without its card a folder is no policy."""
+    """Write weights and README, then the card: without its card a folder is no policy."""
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"output {output}: cannot be made: {error.strerror}") from None
     with atomic_write(output / WEIGHTS) as unfinished:
         unfinished.write_bytes(weights)
+    write_text(output / README, readme(output.resolve().name, card))
     write_json(output / CARD, card)

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from agents.residual import BASE_FILE
 from jawenv.errors import InputError
-from jawenv.files import atomic_write, read_mapping, write_json, write_text
+from jawenv.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.versions import made_with
 from training.run.config import TrainingConfig
@@ -92,18 +92,49 @@ class RunFolder:
                 "or replace it with --overwrite"
             )
 
-    def create(self, config: TrainingConfig, env_spec: str, world_seed: int) -> None:
-        """Write the files that say what this run is, in place of an older run's.
+    def create(
+        self,
+        config: TrainingConfig,
+        env_spec: str,
+        world_seed: int,
+        base: Maneuver | None = None,
+        distillation: str | None = None,
+    ) -> None:
+        """Make the folder in place of an older one, whole or not at all, with the files that say what this run is.
+
+        Args:
+            config: of the run.
+            env_spec: of the environment, as JSON.
+            world_seed: of the first training world.
+            base: the maneuver that the policy corrects. A copy is kept: its file may change or go.
+            distillation: settings of a distillation, as YAML.
 
         Raises:
             InputError: the folder cannot be written.
         """
+        new, old = (self.path.with_name(f".{self.path.name}.{age}") for age in ("new", "old"))
         try:
+            for left in (new, old):
+                if left.exists():
+                    shutil.rmtree(left)
+            RunFolder(new)._fill(config, env_spec, world_seed, base, distillation)
             if self.path.exists():
-                shutil.rmtree(self.path)
-            self.checkpoints.mkdir(parents=True)
+                self.path.rename(old)
+            new.rename(self.path)
+            if old.exists():
+                shutil.rmtree(old)
         except OSError as error:
             raise InputError(f"output {self.path}: {error.strerror}") from None
+
+    def _fill(
+        self,
+        config: TrainingConfig,
+        env_spec: str,
+        world_seed: int,
+        base: Maneuver | None,
+        distillation: str | None,
+    ) -> None:
+        self.checkpoints.mkdir(parents=True)
         config.save(self.config_file)
         write_text(self.env_file, env_spec + "\n")
         seeds = {
@@ -112,10 +143,15 @@ class RunFolder:
         }
         repeat = made_with(sessions=[_session(0, world_seed)], seeds=seeds)
         write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
+        if base is not None:
+            write_json(self.path / BASE_FILE, base)
+        if distillation is not None:
+            write_text(self.distillation_file, distillation)
 
-    def save_base(self, maneuver: Maneuver) -> None:
-        """Keep a copy of the maneuver that the policy corrects: its file may change or go."""
-        write_json(self.path / BASE_FILE, maneuver)
+    def remove_unfinished(self) -> None:
+        """Remove what a killed process was writing. Nobody else may be at work in the folder."""
+        for folder in (self.path, self.checkpoints, self.labels):
+            remove_unfinished(folder)
 
     def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:
         """Note that the run was resumed, and with which number of steps as its new end."""

@@ -76,9 +76,7 @@ def start(
         run.check_free(overwrite)
         base = base_targets(config)
         with Session(config, console, 0, base) as session:
-            run.create(config, session.env_spec, session.world_seed)
-            if base is not None:
-                run.save_base(base.maneuver)
+            run.create(config, session.env_spec, session.world_seed, None if base is None else base.maneuver)
             return session.learn(run, report)
 
 
@@ -101,6 +99,7 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
     """
     config = run.open().changed(steps=steps)
     with alone(run.path):
+        run.remove_unfinished()
         checkpoint = run.latest_checkpoint()
         from_step = 0 if checkpoint is None else int(_saved(checkpoint)["num_timesteps"])
         if from_step >= config.steps and run.final_model.exists():
@@ -336,5 +335,6 @@ def _saved(checkpoint: Path) -> dict[str, Any]:
 
 
 def _damaged(checkpoint: Path, error: Exception) -> InputError:
-    reason = " ".join(str(error).split())[:200] or type(error).__name__
+    told = " ".join(str(error).split()).removeprefix(f"{checkpoint}: damaged stable-baselines3 checkpoint: ")
+    reason = told[:200] or type(error).__name__
     return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")

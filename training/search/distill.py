@@ -21,6 +21,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from agents.array_files import load_arrays, save_arrays
+from agents.checkpoints import read_data
 from agents.planners import PLANNERS
 from agents.residual import BaseTargets
 from jawenv.controls import mode_of
@@ -31,6 +32,7 @@ from jawenv.files import InputModel
 from jawenv.progress import Progress
 from training.run.algorithm_configs import PositiveInt, PositiveNumber
 from training.run.config import TrainingConfig
+from training.run.evaluations import Evaluations
 from training.run.folder import RunFolder
 from training.run.train import Session, make_worlds, world_seed, wrapped
 
@@ -212,6 +214,7 @@ def distill(session: Session, settings: Distillation, run: RunFolder, progress: 
     progress.skip(len(rounds) * settings.patients * seconds_of(config))
     if rounds:
         _fit_anew(model, untrained, rounds, settings, config.seed)
+        _evaluate(evaluations, run, session)  # where it was stopped after the labels and before that
     for k in range(len(rounds), settings.rounds):
         labels = gather(
             config,
@@ -227,11 +230,17 @@ def distill(session: Session, settings: Distillation, run: RunFolder, progress: 
             progress.note("error", f"{error_on(model, labels):.3f} from the planner's actions")
         rounds.append(labels)
         _fit_anew(model, untrained, rounds, settings, config.seed)
-        evaluations.evaluate()
-        run.save_checkpoint(model, config.checkpoints.keep)
-    if evaluations.last != model.num_timesteps:
-        evaluations.evaluate()
+        _evaluate(evaluations, run, session)
     run.save_model(model, run.final_model)
+
+
+def _evaluate(evaluations: Evaluations, run: RunFolder, session: Session) -> None:
+    """Evaluate and keep the policy as it is now, unless that is done; random actions follow from seed and steps."""
+    model = session.model
+    if evaluations.last != model.num_timesteps:
+        torch.manual_seed(world_seed(session.config.seed, model.num_timesteps))
+        evaluations.evaluate()
+    run.save_checkpoint(model, session.config.checkpoints.keep)
 
 
 def _advance(progress: Progress, before: float, done: float) -> None:
@@ -242,6 +251,19 @@ def finished_rounds(run: RunFolder, rounds: int) -> list[Path]:
     """The files of the rounds whose labels are there, from the first one on."""
     files = [_file(run, k) for k in range(rounds)]
     return list(takewhile(Path.is_file, files))
+
+
+def is_finished(run: RunFolder, rounds: int) -> bool:
+    """Whether so many rounds are over and the final model is of their labels.
+
+    Raises:
+        InputError: damaged labels, or a damaged model.
+    """
+    files = finished_rounds(run, rounds)
+    if len(files) < rounds or not run.final_model.exists():
+        return False
+    learnt: object = read_data(run.final_model).get("num_timesteps")
+    return learnt == sum(len(Labels.load(path).observation) for path in files)
 
 
 def seconds_of(config: TrainingConfig) -> float:

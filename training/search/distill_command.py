@@ -57,21 +57,22 @@ def distill(
 def _learn(wanted: TrainingConfig, settings: Distillation, run: RunFolder, console: Console, overwrite: bool) -> int:
     """Gather labels and learn from them, round by round; the exit code."""
     from training.run.train import Session, base_targets
-    from training.search.distill import distill, finished_rounds, seconds_of
+    from training.search.distill import distill, is_finished, seconds_of
 
     rounds = settings.rounds
     begun = not overwrite and _is_begun(run, wanted, settings)
-    if begun and run.final_model.exists() and len(finished_rounds(run, rounds)) == rounds:
+    if begun and is_finished(run, rounds):
         console.print(f"{run.path} has all of its {rounds} rounds; nothing to do (--overwrite begins anew)")
         return 0
-    if not begun:
+    if begun:
+        run.remove_unfinished()
+    else:
         run.check_free(overwrite)
     base = base_targets(wanted, run.path if begun else None)
     with Session(wanted, console, 0, base) as session:
         if not begun and base is not None:
-            run.create(wanted, session.env_spec, session.world_seed)
-            run.save_base(base.maneuver)
-        _save(settings, run.distillation_file)
+            run.create(wanted, session.env_spec, session.world_seed, base.maneuver, _text(settings))
+        write_text(run.distillation_file, _text(settings))
 
         def gather(progress: Progress) -> bool:
             distill(session, settings, run, progress)
@@ -102,5 +103,5 @@ def _is_begun(run: RunFolder, wanted: TrainingConfig, settings: Distillation) ->
     return True
 
 
-def _save(settings: Distillation, path: Path) -> None:
-    write_text(path, yaml.safe_dump(settings.model_dump(mode="json"), sort_keys=False))
+def _text(settings: Distillation) -> str:
+    return yaml.safe_dump(settings.model_dump(mode="json"), sort_keys=False)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import write_text
 from jawenv.reading import LARGEST_DATA, read_text
 
@@ -44,8 +44,9 @@ class SearchLog:
         whole = text[: text.rfind("\n") + 1]
         head, *lines = whole.splitlines() or [self._head]
         if head != self._head or not (whole or self._head.startswith(text)):
-            shown = (whole or text).splitlines()[0]
-            raise InputError(f"{self.path} is of another search ({shown}); allowed: the same settings, or --overwrite")
+            other = " ".join((whole or text).splitlines()[0].split())
+            other = other if other.isprintable() and len(other) < 400 else shown(other)
+            raise InputError(f"{self.path} is of another search ({other}); allowed: the same settings, or --overwrite")
         rows = [self._row(line, number) for number, line in enumerate(lines, start=2)]
         if whole != text:
             write_text(self.path, whole)
@@ -72,7 +73,8 @@ class SearchLog:
         try:
             row = [float(text) for text in line.split()]
         except ValueError as error:
-            raise InputError(f"{self.path} is damaged: line {number}: {error}; --overwrite begins anew") from None
+            reason = f"line {number}: {str(error)[:100]}"
+            raise InputError(f"{self.path} is damaged: {reason}; --overwrite begins anew") from None
         if len(row) != self.numbers or not all(map(math.isfinite, row)):
             reason = f"line {number} has not {self.numbers} finite numbers"
             raise InputError(f"{self.path} is damaged: {reason}; --overwrite begins anew")

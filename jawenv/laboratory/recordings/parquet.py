@@ -1,8 +1,14 @@
-"""Parquet files, whose stated size is checked before they are read. Needs the package pyarrow."""
+"""Parquet files whose stated size and checksums are checked as they are read. Needs the package pyarrow.
+
+Pages of values have the checksums of Parquet. What the footer says, which has none there, has a digest among its words:
+of names and types of the columns, the number of rows, and all other words.
+"""
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -11,6 +17,18 @@ from jawenv.errors import InputError
 from jawenv.reading import LARGEST_DATA, open_file
 
 _BYTES_OF_A_VALUE = 8
+_DIGEST = b"jawenv.head_sha256"
+
+
+def write_parquet(table: pa.Table, target: Any) -> None:
+    """Write a table with checksums.
+
+    Args:
+        table: with words about it in its schema's metadata.
+        target: a path, or a file open for writing.
+    """
+    words = {**(table.schema.metadata or {}), _DIGEST: _head(table)}
+    pq.write_table(table.replace_schema_metadata(words), target, compression="zstd", write_page_checksum=True)
 
 
 def read_parquet(path: Path, largest: int = LARGEST_DATA) -> pa.Table:
@@ -22,10 +40,10 @@ def read_parquet(path: Path, largest: int = LARGEST_DATA) -> pa.Table:
 
     Raises:
         InputError: no such file, no regular one, or a table that is larger.
-        pa.ArrowException: the file is damaged; also OSError and ValueError.
+        pa.ArrowException: the file is damaged, or does not fit its checksums; also OSError and ValueError.
     """
     with open_file(path) as file:
-        parquet = pq.ParquetFile(file)
+        parquet = pq.ParquetFile(file, page_checksum_verification=True)
         stated = parquet.metadata
         # A column of one value repeated takes no place in the file.
         groups = [stated.row_group(i) for i in range(stated.num_row_groups)]
@@ -33,4 +51,14 @@ def read_parquet(path: Path, largest: int = LARGEST_DATA) -> pa.Table:
         size = max(unpacked, stated.num_rows * stated.num_columns * _BYTES_OF_A_VALUE)
         if size > largest:
             raise InputError(f"{path}: its table takes {size:,} bytes; allowed: {largest:,} at most")
-        return parquet.read()
+        table = parquet.read()
+    digest = (table.schema.metadata or {}).get(_DIGEST)
+    if digest is not None and digest != _head(table):
+        raise ValueError("what the file says of its table does not fit its digest")
+    return table
+
+
+def _head(table: pa.Table) -> bytes:
+    words = {key: value for key, value in (table.schema.metadata or {}).items() if key != _DIGEST}
+    content = [table.num_rows, [(each.name, str(each.type)) for each in table.schema], sorted(words.items())]
+    return hashlib.sha256(repr(content).encode()).hexdigest().encode()

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
 from jawenv.reading import read_text
 
@@ -96,21 +96,23 @@ def _csv(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
 
 
 def _parquet(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
-    pa, pq = _pyarrow()
+    pa = _pyarrow()
+    from jawenv.laboratory.recordings.parquet import write_parquet
+
     table = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns.items()})
     table = table.replace_schema_metadata({_KEY: json.dumps(about).encode()})
     buffer = io.BytesIO()
-    pq.write_table(table, buffer, compression="zstd")
+    write_parquet(table, buffer)
     return buffer.getvalue()
 
 
-def _pyarrow() -> tuple[Any, Any]:
+def _pyarrow() -> Any:
     try:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
         raise InputError("Parquet needs pyarrow (pip install pyarrow); allowed without it: a .csv file") from None
-    return pyarrow, pyarrow.parquet
+    return pyarrow
 
 
 def _read_csv(path: Path, known: Collection[str]) -> Table:
@@ -131,7 +133,7 @@ def _read_csv(path: Path, known: Collection[str]) -> Table:
                 about[name] = json.loads(value)
             except (ValueError, RecursionError):
                 raise InputError(
-                    f"{path}: {name} in row {first} is {value.strip()!r}; allowed: JSON, as [1, 2]"
+                    f"{path}: {name} in row {first} is {shown(value.strip())}; allowed: JSON, as [1, 2]"
                 ) from None
     try:
         rows = list(csv.reader(lines[first:]))
@@ -162,11 +164,11 @@ def _number(text: str, path: Path, column: str, line: int) -> float:
         return float(stripped)
     except ValueError:
         allowed = "a number, or empty where nothing was read"
-        raise InputError(f"{path}: {column} in row {line} is {stripped[:40]!r}; allowed: {allowed}") from None
+        raise InputError(f"{path}: {column} in row {line} is {shown(stripped)}; allowed: {allowed}") from None
 
 
 def _read_parquet(path: Path) -> Table:
-    pa, _ = _pyarrow()
+    pa = _pyarrow()
     from jawenv.laboratory.recordings.parquet import read_parquet
 
     try:

@@ -10,11 +10,14 @@ from pydantic import Field, model_validator
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, read_model
-from jawenv.playing.maneuvers.signals import AnySignal, KeyframePoint, Keyframes, Signal
+from jawenv.playing.maneuvers.signals import SHORTEST_S, AnySignal, KeyframePoint, Keyframes, Signal
 from jawenv.playing.protocol import Array
 
 FOLDER = Path(__file__).parent / "shipped"
 SUFFIXES = (".yaml", ".yml", ".json", ".toml")
+FASTEST_ASKED = 10.0
+"""1/s: how fast a target may be asked to move. A device moves one at `FASTEST_TARGET` at most, and lags behind."""
+_ROUNDING = 1e-6  # of a bound; what lies beyond by less is within
 _AT_REST = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0),))
 
 
@@ -45,9 +48,13 @@ class Channels(InputModel):
     @model_validator(mode="after")
     def _within_limits(self) -> "Channels":
         for name, lowest in zip(CHANNELS, LOWEST, strict=True):
-            low, high = self.signal(name).bounds()
-            if low < lowest - 1e-9 or high > HIGHEST + 1e-9:
-                raise ValueError(f"{name} runs from {low:.3g} to {high:.3g}, allowed is {lowest:g} to {HIGHEST:g}")
+            signal = self.signal(name)
+            low, high = signal.bounds()
+            if low < lowest - 2.0 * _ROUNDING or high > HIGHEST + 2.0 * _ROUNDING:
+                raise ValueError(f"{name} runs from {low:.4g} to {high:.4g}, allowed is {lowest:g} to {HIGHEST:g}")
+            fastest = signal.fastest()
+            if fastest > FASTEST_ASKED * (1.0 + _ROUNDING):
+                raise ValueError(f"{name} moves at {fastest:.4g} per second, allowed is {FASTEST_ASKED:g} at most")
         return self
 
     def signal(self, name: str) -> Signal:
@@ -71,8 +78,19 @@ class Maneuver(InputModel):
     title: Annotated[str, Field(min_length=1)]
     description: Annotated[str, Field(min_length=1)]
     source: Annotated[str, Field(min_length=1)]
-    fade_in_s: Annotated[Number, Field(gt=0, le=30)] = 1.0
+    fade_in_s: Annotated[Number, Field(ge=SHORTEST_S, le=30)] = 1.0
     channels: Channels
+
+    @model_validator(mode="after")
+    def _begins_slowly(self) -> "Maneuver":
+        for name in CHANNELS:
+            begin = abs(float(self.channels.signal(name).value(0.0)))
+            if begin > FASTEST_ASKED * self.fade_in_s + _ROUNDING:
+                raise ValueError(
+                    f"fade_in_s = {self.fade_in_s:g} takes {name} to {begin:.4g} at {begin / self.fade_in_s:.4g} "
+                    f"per second, allowed is {FASTEST_ASKED:g} at most"
+                )
+        return self
 
     @cached_property
     def _fade(self) -> Keyframes:

@@ -1,7 +1,8 @@
 """Target signals over time: what one channel of a maneuver asks for.
 
 Each signal is a small validated model with a `value(t)` and its exact time derivative `rate(t)`, both for arrays of
-any shape, t in seconds since the episode began. Values are dimensionless fractions; the maneuver says of what.
+any shape, t in seconds since the episode began, and with bounds of both that are computed, not sampled. Values are
+dimensionless fractions; the maneuver says of what.
 """
 
 from abc import ABC, abstractmethod
@@ -16,9 +17,21 @@ from scipy.interpolate import BPoly
 from scipy.signal import max_len_seq
 
 from jawenv.files import InputModel, Number
+from jawenv.playing.maneuvers.extremes import extremes
 from jawenv.playing.protocol import Array
 
-Positive = Annotated[Number, Field(gt=0)]
+LONGEST_S = 3600.0
+"""For which time bounds hold, from the beginning of an episode, and the longest time that a file may name."""
+SHORTEST_S = 1e-3
+HIGHEST_HZ = 10.0
+MOST_HARMONICS = 32
+MOST_POINTS = 20_000
+
+Seconds = Annotated[Number, Field(ge=SHORTEST_S, le=LONGEST_S)]
+Hertz = Annotated[Number, Field(gt=0, le=HIGHEST_HZ)]
+Bounds = tuple[float, float]
+
+_PEAK_SPEED = 15.0 / 8.0  # of a minimum-jerk movement, over its mean speed
 
 
 class Signal(InputModel, ABC):
@@ -32,10 +45,13 @@ class Signal(InputModel, ABC):
     def rate(self, t: ArrayLike) -> Array:
         """The target's time derivative (1/s) at times t (s), an array of t's shape."""
 
-    def bounds(self, duration_s: float = 120.0) -> tuple[float, float]:
-        """Lowest and highest value within `duration_s`, sampled 100 times a second."""
-        values = self.value(np.arange(0.0, duration_s, 0.01))
-        return float(values.min()), float(values.max())
+    @abstractmethod
+    def bounds(self) -> Bounds:
+        """A lowest and a highest value that the target does not leave within `LONGEST_S`."""
+
+    @abstractmethod
+    def fastest(self) -> float:
+        """The size of the rate (1/s), at most, within `LONGEST_S`."""
 
 
 def _stairs(times: Array, values: Array, smooth: bool) -> BPoly:
@@ -51,7 +67,7 @@ def _stairs(times: Array, values: Array, smooth: bool) -> BPoly:
 class KeyframePoint(InputModel):
     """One keyframe."""
 
-    t_s: Annotated[Number, Field(ge=0)]
+    t_s: Annotated[Number, Field(ge=0, le=LONGEST_S)]
     value: Number
 
 
@@ -63,7 +79,7 @@ class Keyframes(Signal):
     """
 
     kind: Literal["keyframes"]
-    points: tuple[KeyframePoint, ...] = Field(min_length=1)
+    points: tuple[KeyframePoint, ...] = Field(min_length=1, max_length=MOST_POINTS)
     interpolation: Literal["smooth", "linear"] = "smooth"
     repeat: bool = False
 
@@ -72,6 +88,10 @@ class Keyframes(Signal):
         for earlier, later in pairwise(self.points):
             if later.t_s <= earlier.t_s:
                 raise ValueError(f"points: t_s {later.t_s:g} follows {earlier.t_s:g}, times must increase")
+            if later.t_s - earlier.t_s < 0.999 * SHORTEST_S:  # what decimals lose
+                raise ValueError(
+                    f"points: t_s {later.t_s:.15g} follows {earlier.t_s:.15g}; allowed: {SHORTEST_S:g} s later, or more"
+                )
         if self.repeat and len(self.points) < 2:
             raise ValueError("repeat: needs at least two points")
         if self.repeat and self.points[0].value != self.points[-1].value:
@@ -113,13 +133,24 @@ class Keyframes(Signal):
             moving &= t < self._path.x[-1]
         return np.where(moving, self._slope(self._time(t)), 0.0)
 
+    def bounds(self) -> Bounds:
+        """See `Signal.bounds`; between two points the target goes from one to the other without turning."""
+        values = [point.value for point in self.points]
+        return min(values), max(values)
+
+    def fastest(self) -> float:
+        """See `Signal.fastest`."""
+        peak = _PEAK_SPEED if self.interpolation == "smooth" else 1.0
+        pairs = pairwise(self.points)
+        return max((peak * abs(b.value - a.value) / (b.t_s - a.t_s) for a, b in pairs), default=0.0)
+
 
 class Harmonic(InputModel):
     """One sine: amplitude sin(2 pi frequency t + phase). Say either its period or its frequency."""
 
     amplitude: Number
-    period_s: Positive | None = None
-    frequency_hz: Positive | None = None
+    period_s: Annotated[Number, Field(ge=1.0 / HIGHEST_HZ)] | None = None
+    frequency_hz: Hertz | None = None
     phase_deg: Number = 0.0
 
     @model_validator(mode="after")
@@ -143,7 +174,7 @@ class Harmonics(Signal):
     """
 
     kind: Literal["harmonics"]
-    harmonics: tuple[Harmonic, ...] = Field(min_length=1)
+    harmonics: tuple[Harmonic, ...] = Field(min_length=1, max_length=MOST_HARMONICS)
     offset: Number = 0.0
 
     @cached_property
@@ -163,6 +194,17 @@ class Harmonics(Signal):
         amplitude, omega, phase = self._table
         return np.cos(np.multiply.outer(t, omega) + phase) @ (amplitude * omega)
 
+    def bounds(self) -> Bounds:
+        """See `Signal.bounds`; exact to a millionth of the sum of the amplitudes."""
+        low, high = _exact_bounds(*self._table)
+        return self.offset + low, self.offset + high
+
+    def fastest(self) -> float:
+        """See `Signal.fastest`; exact to a millionth of the sum of the sines' rates."""
+        amplitude, omega, phase = self._table
+        low, high = _exact_bounds(amplitude * omega, omega, phase + 0.5 * np.pi)
+        return max(-low, high)
+
 
 class Chirp(Signal):
     """A sine whose frequency rises linearly `from_hz` `to_hz` in `duration_s`, then falls back as it rose, and so on.
@@ -172,9 +214,9 @@ class Chirp(Signal):
 
     kind: Literal["chirp"]
     amplitude: Number
-    from_hz: Positive
-    to_hz: Positive
-    duration_s: Positive
+    from_hz: Hertz
+    to_hz: Hertz
+    duration_s: Seconds
     offset: Number = 0.0
 
     def _phase(self, t: ArrayLike) -> tuple[Array, Array]:
@@ -202,6 +244,14 @@ class Chirp(Signal):
         phase, omega = self._phase(t)
         return self.amplitude * omega * np.cos(phase)
 
+    def bounds(self) -> Bounds:
+        """See `Signal.bounds`; the sweeps go on until the sine has had its peaks."""
+        return self.offset - abs(self.amplitude), self.offset + abs(self.amplitude)
+
+    def fastest(self) -> float:
+        """See `Signal.fastest`; the rate of a sine of the highest frequency."""
+        return abs(self.amplitude) * 2.0 * np.pi * max(self.from_hz, self.to_hz)
+
 
 class Prbs(Signal):
     """Pseudo-random binary sequence: offset plus or minus the amplitude, a maximum-length shift register's choice.
@@ -212,8 +262,8 @@ class Prbs(Signal):
 
     kind: Literal["prbs"]
     amplitude: Number
-    interval_s: Positive
-    switch_s: Positive
+    interval_s: Seconds
+    switch_s: Seconds
     register_bits: Annotated[int, Field(ge=2, le=12)]
     seed: Annotated[int, Field(ge=1)] = 1
     offset: Number = 0.0
@@ -250,6 +300,23 @@ class Prbs(Signal):
     def rate(self, t: ArrayLike) -> Array:
         """See `Signal.rate`."""
         return np.asarray(self._slope(np.mod(t, self._path.x[-1])))
+
+    def bounds(self) -> Bounds:
+        """See `Signal.bounds`; the register has both levels."""
+        return self.offset - abs(self.amplitude), self.offset + abs(self.amplitude)
+
+    def fastest(self) -> float:
+        """See `Signal.fastest`."""
+        return _PEAK_SPEED * 2.0 * abs(self.amplitude) / self.switch_s
+
+
+def _exact_bounds(amplitude: Array, omega: Array, phase: Array) -> Bounds:
+    """Of a sum of sines within `LONGEST_S`, to a millionth of the sum of the amplitudes."""
+    size = float(np.abs(amplitude).sum())
+    if len(amplitude) == 1 or not 0.0 < size < np.inf:
+        return -size, size
+    low, high = extremes(amplitude / size, omega, phase, LONGEST_S)
+    return size * low, size * high
 
 
 AnySignal = Annotated[Keyframes | Harmonics | Chirp | Prbs, Field(discriminator="kind")]

@@ -110,13 +110,13 @@ def test_a_full_disk_is_one_line_and_what_is_finished_is_kept(study, plays, monk
         written.append(path)
         original(table, path, **options)
 
-    monkeypatch.setattr(tables.pq, "write_table", full)
+    monkeypatch.setattr(pq, "write_table", full)
     assert study() == 2
     error = capsys.readouterr().err
     assert "cannot be written: No space left on device" in error and error.count("\n") == 1
     kept = parts(study.output)
     assert len(kept) == 2
-    monkeypatch.setattr(tables.pq, "write_table", original)
+    monkeypatch.setattr(pq, "write_table", original)
     assert study() == 0 and kept.items() <= parts(study.output).items()
 
 

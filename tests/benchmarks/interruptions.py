@@ -1,0 +1,146 @@
+"""Stop each command at many moments by SIGKILL or SIGINT, give it again until it ends, and compare with a whole run.
+
+    python tests/benchmarks/interruptions.py --times 3 --seed 1
+
+The moments are drawn between the end of loading and that of the whole run. What is compared are the contents of all
+files but for what says when and for how long a command ran. Ends with 1 where something differs or is left by halves.
+"""
+
+import argparse
+import json
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
+
+from stopping import finished, stopped, unfinished  # noqa: E402 - the folder has just been added
+
+DISTILL = """
+algorithm: ppo
+n_envs: 2
+env: {kwargs: {control: targets, reward: worst, episode_s: 2.0}}
+residual: {maneuver: opening_with_swings, scale: 2.0}
+ppo: {n_steps: 5, batch_size: 10, network: {policy: [16], value: [16]}}
+evaluation: {every_steps: 1000, patients: 2}
+"""
+STUDY = """
+title: small
+entries: [hold_still, slow_opening]
+controls: [force]
+patients: 4
+seed: 20000
+episode_s: 5
+metrics: [worst_sd]
+pairs: [[hold_still, slow_opening]]
+"""
+SMALL = ["--horizon-s", "4", "--patients", "2"]
+COMMANDS = {
+    "design": ["training", "design", "--output", "mine.yaml", *SMALL, "--candidates", "16", "--rounds", "2"],
+    "optimise": ["training", "optimise", "--output", "mine.yaml", *SMALL, "--population", "4", "--generations", "6"],
+    "distill": [
+        "training",
+        "distill",
+        "d.yaml",
+        "--planner",
+        "myopic",
+        "--patients",
+        "3",
+        "--rounds",
+        "3",
+        "--output",
+        "run",
+    ],
+    "study": ["eval", "study", "s.yaml", "--output", "out", "--workers", "2"],
+    "export": ["training", "export", "run", "--output", "shared"],
+}
+TIMES = {"repeat.json", "env.json"}
+"""Files that say when a command ran."""
+
+
+def main() -> int:
+    """Stop them."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--times", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("commands", nargs="*", default=list(COMMANDS))
+    given = parser.parse_args()
+    rng, faults = np.random.default_rng(given.seed), 0
+    with tempfile.TemporaryDirectory() as folder:
+        for name in given.commands:
+            whole = prepared(Path(folder) / f"{name}-whole")
+            if name == "export":
+                finished(COMMANDS["distill"], whole)
+            start = time.monotonic()
+            finished(COMMANDS[name], whole)
+            length = time.monotonic() - start
+            for signal_ in (signal.SIGKILL, signal.SIGINT):
+                faults += broken(
+                    name, whole, Path(folder) / f"{name}-{signal_.name}", signal_, length, given.times, rng
+                )
+    return 1 if faults else 0
+
+
+def prepared(folder: Path) -> Path:
+    """A folder with the files that the commands take."""
+    folder.mkdir()
+    (folder / "d.yaml").write_text(DISTILL)
+    (folder / "s.yaml").write_text(STUDY)
+    return folder
+
+
+def broken(name, whole, folder, signal_, length, times, rng) -> bool:
+    """Stop a command several times in a row; whether what it leaves in the end is not what a whole run leaves."""
+    prepared(folder)
+    if name == "export":
+        shutil.copytree(whole / "run", folder / "run")
+    codes = []
+    for _ in range(times):
+        end = time.monotonic() + rng.uniform(0.3, 1.0) * length
+        code, error = stopped(COMMANDS[name], folder, lambda end=end: time.monotonic() > end, signal_)
+        codes.append(code)
+        if code == 2:
+            print(error)
+        if name == "export" and (folder / "shared" / "card.json").exists():  # nothing is left to do
+            shutil.rmtree(folder / "shared")
+    finished(COMMANDS[name], folder)
+    wanted, found = contents(whole), contents(folder)
+    other = sorted(path for path in wanted.keys() | found.keys() if wanted.get(path) != found.get(path))
+    left = unfinished(folder)
+    print(
+        f"{name:9s} {signal_.name}: exit codes {codes}, other: {other or 'nothing'}, left: {left or 'nothing'}",
+        flush=True,
+    )
+    return bool(other or left or 2 in codes)
+
+
+def contents(folder: Path) -> dict[str, object]:
+    """What each file says, by its place."""
+    files = [path for path in folder.rglob("*") if path.is_file() and "tensorboard" not in path.parts]
+    return {str(path.relative_to(folder)): content(path) for path in files if path.name not in TIMES}
+
+
+def content(path: Path) -> object:
+    """What a file says, but for the time it was made."""
+    if path.suffix == ".zip":
+        with zipfile.ZipFile(path) as archive:
+            return [archive.read(name) for name in ("policy.pth", "pytorch_variables.pth")]
+    if path.suffix == ".parquet":
+        from eval.kept.tables import rows_in
+
+        return rows_in(path).to_json()
+    if path.name == "card.json":
+        return {key: value for key, value in json.loads(path.read_text()).items() if key != "commands"}
+    if path.name == "study.md":
+        return [line for line in path.read_text().splitlines() if "UTC" not in line]
+    return path.read_bytes()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

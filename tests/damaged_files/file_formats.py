@@ -1,0 +1,167 @@
+"""Every kind of file that the project reads from outside: a whole one of each, and what is read of it."""
+
+import hashlib
+import io
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import file_contents as contents
+
+from agents.card import SHIPPED, ResultsFile, read_card
+from agents.checkpoints import read_data
+from agents.exported import load_exported
+from agents.policies import load_policy
+from agents.replay import Replay
+from eval.comparison import motion
+from eval.kept.tables import read_table
+from eval.patient.courses import load as load_treatment
+from eval.studies.design import read as read_study
+from eval.studies.design import shipped as shipped_studies
+from jawenv import Cohort, Device, Knowledge, Patient
+from jawenv.files import read_mapping, read_model
+from jawenv.laboratory.recordings.files import load_record
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
+from jawenv.reality.options import Reality
+from training.run.config import TrainingConfig
+from training.run.evaluations import read_evaluations
+from training.run.folder import RunFolder
+from training.search.distill import Distillation, Labels
+from training.search.log import SearchLog
+
+CONFIGS = Path(__file__).parents[2] / "training" / "configs"
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file.
+
+    Attributes:
+        name: of the kind.
+        file: the one that is damaged, in a folder of its own.
+        make: writes all files into the folder.
+        read: what the folder's files say, as something that can be compared.
+        has_checksums: a damaged file is refused, or says the same; a text may say something else that is allowed.
+        inner: what is damaged, of the file's content.
+        put: writes the damaged content into the place of the file.
+    """
+
+    name: str
+    file: str
+    make: Callable[[Path], object]
+    read: Callable[[Path], Any]
+    has_checksums: bool = False
+    inner: Callable[[bytes], bytes] = bytes
+    put: Callable[[Path, bytes], object] = Path.write_bytes
+
+
+def _text(name: str, file: str, text: str, read: Callable[[Path], Any]) -> Format:
+    return Format(name, file, lambda folder: (folder / file).write_text(text), lambda folder: repr(read(folder / file)))
+
+
+def _copied(name: str, source: Path, read: Callable[[Path], Any]) -> Format:
+    return _text(name, source.name, source.read_text(encoding="utf-8"), read)
+
+
+def _with_hash(path: Path, content: bytes) -> None:
+    """Weights whose card has their hash."""
+    path.write_bytes(content)
+    card = path.parent / "card.json"
+    fields = json.loads(card.read_text(encoding="utf-8"))
+    card.write_text(json.dumps(fields | {"weights_sha256": hashlib.sha256(content).hexdigest()}), encoding="utf-8")
+
+
+def _member(name: str) -> dict[str, Any]:
+    """A member of an archive is damaged, and the archive is written anew: no checksum tells of it."""
+
+    def inner(content: bytes) -> bytes:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            return archive.read(name)
+
+    def put(path: Path, content: bytes) -> None:
+        with zipfile.ZipFile(path) as archive:
+            members = {each: archive.read(each) for each in archive.namelist()}
+        with zipfile.ZipFile(path, "w") as archive:
+            for each, held in (members | {name: content}).items():
+                archive.writestr(each, held)
+
+    return {"inner": inner, "put": put}
+
+
+def _table(folder: Path) -> Any:
+    frame, about = read_table(folder / "a.parquet")
+    return frame.to_json(), list(map(str, frame.dtypes)), about
+
+
+def _record(path: Path) -> Any:
+    record = load_record(path)
+    return repr([part.tobytes() for part in (record.time, record.measured, record.samples, record.start_mean)])
+
+
+def _replay(folder: Path) -> Any:
+    replay = Replay.load(folder / "a.npz")
+    return replay.name, replay.decision_hz, contents.actions_of(replay)
+
+
+def _labels(folder: Path) -> Any:
+    labels = Labels.load(folder / "a.npz")
+    return labels.observation.tobytes(), labels.residual.tobytes()
+
+
+def _policy(folder: Path) -> Any:
+    agent = load_policy(folder)
+    return contents.actions_of(agent, agent.observation_size), repr(read_data(folder / "final_model.zip"))
+
+
+def _exported(folder: Path) -> Any:
+    return contents.actions_of(load_exported(folder))
+
+
+def _shipped_policy(folder: Path) -> None:
+    shutil.copytree(SHIPPED / "ppo_trismus", folder, dirs_exist_ok=True)
+
+
+_NPZ = ("a.npz", contents.replay, _replay)
+_CHECKPOINT = ("final_model.zip", contents.run, _policy)
+_WEIGHTS = ("policy.safetensors", _shipped_policy, _exported)
+_PAIRS = {"f": 1.5, "g": [1, 2], "h": {"a": True, "b": "text"}, "i": None}
+
+FORMATS = (
+    _copied("maneuver", MANEUVERS / "chirp.yaml", Maneuver.load),
+    _copied("maneuver of sines", MANEUVERS / "multisine.yaml", Maneuver.load),
+    _copied("designed maneuver", MANEUVERS / "refined.yaml", Maneuver.load),
+    _text("patient", "a.json", contents.patient(), Patient.load),
+    _text("cohort", "a.toml", contents.COHORT, lambda path: Cohort.load(path).to_dict()),
+    _text("device", "a.toml", contents.numbers(Device), Device.load),
+    _text("reality", "a.yaml", contents.numbers(Reality).replace(" = ", ": "), Reality.load),
+    _text("knowledge", "a.yaml", contents.numbers(Knowledge).replace(" = ", ": "), Knowledge.load),
+    _text("mapping", "a.yml", json.dumps(_PAIRS), read_mapping),
+    _copied("study", shipped_studies()["ladder"], lambda path: read_study(str(path))),
+    _copied("training configuration", CONFIGS / "ppo.yaml", TrainingConfig.load),
+    _text("distillation", "a.yaml", contents.DISTILLATION, lambda path: read_model(path, Distillation)),
+    _text("search log", "a.txt", contents.SEARCH, lambda path: SearchLog(path, {"seed": 1}, 3).rows()),
+    _text(
+        "evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(RunFolder(path.parent))
+    ),
+    _text("results for a card", "a.yaml", contents.RESULTS, lambda path: read_model(path, ResultsFile)),
+    _text("motions", "a.json", contents.MOTIONS, motion.load),
+    Format("card", "card.json", _shipped_policy, lambda folder: repr(read_card(folder))),
+    Format("exported policy", *_WEIGHTS, has_checksums=True),
+    Format("weights with their hash", *_WEIGHTS, put=_with_hash),
+    Format("recording in CSV", "a.csv", contents.recording, lambda folder: _record(folder / "a.csv")),
+    Format("recording", "a.parquet", contents.recording, lambda folder: _record(folder / "a.parquet"), True),
+    Format("results", "a.parquet", contents.table, _table, has_checksums=True),
+    Format("recorded actions", *_NPZ, has_checksums=True),
+    Format("recorded actions, anew", *_NPZ, **_member("actions.npy")),
+    Format("labels", "a.npz", contents.labels, _labels, has_checksums=True),
+    Format("treatment", "a.npz", contents.treatment, lambda folder: repr(load_treatment(folder / "a.npz")), True),
+    Format("checkpoint", *_CHECKPOINT, has_checksums=True),
+    Format("checkpoint's weights, anew", *_CHECKPOINT, **_member("policy.pth")),
+    Format("checkpoint's settings, anew", *_CHECKPOINT, **_member("data")),
+)
+"""All kinds."""
