@@ -9,6 +9,8 @@ DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $(DEMO)
 
 export PYTHON
+# Compiled sources are kept in .venv and here: without them each of the many processes starts three times as slowly.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help demo notebooks docs tables test lint bench sbom clean
@@ -36,7 +38,7 @@ tables: ## play the studies whose tables the documentation shows, and renew thes
 	for study in $(STUDIES); do $(BIN)/python -m eval study $$study && cp runs/study/$$study/study.md docs/tables/$$study.md || exit 1; done
 
 test: lint ## lint, types and all tests
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal
 
 lint: ## ruff and mypy
 	@.ci/setup train eval docs dev

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from jawenv.errors import InputError
-
-if TYPE_CHECKING:
-    from eval.settings import Settings
 
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
@@ -93,28 +90,22 @@ def known_within(given: str) -> dict[str, float]:
     return {name: value for name, value in asdict(knowledge(given)).items() if value > 0.0}
 
 
-def settings_of(
-    patients: int,
-    cohort: str,
-    seed: int,
-    control: str,
-    sensors: str,
-    episode_s: float,
-    env: str,
-    reality: list[str] | None,
-    device: list[str] | None,
-    estimator: str | None,
-) -> Settings:
-    """The settings that a command's options ask for, in their order.
+def effects(texts: list[str] | None) -> dict[str, float]:
+    """The effects that ``--reality`` gives, as `Settings` takes them.
 
     Raises:
-        InputError: a value is not allowed, or a text of ``reality`` or ``device`` is no field with a number.
+        InputError: a text is no field with a number.
     """
-    from eval.settings import Settings
+    return _fields("reality", texts, "creep_share=0.3")
 
-    effects = _fields("reality", reality, "creep_share=0.3")
-    changed = _fields("device", device, "cell_force_N=0.2")
-    return Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changed, estimator)
+
+def changes(texts: list[str] | None) -> dict[str, float]:
+    """The fields of the device that ``--device`` gives, as `Settings` takes them.
+
+    Raises:
+        InputError: a text is no field with a number.
+    """
+    return _fields("device", texts, "cell_force_N=0.2")
 
 
 def _fields(option: str, texts: list[str] | None, example: str) -> dict[str, float]:

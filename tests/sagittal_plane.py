@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import fossa, rotation
+from jawenv.mechanics.linearisation import linear_dtype
 from jawenv.mechanics.newton_euler import runge_kutta
 
 LAW = (1.5, 7.0)  # F_o (N) and b of every line: opens by some 24 mm under 5 N at the incisors
@@ -33,7 +33,7 @@ def on_path(jaw, x, theta):
 def midline_rest(jaw, law=LAW):
     """x and theta where the midline model rests."""
     pose = np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=linear_dtype(6))[0]
     _, found = settle(jaw, muscles(law), pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     assert found
     return pose[0], pose[2]

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 
 from jawenv.anatomy import COHORTS, WHOLE_MUSCLES, attachment, attachment_rows
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import capsule_force, muscle_pull
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.mechanics.linearisation import linear_dtype
 
 MUSCLE_COLOURS = {"masseter": RED, "temporalis": BLUE, "medial_pterygoid": GREEN}
 
@@ -79,7 +79,7 @@ def frames() -> Figure:
 def stretches_when_open(opening: float) -> np.ndarray:
     """Stretch (l - l_o)/l_o of masseter, temporalis, medial pterygoid of the trismus median jaw held open (m)."""
     jaw, muscles, pose = build_jaw(), np.tile([1.2, 7.0], (6, 1)), np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0], np.empty((5, 5)), np.empty(5)
+    scratch = np.zeros(1, dtype=linear_dtype(6))[0], np.empty((5, 5)), np.empty(5)
     for held in np.linspace(0.0, opening, 8):
         settle(jaw, muscles, pose, held, True, *scratch)
     contact, turn = contact_point(jaw, tuple(pose)), rotation(tuple(pose))

@@ -7,10 +7,10 @@ from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
 from matplotlib.figure import Figure
 
 from jawenv.envs import reset_kernel
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.linearisation import linear_dtype
 
 
 def opened_slowly(F_o: float, b: float, furthest: float = 14e-3, pieces: int = 600) -> np.ndarray:
@@ -22,7 +22,7 @@ def opened_slowly(F_o: float, b: float, furthest: float = 14e-3, pieces: int = 6
     from scipy.optimize import root
 
     jaw, muscles, pose = build_jaw(), np.tile([F_o, b], (6, 1)), np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0], np.empty((5, 5)), np.empty(5)
+    scratch = np.zeros(1, dtype=linear_dtype(6))[0], np.empty((5, 5)), np.empty(5)
     settle(jaw, muscles, pose, 0.0, False, *scratch)
     rows = [(pose[0], opening_of(jaw, pose), 0.0)]
     # The teeth part first, by the opening: until then the condyle hardly moves, and may move back.
@@ -106,7 +106,7 @@ def midline_rests(wrenches: np.ndarray) -> np.ndarray:
 
     jaw, log_parameters = build_jaw(), np.log(np.tile([1.2, 7.0], 6))
     pose, units, rows = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.array([1e-3, 1e-3, 0.1, 0.1, 0.1]), []
-    muscles, scratch = np.exp(log_parameters).reshape(6, 2), np.zeros(1, dtype=joint_scratch_dtype())[0]
+    muscles, scratch = np.exp(log_parameters).reshape(6, 2), np.zeros(1, dtype=linear_dtype(6))[0]
     settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     for wrench in wrenches:
 

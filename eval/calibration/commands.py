@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -54,12 +54,11 @@ def calibrate_command(
     from eval.calibration.calibrate import Calibration, calibrate
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
+    from eval.settings import Settings
 
     moments = tuple(_seconds(text) for text in times.split(","))
-    settings = options.settings_of(
-        patients, cohort, seed, control, sensors, moments[-1], env, reality, device, estimator
-    )
-    settings = replace(settings, knowledge=options.known_within(knowledge))
+    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
+    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changes, estimator, within)
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)

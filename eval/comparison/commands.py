@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,13 +63,13 @@ def compare_command(
     from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
+    from eval.settings import Settings
 
     admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = options.settings_of(
-        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
-    )
-    settings = replace(settings, knowledge=options.known_within(knowledge))
+    env = env or env_of_runs(wanted)
+    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator, within)
     loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)

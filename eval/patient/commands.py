@@ -64,11 +64,12 @@ def patient_command(
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course
+    from eval.settings import Settings
 
     plan = Course(treatments, drift)
-    settings = options.settings_of(
-        1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]), reality, device, estimator
-    )
+    env = env or env_of_runs([entry])
+    effects, changes = options.effects(reality), options.changes(device)
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator)
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
@@ -113,13 +114,14 @@ def diagnose_command(
     from eval.entries import env_of_runs, load_entries
     from eval.kept.tables import write_table
     from eval.patient import accuracy
+    from eval.settings import Settings
 
     wanted = entries or []
     if not wanted:
         raise InputError("nothing to diagnose with: name a maneuver or a training run")
-    settings = options.settings_of(
-        patients, cohort, seed, control, sensors, episode_s, env or env_of_runs(wanted), reality, device, estimator
-    )
+    env = env or env_of_runs(wanted)
+    effects, changes = options.effects(reality), options.changes(device)
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator)
     loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), terminal()
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)

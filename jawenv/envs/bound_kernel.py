@@ -12,7 +12,8 @@ import numpy as np
 
 from jawenv.envs.information import decompose_parameters
 from jawenv.envs.plants import TICK
-from jawenv.filter.joint_recursion import joint_scratch_dtype, move, predict_covariance, update_covariance
+from jawenv.filter.joint_recursion import joint_scratch_dtype, predict_covariance, update_covariance
+from jawenv.filter.joint_step import propagate
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.records import record_dtype
 
@@ -51,7 +52,7 @@ def follow_bound(model, world, settings, scratch, path):
         row = path[k % rows]
         if not begun:
             joint.state[:] = path[(k - 1) % rows].state
-            move(model, truth.muscles, joint.state, row.wrench, row.trend, 0.0, TICK, joint)
+            propagate(model, truth.muscles, joint.state, row.wrench, row.trend, 0.0, TICK, joint)
             predict_covariance(truth.bound, settings.noise_variance, joint)
         joint.state[:] = row.state
         update_covariance(model, joint.state, truth.bound, known.measurement_variance, known.used, joint)

@@ -19,10 +19,10 @@ from jawenv.filter.tick import begin_filter
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
+from jawenv.mechanics.linearisation import linear_dtype
 from jawenv.reality.state import reset_reality
 
 # The patient's painless range (grade G): what a slow vertical pull of 12 N opens, at most 25 mm above rest, and no more
@@ -42,10 +42,7 @@ CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's t
 def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
     """Dtype of one thread's working memory of ``begin``."""
     fields = [
-        ("by_state", "f8", (5, N_STATES)),
-        ("by_input", "f8", (5, N_WRENCH)),
-        ("stiffness", "f8", (3, 3, 3)),
-        ("pulls", "f8", (n_lines, 7)),
+        ("linear", linear_dtype(n_lines)),
         ("matrix", "f8", (5, 5)),
         ("right", "f8", 5),
         ("poses", "f8", (RANGE_STEPS + 1, 5)),
@@ -74,7 +71,7 @@ def open_slowly(jaw, muscles, pose, scratch):
     poses, positions = scratch.poses, scratch.places
     for i in range(5):
         poses[0, i] = pose[i]
-    _, converged = settle(jaw, muscles, poses[0], 0.0, False, scratch, scratch.matrix, scratch.right)
+    _, converged = settle(jaw, muscles, poses[0], 0.0, False, scratch.linear, scratch.matrix, scratch.right)
     for i in range(5):
         pose[i] = poses[0, i]
     write_position(jaw, poses[0], positions, 0)
@@ -85,7 +82,7 @@ def open_slowly(jaw, muscles, pose, scratch):
     for i in range(1, RANGE_STEPS + 1):
         poses[i, :] = poses[i - 1, :]
         opening = rest_opening + furthest * i / RANGE_STEPS
-        force, converged = settle(jaw, muscles, poses[i], opening, True, scratch, scratch.matrix, scratch.right)
+        force, converged = settle(jaw, muscles, poses[i], opening, True, scratch.linear, scratch.matrix, scratch.right)
         too_far = poses[i, 0] > CREST_SHARE * jaw.crest - CONDYLE_FREE
         if not converged or force > PAINLESS_FORCE or too_far:
             return i - 1

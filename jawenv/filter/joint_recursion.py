@@ -21,16 +21,13 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numba.extending import overload
 
 from jawenv.filter.cell_trend import mean_reading
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_body_step import propagate_body
-from jawenv.filter.joint_step import N_NOISE, copy_matrix, propagate, sensitivity_fields
+from jawenv.filter.joint_step import N_NOISE, copy_matrix, sensitivity_fields
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 
@@ -101,30 +98,6 @@ def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
         fast = mean_reading(samples, k) - trend[k]
         scratch.noise_variance[k] = wrench_variance[k] + gain_variance * fast * fast
         scratch.noise_variance[N_WRENCH + k] = wrench_variance[N_WRENCH + k]
-
-
-def propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    """``propagate`` or ``propagate_body``, whichever is for as many states as ``scratch`` is made for.
-
-    Chosen at compile time from the types, so that only one is compiled.
-    """
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(propagate_either, inline="always")
-def _choose_model(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    chosen = propagate_body if scratch.typeof("total").shape[0] == N_BODY else propagate
-
-    def call(jaw, muscles, state, samples, trend, gain, dt, scratch):
-        chosen(jaw, muscles, state, samples, trend, gain, dt, scratch)
-
-    return call
-
-
-@njit
-def move(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    """Propagate the motion with its derivative, by the model that ``scratch`` is made for."""
-    propagate_either(jaw, muscles, state, samples, trend, gain, dt, scratch)
 
 
 @njit

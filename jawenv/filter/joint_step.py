@@ -1,9 +1,9 @@
-"""One step of the filter's model and its exact derivative.
+"""One step of the filter's model and its exact derivative, of the midline model or of the one with two condyles.
 
-The model is one classical Runge-Kutta step, or a few if the jaw is stiff, under the wrench that the load cell read at
-the start, the middle and the end of the step: a stiff servo changes its force within a step, and with the mean alone
-the predicted motion is off by a quarter of its change. The derivative is the same step applied to the variational
-equation, so that it is the derivative of the numbers that the filter computes, to rounding.
+The model is one classical Runge-Kutta step, or a few if the jaw is stiff, as discs always are. Its wrench is what the
+load cell read at the start, the middle and the end of the step: a stiff servo changes its force within a step, and with
+the mean alone the predicted motion is off by a quarter of its change. The derivative is the same step applied to the
+variational equation, so that it is the derivative of the numbers that the filter computes, to rounding.
 
 Of the wrench not known there are two sets of columns: constant over the step, and tilting from -1 to 1. The noise of
 three samples, with the weights 1/6, 4/6, 1/6 of Simpson's rule, acts as both do if each has the variance of the mean:
@@ -17,30 +17,26 @@ from math import exp
 from typing import Any
 
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
-from jawenv.kernels.functions import sin_cos
 from jawenv.kernels.linalg import add_scaled, multiply
 from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
-from jawenv.mechanics.kinematics import angle_rates, split
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.linearisation import linear_dtype, linearised_rate, motion_of
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 N_SAMPLES = 3  # of the load cell per step
 N_NOISE = 2 * N_WRENCH  # columns of the wrench not known: constant over a step, and tilting
+BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 1000 rad/s, is stable and damped
 
 
 def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -> list[Any]:
-    """Working memory of ``propagate``, or of ``propagate_body`` with its 12 states, as fields of a dtype.
+    """Working memory of ``propagate``, as fields of a dtype.
 
     Columns of the derivative: the states of motion, log F_o and log b of each muscle, the load cell's gain, the
     wrench not known.
     """
     n_columns = n_states + 2 * n_muscles + 1 + N_NOISE
     return [
-        ("by_state", "f8", (n_states // 2, n_states)),
-        ("by_input", "f8", (n_states // 2, 2 * n_muscles + N_WRENCH)),
-        ("stiffness", "f8", (3, 3, 3)),
-        ("pulls", "f8", (n_lines, 7)),
-        ("by_angle", "f8", (3, 5)),
+        ("linear", linear_dtype(n_lines, n_states, n_muscles)),
         ("jacobian", "f8", (n_states, n_states)),
         ("start", "f8", (n_states, n_columns)),
         ("stage", "f8", (n_states, n_columns)),
@@ -59,27 +55,12 @@ def set_muscles(jaw, log_parameters, offset, muscles):
 
 
 @njit
-def fill_angle_rate_derivatives(q, omega, by_angle):
-    """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
-    sp, cp = sin_cos(q[3])
-    sa, ca = sin_cos(q[4])
-    tangent = sp / cp
-    across = omega[1] * ca - omega[2] * sa
-    along = omega[1] * sa + omega[2] * ca
-    by_angle[0, 0], by_angle[0, 1] = across * sp / (cp * cp), -along / cp
-    by_angle[0, 2], by_angle[0, 3], by_angle[0, 4] = 0.0, ca / cp, -sa / cp
-    by_angle[1, 0], by_angle[1, 1] = 0.0, across
-    by_angle[1, 2], by_angle[1, 3], by_angle[1, 4] = 0.0, sa, ca
-    by_angle[2, 0], by_angle[2, 1] = -across / (cp * cp), along * tangent
-    by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
-
-
-@njit
-def set_jacobian(h, by_state, by_angle, jacobian):
+def set_jacobian(h, linear, jacobian):
     """Into the first n columns of ``jacobian`` (n rows) ``h`` times the derivative of the state's rate by the state.
 
-    ``by_state`` (n / 2, n) is that of the accelerations, ``by_angle`` (3, 5) that of the angles' rates.
+    ``linear`` is as ``linearised_rate`` fills it.
     """
+    by_state, by_angle = linear.by_state, linear.by_angle
     half, size = by_state.shape
     first = half - 3  # of the angles
     for i in range(half):
@@ -125,25 +106,6 @@ def add_inputs(slope, by_input, trend, tilt):
             slope[first + i, wrenches - 1] += trend[j] * by_input[i, parameters + j]
 
 
-@njit_within
-def rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch):
-    """(q', u') at a stage, and into ``scratch.slope`` its derivative given the stage's own in ``scratch.stage``.
-
-    The wrench is ``sample`` + g ``trend``, with g the gain error and ``trend`` (6) the recent trend of the load cell;
-    ``tilt`` is where in the step, from -1 to 1.
-    """
-    wrench = with_gain(sample, trend, gain)
-    acceleration = linearise_acceleration(
-        jaw, muscles, q, u, wrench, scratch.by_state, scratch.by_input, scratch.stiffness, scratch.pulls
-    )
-    omega = (u[2], u[3], u[4])
-    fill_angle_rate_derivatives(q, omega, scratch.by_angle)
-    set_jacobian(1.0, scratch.by_state, scratch.by_angle, scratch.jacobian)
-    multiply(scratch.jacobian, scratch.stage, scratch.slope)
-    add_inputs(scratch.slope, scratch.by_input, trend, tilt)
-    return angle_rates(q, omega), acceleration
-
-
 @njit
 def set_identity(matrix):
     """Ones on the diagonal of the leading square block, zeros elsewhere."""
@@ -182,31 +144,37 @@ def stage_share(part, stage, parts):
 
 
 @njit
-def step_parts(jaw, muscles, state, dt):
-    """Into how many parts the step from ``state`` (10) is divided."""
-    q, _ = split(state)
-    return parts_needed(fastest_rate(jaw, muscles, q), dt, 1)
+def step_parts(jaw, muscles, state, dt, linear):
+    """Into how many parts the step from ``state`` (n) is divided, of the model that ``linear`` is made for."""
+    q, _ = motion_of(state, linear)
+    pose = (q[0], q[1], q[-3], q[-2], q[-1])
+    return parts_needed(fastest_rate(jaw, muscles, pose), dt, 1 if len(q) == N_STATES // 2 else BODY_PARTS)
 
 
-@njit_within
+@njit
 def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
-    """Advance ``state`` (10) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
+    """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 
-    ``samples`` (3, 6) are the load cell's readings at the start, middle and end; ``trend`` and ``gain`` as in
-    ``rate_and_sensitivity``. A jaw that is stiff takes the step in parts (``parts_needed``).
+    The number of states is that of the model that ``scratch`` is made for. ``samples`` (3, 6) are the load cell's
+    readings at the start, middle and end. The wrench is the reading + g ``trend``, with g the gain error ``gain`` and
+    ``trend`` (6) the recent trend of the load cell. A jaw that is stiff takes the step in parts (``parts_needed``).
     """
-    propagate_in(jaw, muscles, state, samples, trend, gain, dt, step_parts(jaw, muscles, state, dt), scratch)
+    parts = step_parts(jaw, muscles, state, dt, scratch.linear)
+    propagate_in(jaw, muscles, state, (samples, trend, gain), dt, parts, scratch)
 
 
 @njit_within
 def joint_rate(q, u, stage, h, given):
     """(q', u') at a stage; moves the derivative, too, through the stage."""
-    jaw, muscles, samples, trend, gain, part, parts, scratch = given
+    jaw, muscles, (samples, trend, gain), part, parts, scratch = given
     share = stage_share(part, stage, parts)
-    sample, tilt = between_samples(samples, share), 2.0 * share - 1.0
-    rates, acceleration = rate_and_sensitivity(jaw, muscles, q, u, sample, trend, gain, tilt, scratch)
+    wrench = with_gain(between_samples(samples, share), trend, gain)
+    rate = linearised_rate(jaw, muscles, q, u, wrench, scratch.linear)
+    set_jacobian(1.0, scratch.linear, scratch.jacobian)
+    multiply(scratch.jacobian, scratch.stage, scratch.slope)
+    add_inputs(scratch.slope, scratch.linear.by_input, trend, 2.0 * share - 1.0)
     move_derivative(stage, h, scratch)
-    return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration
+    return rate
 
 
 @njit
@@ -225,13 +193,13 @@ def move_derivative(stage, h, scratch):
 
 
 @njit
-def propagate_in(jaw, muscles, state, samples, trend, gain, dt, parts, scratch):
-    """As ``propagate``, with the step divided into ``parts``, whatever the state."""
+def propagate_in(jaw, muscles, state, cell, dt, parts, scratch):
+    """As ``propagate``, with the step divided into ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
     set_identity(scratch.total)
     h = dt / parts
     for part in range(parts):
         begin_derivative(scratch)
-        q, u = split(state)
-        given = (jaw, muscles, samples, trend, gain, part, parts, scratch)
+        q, u = motion_of(state, scratch.linear)
+        given = (jaw, muscles, cell, part, parts, scratch)
         q, u = runge_kutta_step(joint_rate, q, u, h, given)
         set_state(state, q, u)

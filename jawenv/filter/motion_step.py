@@ -19,22 +19,15 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from jawenv.filter.joint_body_step import body_step_parts
-from jawenv.filter.joint_step import (
-    between_samples,
-    fill_angle_rate_derivatives,
-    set_jacobian,
-    stage_share,
-    step_parts,
-)
+from jawenv.filter.joint_step import between_samples, set_jacobian, stage_share, step_parts
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
-from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, midline_pose, split_body
-from jawenv.mechanics.bilateral_linear import linearise_body
-from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration, state_rate
-from jawenv.mechanics.kinematics import angle_rates, split
+from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, split_body
+from jawenv.mechanics.dynamics import N_WRENCH, state_rate
+from jawenv.mechanics.kinematics import split
+from jawenv.mechanics.linearisation import linear_dtype, linearised_rate
 
 ORDER = 4  # of the series
 VECTOR = 8  # numbers that the compiler's loops take at once
@@ -51,11 +44,7 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
     wide = (n_states, n_states + N_WRENCH)
     fields: list[Any] = [
         ("muscles", "f8", (n_lines, 2)),  # F_o and b of each line
-        ("by_state", "f8", (n_states // 2, n_states)),  # derivative of the accelerations
-        ("by_wrench", "f8", (n_states // 2, N_WRENCH)),
-        ("by_angle", "f8", (3, 5)),
-        ("stiffness", "f8", (3, 3, 3)),
-        ("pulls", "f8", (n_lines, 7)),
+        ("linear", linear_dtype(n_lines, n_states)),
         ("rates", "f8", wide),  # [J, B] times the length of a part
         ("power", "f8", wide),
         ("product", "f8", wide),
@@ -68,8 +57,8 @@ def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
 @njit
 def set_rates(h, scratch):
     """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
-    rates, by_wrench = scratch.rates, scratch.by_wrench
-    set_jacobian(h, scratch.by_state, scratch.by_angle, rates)
+    rates, by_wrench = scratch.rates, scratch.linear.by_input
+    set_jacobian(h, scratch.linear, rates)
     size = rates.shape[0]
     half = size // 2
     for i in range(half):
@@ -126,19 +115,13 @@ def midline_rate(q, u, stage, h, given):
     sample = between_samples(samples, stage_share(part, stage, parts))
     if not is_half_way(part, stage, parts):
         return state_rate(jaw, scratch.muscles, q, u, sample)
-    acceleration = linearise_acceleration(
-        jaw, scratch.muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
-    )
-    omega = (u[2], u[3], u[4])
-    fill_angle_rate_derivatives(q, omega, scratch.by_angle)
-    turning = angle_rates(q, omega)
-    return (u[0], u[1], turning[0], turning[1], turning[2]), acceleration
+    return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
 
 
 @njit_within
 def midline_step(jaw, motion, samples, dt, scratch):
     """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
-    parts = step_parts(jaw, scratch.muscles, motion, dt)
+    parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
     for part in range(parts):
         q, u = split(motion)
@@ -156,13 +139,7 @@ def body_rate(q, u, stage, h, given):
     sample = between_samples(samples, stage_share(part, stage, parts))
     if stage != 2:
         return bilateral_rate(jaw, scratch.muscles, q, u, sample)
-    acceleration = linearise_body(
-        jaw, scratch.muscles, q, u, sample, scratch.by_state, scratch.by_wrench, scratch.stiffness, scratch.pulls
-    )
-    omega = (u[3], u[4], u[5])
-    fill_angle_rate_derivatives(midline_pose(q), omega, scratch.by_angle)
-    turning = angle_rates(midline_pose(q), omega)
-    return (u[0], u[1], u[2], turning[0], turning[1], turning[2]), acceleration
+    return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
 
 
 @njit_within
@@ -171,7 +148,7 @@ def body_step(jaw, motion, samples, dt, scratch):
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
     """
-    parts = body_step_parts(jaw, scratch.muscles, motion, dt)
+    parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
     for part in range(parts):
         q, u = split_body(motion)

@@ -169,7 +169,7 @@ class WorldKernel:
             self._kernel(*arguments, (0, 0, 0))
         else:
             # Of several processes one compiles, and the others read what it has saved.
-            with FileLock(f"{mark}.lock"), without_collection():
+            with FileLock(f"{mark}.lock"):
                 self._kernel(*arguments, (0, 0, 0))
                 mark.touch()
             prune_cache()
@@ -203,4 +203,5 @@ def _compile(function: Function, linked: bool = False, **options: Any) -> Functi
     njit_as: Any = numba.njit
     compiled: Any = njit_as(error_model="numpy", **options, **(LINKED if linked else {}))(kernel)
     compiled._cache = KernelCache(kernel, linked)
+    compiled._compiler.compile = without_collection()(compiled._compiler.compile)
     return cast(Function, compiled)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 from jawenv.mechanics.bilateral import midline_pose, point_motion
-from jawenv.mechanics.dynamics import N_WRENCH, inertia_times
+from jawenv.mechanics.dynamics import N_WRENCH, inertia_times, set_column
 from jawenv.mechanics.forces import capsule_force, carried_with_stiffness, smooth_ramp
 from jawenv.mechanics.kinematics import fossa, rotation, turning_axes
 
@@ -88,15 +88,16 @@ def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
 
 
 @njit
-def linearise_body(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):
+def linearise_body(jaw, muscles, q, u, wrench, linear):
     """U' (six numbers) and its exact derivatives.
 
-    Fills ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input`` (6, 2 m + 6) with d u'/d(log F_o, log b of each of m
-    muscles; wrench). ``stiffness`` (3, 3, 3) and ``pulls`` (lines, 7) are scratch.
+    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``
+    (6, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench).
     """
+    stiffness = linear.stiffness
     body_to_head = rotation(midline_pose(q))
     midpoint, omega = (q[0], q[1], q[2]), (u[3], u[4], u[5])
-    force, moment = carried_with_stiffness(jaw, muscles, midpoint, body_to_head, stiffness, pulls)
+    force, moment = carried_with_stiffness(jaw, muscles, midpoint, body_to_head, stiffness, linear.pulls)
     left, right = (0.0, jaw.condyle_half_width, 0.0), (0.0, -jaw.condyle_half_width, 0.0)
     left_arm, right_arm = apply(body_to_head, left), apply(body_to_head, right)
     left_place, left_velocity = point_motion(q, u, body_to_head, left)
@@ -121,7 +122,7 @@ def linearise_body(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pu
     ell = (row3(stiffness[1], 0), row3(stiffness[1], 1), row3(stiffness[1], 2))
     n = (row3(stiffness[2], 0), row3(stiffness[2], 1), row3(stiffness[2], 2))
     left_spin, right_spin = subtract(left_velocity, (u[0], u[1], u[2])), subtract(right_velocity, (u[0], u[1], u[2]))
-    axes = turning_axes(midline_pose(q))
+    axes, body = turning_axes(midline_pose(q)), (jaw.mass, rho, body_to_head, inverse)
     for j in range(12):
         d_r = UNITS[j] if j < 3 else ZERO
         d_phi = apply(body_to_head, axes[j - 3]) if 3 <= j < 6 else ZERO
@@ -139,41 +140,44 @@ def linearise_body(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pu
         d_turn = subtract(d_turn, add(cross(d_omega, momentum), cross(omega, inertia_times(jaw, d_omega))))
         d_turn = subtract(d_turn, scale(jaw.damping_rotation, d_omega))
         d_swing = add(cross(d_omega, cross(omega, rho)), cross(omega, cross(d_omega, rho)))
-        fill_column(jaw, body_to_head, inverse, rho, d_force, d_turn, d_swing, cross(d_phi, shift), by_state, j)
-    fill_body_inputs(jaw, muscles, body_to_head, inverse, rho, pulls, by_input)
+        column = solve_body(body, d_force, d_turn, d_swing, cross(d_phi, shift))
+        set_column(linear.by_state, j, column)
+    fill_body_inputs(jaw, muscles, body, linear.pulls, linear.by_input)
     return (shift[0], shift[1], shift[2], spin[0], spin[1], spin[2])
 
 
 @njit
-def fill_column(jaw, body_to_head, inverse, rho, d_force, d_turn, d_swing, d_shift, matrix, j):
-    """Column j of ``matrix``: what a force (body axes) and a moment about the midpoint, less that of rho, change."""
+def solve_body(body, d_force, d_turn, d_swing, d_shift):
+    """Change of u' (six numbers) where force (body axes), moment about the midpoint, swing and shift change by so much.
+
+    ``body`` is (mass, centre of mass, body to head axes, inverse of the inertia about the centre of mass).
+    """
+    mass, rho, body_to_head, inverse = body
     spin = apply(inverse, subtract(d_turn, cross(rho, d_force)))
     swing = add(cross(spin, rho), d_swing)
-    shift = add(d_shift, apply(body_to_head, subtract(scale(1.0 / jaw.mass, d_force), swing)))
-    for i in range(3):
-        matrix[i, j] = shift[i]
-        matrix[3 + i, j] = spin[i]
+    shift = add(d_shift, apply(body_to_head, subtract(scale(1.0 / mass, d_force), swing)))
+    return (shift[0], shift[1], shift[2], spin[0], spin[1], spin[2])
 
 
 @njit_within
-def fill_body_inputs(jaw, muscles, body_to_head, inverse, rho, pulls, by_input):
+def fill_body_inputs(jaw, muscles, body, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (6, 2 m + 6)."""
+    body_to_head = body[2]
     wrench_column = by_input.shape[1] - N_WRENCH
-    # The first column of the wrench holds each line's share until the wrench's own is written.
     for i in range(6):
         for j in range(wrench_column):
             by_input[i, j] = 0.0
     for line in range(muscles.shape[0] if wrench_column > 0 else 0):
         push = apply_transposed(body_to_head, (pulls[line, 0], pulls[line, 1], pulls[line, 2]))
         turn = apply_transposed(body_to_head, (pulls[line, 3], pulls[line, 4], pulls[line, 5]))
-        fill_column(jaw, body_to_head, inverse, rho, push, turn, ZERO, ZERO, by_input, wrench_column)
+        column = solve_body(body, push, turn, ZERO, ZERO)
         exponent = muscles[line, 1] * pulls[line, 6]
         muscle = jaw.muscle[line]
         for i in range(6):
-            by_input[i, 2 * muscle] += by_input[i, wrench_column]
-            by_input[i, 2 * muscle + 1] += by_input[i, wrench_column] * exponent
+            by_input[i, 2 * muscle] += column[i]
+            by_input[i, 2 * muscle + 1] += column[i] * exponent
     mouthpiece = vector3(jaw.mouthpiece)
     for j in range(3):
         turn = cross(mouthpiece, UNITS[j])
-        fill_column(jaw, body_to_head, inverse, rho, UNITS[j], turn, ZERO, ZERO, by_input, wrench_column + j)
-        fill_column(jaw, body_to_head, inverse, rho, ZERO, UNITS[j], ZERO, ZERO, by_input, wrench_column + 3 + j)
+        set_column(by_input, wrench_column + j, solve_body(body, UNITS[j], turn, ZERO, ZERO))
+        set_column(by_input, wrench_column + 3 + j, solve_body(body, ZERO, UNITS[j], ZERO, ZERO))

@@ -118,13 +118,14 @@ def state_rate(jaw, muscles, q, u, wrench):
 
 
 @njit
-def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiffness, pulls):
+def linearise_acceleration(jaw, muscles, q, u, wrench, linear):
     """U' and its exact derivatives.
 
-    Fills ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input`` (5, 2 m + 6) with d u'/d(log F_o, log b of each of m
-    muscles; wrench). ``stiffness`` (3, 3, 3) and ``pulls`` (lines, 7) are scratch. The residual of the equations of
-    motion is differentiated at fixed u' and solved with the mass matrix, so no derivative of that is formed.
+    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``
+    (5, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench). The residual of the equations of motion is
+    differentiated at fixed u' and solved with the mass matrix, so no derivative of that is formed.
     """
+    by_state, stiffness, pulls = linear.by_state, linear.stiffness, linear.pulls
     body_to_head = rotation(q)
     force, moment = resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls)
     pull = (wrench[0], wrench[1], wrench[2])
@@ -176,14 +177,14 @@ def linearise_acceleration(jaw, muscles, q, u, wrench, by_state, by_input, stiff
         torque = subtract(torque, apply_transposed(body_to_head, apply(n, axis_head)))
         set_column(by_state, 2 + j, solve_residual(coupling, slope, residual, torque))
     fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state)
-    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input)
+    fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, linear.by_input)
     return rate
 
 
 @njit
 def set_column(matrix, j, column):
-    """Column j of ``matrix`` (5, n)."""
-    for i in range(5):
+    """Column j of ``matrix``, which has as many rows as the tuple ``column`` has numbers."""
+    for i in range(len(column)):
         matrix[i, j] = column[i]
 
 

@@ -22,11 +22,12 @@ HOLD_STIFFNESS = 20e3  # N/m
 
 
 @njit
-def settle(jaw, muscles, pose, opening, on_spring, scratch, matrix, right):
+def settle(jaw, muscles, pose, opening, on_spring, linear, matrix, right):
     """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
 
     With ``on_spring`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
-    otherwise it is free. ``scratch`` holds ``by_state``, ``by_input``, ``stiffness``, ``pulls``.
+    otherwise it is free. ``linear`` (``linearisation.linear_dtype``), ``matrix`` (5, 5) and ``right`` (5) are working
+    memory.
     """
     step = 1e-4
     previous = np.inf
@@ -41,23 +42,13 @@ def settle(jaw, muscles, pose, opening, on_spring, scratch, matrix, right):
         down = apply_transposed(body_to_head, (0.0, 0.0, -1.0))
         wrench = (force * down[0], force * down[1], force * down[2], 0.0, 0.0, 0.0)
         no_speeds = (0.0, 0.0, 0.0, 0.0, 0.0)
-        rate = linearise_acceleration(
-            jaw,
-            muscles,
-            q,
-            no_speeds,
-            wrench,
-            scratch.by_state,
-            scratch.by_input,
-            scratch.stiffness,
-            scratch.pulls,
-        )
+        rate = linearise_acceleration(jaw, muscles, q, no_speeds, wrench, linear)
         residual = max(abs(rate[0]), abs(rate[1]), abs(rate[2]), abs(rate[3]), abs(rate[4]))
         if residual < TOLERANCE:
             return force, True
         step = min(step * min(max(previous / residual, 0.5), 3.0), 1e6)
         previous = residual
-        fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, scratch, matrix)
+        fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, linear, matrix)
         axes = turning_axes(q)
         for i in range(5):
             right[i] = rate[i]
@@ -83,12 +74,12 @@ def settle(jaw, muscles, pose, opening, on_spring, scratch, matrix, right):
 
 
 @njit
-def fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, scratch, matrix):
+def fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, linear, matrix):
     """Derivative of u' by q (5 x 5) with the spring's force following the motion."""
     arm = vector3(jaw.mouthpiece)
     slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])
     axes = turning_axes(q)
-    wrench_column = scratch.by_input.shape[1] - N_WRENCH
+    wrench_column = linear.by_input.shape[1] - N_WRENCH
     for j in range(5):
         turn = (0.0, 0.0, 0.0)
         if j == 0:
@@ -99,7 +90,7 @@ def fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, scratc
             drop = -apply(body_to_head, cross(axes[j - 2], arm))[2]
             turn = cross(axes[j - 2], down)
         for i in range(5):
-            value = scratch.by_state[i, j]
+            value = linear.by_state[i, j]
             for k in range(3):
-                value += scratch.by_input[i, wrench_column + k] * (-spring_stiffness * drop * down[k] - force * turn[k])
+                value += linear.by_input[i, wrench_column + k] * (-spring_stiffness * drop * down[k] - force * turn[k])
             matrix[i, j] = value

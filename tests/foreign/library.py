@@ -1,8 +1,39 @@
-"""How a module of this folder says which library it is about."""
+"""How a module of this folder says which library it is about, and which of its cases repeat others."""
+
+from typing import Any
 
 import pytest
+
+from jawenv.controls import CONTROLS, DEFAULT_CONTROL
+from jawenv.envs.registration import ENVIRONMENTS
+
+REPEATS = pytest.mark.repeats
+_USUAL = "jawenv/Jaw-v2"
 
 
 def library(name: str) -> list[pytest.MarkDecorator]:
     """The marks of a module's tests: in the group, of the distribution ``name``."""
     return [pytest.mark.foreign, pytest.mark.library(name)]
+
+
+def ids_and_controls() -> list[Any]:
+    """Every id in every control: each id in one control and each control in one id, the others marked as repeats."""
+    return [
+        pytest.param(env_id, control, marks=() if env_id == _USUAL or control == DEFAULT_CONTROL else REPEATS)
+        for env_id in ENVIRONMENTS
+        for control in CONTROLS
+    ]
+
+
+def ids_controls_and_pictures() -> list[Any]:
+    """The same in every render mode: controls where nothing is drawn, pictures of each id, a window once."""
+    return [
+        pytest.param(env_id, control, mode, marks=() if first else REPEATS)
+        for env_id in ENVIRONMENTS
+        for control in CONTROLS
+        for mode, first in (
+            (None, env_id == _USUAL),
+            ("rgb_array", control == DEFAULT_CONTROL),
+            ("human", env_id == _USUAL and control == DEFAULT_CONTROL),
+        )
+    ]

@@ -7,13 +7,12 @@ import cloudpickle
 import gymnasium as gym
 import numpy as np
 import pytest
-from foreign.library import library
+from foreign.library import ids_and_controls, ids_controls_and_pictures, library
 from gymnasium import wrappers
 from gymnasium.utils.env_checker import check_env, data_equivalence, data_shares_objects
 from gymnasium.wrappers import vector as vector_wrappers
 
-from jawenv.controls import CONTROLS
-from jawenv.envs.registration import ENVIRONMENTS
+import jawenv  # noqa: F401 - registers the environments
 
 pytestmark = library("gymnasium")
 TWO, THREE = np.full(4, 2.0, np.float32), np.float32(3.0)
@@ -31,9 +30,7 @@ class HastyClock:
         return 0
 
 
-@pytest.mark.parametrize("render_mode", [None, "rgb_array", "human"])
-@pytest.mark.parametrize("control", CONTROLS)
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+@pytest.mark.parametrize(("env_id", "control", "render_mode"), ids_controls_and_pictures())
 def test_check_env(env_id, control, render_mode, monkeypatch):
     """`check_env`: every id, control mode and render mode"""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
@@ -43,8 +40,7 @@ def test_check_env(env_id, control, render_mode, monkeypatch):
     check_env(env, skip_render_check=render_mode is None)
 
 
-@pytest.mark.parametrize("control", CONTROLS)
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+@pytest.mark.parametrize(("env_id", "control"), ids_and_controls())
 def test_native_vector_form(env_id, control):
     """Native vector form: spaces, fresh arrays, and world i as `SyncVectorEnv` has it"""
     forms = ("vector_entry_point", "sync")

@@ -3,18 +3,15 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from foreign.library import library
+from foreign.library import ids_and_controls, library
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.controls import CONTROLS
-from jawenv.envs.registration import ENVIRONMENTS
 
 stable_baselines3 = pytest.importorskip("stable_baselines3")
 pytestmark = library("stable_baselines3")
 
 
-@pytest.mark.parametrize("control", CONTROLS)
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+@pytest.mark.parametrize(("env_id", "control"), ids_and_controls())
 def test_check_env(env_id, control):
     """`check_env`: every id and control mode"""
     from stable_baselines3.common.env_checker import check_env

@@ -3,11 +3,9 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from foreign.library import library
+from foreign.library import ids_and_controls, library
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.controls import CONTROLS
-from jawenv.envs.registration import ENVIRONMENTS
 
 # TorchRL's and its dependencies' own: what they import or call is out of date in other packages.
 pytestmark = [*library("torchrl"), pytest.mark.filterwarnings("ignore::DeprecationWarning")]
@@ -15,8 +13,7 @@ torch = pytest.importorskip("torch")
 envs = pytest.importorskip("torchrl.envs", exc_type=ImportError)
 
 
-@pytest.mark.parametrize("control", CONTROLS)
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+@pytest.mark.parametrize(("env_id", "control"), ids_and_controls())
 def test_check_env_specs(env_id, control):
     """`check_env_specs(GymEnv(...))`: every id and control mode"""
     envs.check_env_specs(envs.GymEnv(env_id, control=control, episode_s=1.0), seed=0)

@@ -83,15 +83,18 @@ def test_it_is_the_density_of_a_dense_filter():
             )
 
 
-def directional(model, draws, cell_gain):
-    """(draws, d) scores and minus second derivatives in directions in which the mean information is 1."""
+def directional(model, draws, cell_gain, chosen=slice(None)):
+    """(draws, d) scores and minus second derivatives in directions in which the mean information is 1.
+
+    The eigenvectors of the information, in rising order, then as many drawn at random; ``chosen`` of these.
+    """
     theta, records = drawn(model, draws, cell_gain)
     information = np.mean([jawenv.fisher_information(record) for record in records], axis=0)
     values, vectors = np.linalg.eigh(information)
     random = np.random.default_rng(0).normal(size=(len(theta), len(theta)))
     turned = np.hstack([np.eye(len(theta)), random / np.linalg.norm(random, axis=0)])
     step = 0.1
-    moves = step * (vectors / np.sqrt(values) @ turned).T
+    moves = step * (vectors / np.sqrt(values) @ turned[:, chosen]).T
     scores, curvatures = [], []
     for record in records:
         middle, *around = jawenv.log_likelihood(record, [theta, *(theta + moves), *(theta - moves)])
@@ -114,8 +117,8 @@ def test_the_information_is_the_mean_curvature_and_the_score_has_mean_zero(model
 
 
 def test_a_considered_gain_takes_a_little_of_the_information():
-    _, curvatures = directional("jaw", 50, 0.01)
-    assert 1.005 < curvatures.mean(axis=0)[6:12].max() < 1.03
+    _, curvatures = directional("jaw", 50, 0.01, slice(6, 12))
+    assert 1.005 < curvatures.mean(axis=0).max() < 1.03
 
 
 def test_two_condyles_have_the_curvature_of_their_information_over_some_sds():

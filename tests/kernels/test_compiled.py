@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from numba.core.caching import IndexDataCacheFile
 from numba.core.compiler import Flags
+from numba.extending import overload
 
 import jawenv
 from jawenv.kernels import cache
@@ -204,15 +205,24 @@ def test_flags_compare_by_every_option() -> None:
 
 
 @pytest.mark.parametrize("collects", [True, False])
-def test_no_cycles_are_collected_while_a_world_kernel_compiles(
-    collects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("kind", [njit, world_kernel(place=0)])
+def test_no_cycles_are_collected_while_a_kernel_compiles(
+    kind: Any, collects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     seen = []
-    monkeypatch.setattr(cache, "say_compiling", lambda: seen.append(gc.isenabled()))
 
-    @world_kernel(place=0)
+    def look() -> None:
+        pass
+
+    @overload(look)
+    def _look_while_compiling() -> Any:
+        seen.append(gc.isenabled())
+        return lambda: None
+
+    @kind
     def count(worlds, part):
+        look()
         for i in range(part[0], part[1]):
             worlds[i].number += 1.0
 
@@ -220,8 +230,8 @@ def test_no_cycles_are_collected_while_a_world_kernel_compiles(
     before = gc.isenabled()
     try:
         (gc.enable if collects else gc.disable)()
-        count(worlds)
-        assert seen == [False] and gc.isenabled() == collects
+        count(worlds) if kind is not njit else count(worlds, (0, 3, 0))
+        assert seen and not any(seen) and gc.isenabled() == collects
     finally:
         (gc.enable if before else gc.disable)()
     assert (worlds["number"] == 1.0).all()

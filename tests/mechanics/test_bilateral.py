@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jawenv
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     bilateral_rate,
@@ -21,6 +20,7 @@ from jawenv.mechanics.bilateral import (
     split_body,
 )
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.linearisation import linear_dtype
 
 NOTHING = (0.0,) * 6
 FLIP_Q, FLIP_U, FLIP_WRENCH = [1, 4, 5], [1, 3, 5], [1, 3, 5]
@@ -37,7 +37,7 @@ def accelerate(jaw, log_parameters, q, u, wrench):
 def rested(jaw, log_parameters, wrench=NOTHING):
     """State (12) at rest and the midline model's pose (5) from which it started."""
     muscles, pose, state = record_muscles(log_parameters), np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.empty(12)
-    settle(jaw, muscles, pose, 0.0, False, np.zeros(1, dtype=joint_scratch_dtype())[0], np.empty((5, 5)), np.empty(5))
+    settle(jaw, muscles, pose, 0.0, False, np.zeros(1, dtype=linear_dtype(6))[0], np.empty((5, 5)), np.empty(5))
     put_on_fossa(jaw, pose, state)
     assert settle_bilateral(jaw, muscles, wrench, state, np.empty((6, 6)), np.empty(6))
     return state, pose

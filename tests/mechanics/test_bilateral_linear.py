@@ -7,10 +7,11 @@ import two_condyles
 from scipy.interpolate import lagrange
 
 from jawenv.filter.encoders import measure_body
-from jawenv.filter.joint_body_step import BODY_PARTS
-from jawenv.filter.joint_recursion import joint_scratch_dtype, move
+from jawenv.filter.joint_recursion import joint_scratch_dtype
+from jawenv.filter.joint_step import BODY_PARTS, propagate
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
+from jawenv.mechanics.linearisation import linear_dtype
 
 DT = 0.01
 
@@ -33,12 +34,12 @@ def assert_close(actual, expected, relative):
     assert np.abs(actual - expected).max() <= relative * np.abs(expected).max()
 
 
-def test_linearisation_is_the_exact_derivative(jaw, rng, scratch):
+def test_linearisation_is_the_exact_derivative(jaw, rng):
+    linear = np.zeros(1, dtype=linear_dtype(6, 12, 6))[0]
     pressed = 0
     for _ in range(100):
         log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
-        fields = [scratch[name] for name in ("by_state", "by_input", "stiffness", "pulls")]
-        rate = linearise_body(jaw, muscles_of(log_parameters), tuple(q), tuple(u), tuple(wrench), *fields)
+        rate = linearise_body(jaw, muscles_of(log_parameters), tuple(q), tuple(u), tuple(wrench), linear)
         expected = two_condyles.acceleration(jaw, log_parameters, q, u, wrench)
         np.testing.assert_allclose(rate, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
         by_state = twin.derivative(
@@ -50,9 +51,9 @@ def test_linearisation_is_the_exact_derivative(jaw, rng, scratch):
             np.concatenate([log_parameters, wrench]),
         )
         for part in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)):
-            assert_close(scratch["by_state"][:, part], by_state[:, part], 1e-8)
+            assert_close(linear["by_state"][:, part], by_state[:, part], 1e-8)
         for part in (slice(0, 12), slice(12, 15), slice(15, 18)):
-            assert_close(scratch["by_input"][:, part], by_input[:, part], 1e-8)
+            assert_close(linear["by_input"][:, part], by_input[:, part], 1e-8)
         pressed += sum(two_condyles.disc(jaw, *condyle)[1] > 0 for condyle in two_condyles.condyles(jaw, q, u))
     assert 50 < pressed < 150, "some discs are pressed, some are not"
 
@@ -85,7 +86,7 @@ def test_the_filters_step_and_its_derivative(jaw, rng, scratch):
         samples, trend = wrench / 5 + rng.normal(size=(3, 6)) * [0.5] * 6, wrench / 5
         expected = step_of_the_model(jaw, mean, samples, trend)
         state = mean.copy()
-        move(jaw, muscles_of(log_parameters), state, samples, trend, mean[24], DT, scratch)
+        propagate(jaw, muscles_of(log_parameters), state, samples, trend, mean[24], DT, scratch)
         np.testing.assert_allclose(state[:12], expected, rtol=1e-9, atol=1e-11)
         derivative = twin.derivative(lambda s, a=samples, b=trend: step_of_the_model(jaw, s, a, b), mean)
         for rows in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)):

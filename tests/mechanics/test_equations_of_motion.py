@@ -7,9 +7,9 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_fossa
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.dynamics import linearise_acceleration, state_rate
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation
+from jawenv.mechanics.linearisation import linear_dtype
 
 FREE, PRESSED = "off the stops", "on the stops"
 
@@ -58,20 +58,10 @@ def test_the_random_poses_meet_both_kinds_of_stop(jaw, rng):
 
 @pytest.mark.parametrize("where", [FREE, PRESSED])
 def test_linearisation_is_the_exact_derivative(jaw, rng, where):
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
+    linear = np.zeros(1, dtype=linear_dtype(6, n_muscles=6))[0]
     for _ in range(50):
         log_parameters, q, u, wrench = random_motion(rng, where)
-        rate = linearise_acceleration(
-            jaw,
-            record_muscles(log_parameters),
-            tuple(q),
-            tuple(u),
-            tuple(wrench),
-            scratch["by_state"],
-            scratch["by_input"],
-            scratch["stiffness"],
-            scratch["pulls"],
-        )
+        rate = linearise_acceleration(jaw, record_muscles(log_parameters), tuple(q), tuple(u), tuple(wrench), linear)
         np.testing.assert_allclose(rate, jawenv.acceleration(jaw, q, u, log_parameters, wrench), rtol=1e-9, atol=1e-9)
         by_state = twin.derivative(
             lambda s, p=log_parameters, w=wrench: twin.acceleration(jaw, p, s[:5], s[5:], w), np.concatenate([q, u])
@@ -80,9 +70,9 @@ def test_linearisation_is_the_exact_derivative(jaw, rng, where):
             lambda s, q=q, u=u: twin.acceleration(jaw, s[:12], q, u, s[12:]), np.concatenate([log_parameters, wrench])
         )
         for part in (slice(0, 2), slice(2, 5), slice(5, 7), slice(7, 10)):
-            assert_close(scratch["by_state"][:, part], by_state[:, part], 1e-8)
+            assert_close(linear["by_state"][:, part], by_state[:, part], 1e-8)
         for part in (slice(0, 12), slice(12, 15), slice(15, 18)):
-            assert_close(scratch["by_input"][:, part], by_input[:, part], 1e-8)
+            assert_close(linear["by_input"][:, part], by_input[:, part], 1e-8)
 
 
 def test_power_of_the_device_less_damping_is_the_gain_of_energy(jaw, rng):

@@ -6,8 +6,8 @@ import pytest
 from scipy.optimize import brentq
 
 import jawenv
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.linearisation import linear_dtype
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
 
@@ -25,7 +25,7 @@ def settled(jaw, log_parameters, opening=None, pose=CLOSED):
         pose,
         opening or 0.0,
         opening is not None,
-        np.zeros(1, dtype=joint_scratch_dtype())[0],
+        np.zeros(1, dtype=linear_dtype(6))[0],
         np.empty((5, 5)),
         np.empty(5),
     )

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.dynamics import linearise_acceleration
+from jawenv.mechanics.linearisation import linear_dtype
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS, fastest_rate, parts_needed
 
 STILL, NOTHING = (0.0,) * 5, (0.0,) * 6
@@ -14,13 +14,12 @@ STILL, NOTHING = (0.0,) * 5, (0.0,) * 6
 
 def shares_of_the_bound(jaw, cohort, poses, rng):
     """The fastest mode of the exact linearisation at each pose, for a drawn patient, over the bound."""
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
-    fields = [scratch[name] for name in ("by_state", "by_input", "stiffness", "pulls")]
+    linear = np.zeros(1, dtype=linear_dtype(6))[0]
     shares = []
     for q in poses:
         muscles = np.exp(jawenv.cohort(cohort).draw_log_parameters(rng)).reshape(6, 2)
-        linearise_acceleration(jaw, muscles, q, STILL, NOTHING, *fields)
-        fastest = np.sqrt(np.abs(np.linalg.eigvals(scratch["by_state"][:, :5])).max())
+        linearise_acceleration(jaw, muscles, q, STILL, NOTHING, linear)
+        fastest = np.sqrt(np.abs(np.linalg.eigvals(linear["by_state"][:, :5])).max())
         shares.append(fastest / fastest_rate(jaw, muscles, q))
     return np.array(shares)
 

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 import jawenv
 from jawenv.anatomy import default_mandible, known_muscle_sets
 from jawenv.filter.encoders import measure
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.linearisation import linear_dtype
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "model.md"
@@ -166,7 +166,7 @@ def test_rest_folds_and_painless_range() -> None:
 
 def rest_of(jaw, log_parameters):
     """Pose (5) of the midline model at rest, or None."""
-    pose, scratch = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.zeros(1, dtype=joint_scratch_dtype())[0]
+    pose, scratch = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.zeros(1, dtype=linear_dtype(6))[0]
     muscles = np.exp(log_parameters).reshape(6, 2)
     _, found = settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
     return pose if found else None

@@ -5,9 +5,9 @@ import pytest
 from reality_states import ON_PATH, REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
 from jawenv.device.motors import mouthpiece_motion
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import rotation
+from jawenv.mechanics.linearisation import linear_dtype
 
 OPEN = (6e-3, 0.2e-3, 0.3, 0.01, -0.02)
 SHARE, TIME = 0.3, 2.0
@@ -68,7 +68,7 @@ def test_a_jaw_held_10_mm_aside_comes_to_rest_aside(jaw, share, shift):
 
 def settled(jaw, muscles, pose):
     state = np.concatenate([pose, np.zeros(5)])
-    scratch = np.zeros(1, dtype=joint_scratch_dtype())[0]
+    scratch = np.zeros(1, dtype=linear_dtype(6))[0]
     _, found = settle(jaw, muscles, state, 0.0, False, scratch, np.zeros((5, 5)), np.zeros(5))
     assert found
     return state[:5]

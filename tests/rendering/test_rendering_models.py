@@ -105,7 +105,7 @@ def test_one_condyle_may_press_while_the_other_is_lifted():
 
 @models
 def test_every_environment_renders_and_can_be_filmed(model, tmp_path):
-    made = gym.make(MODELS[model].env_id, render_mode="rgb_array", control="trajectory", episode_s=2.0)
+    made = gym.make(MODELS[model].env_id, render_mode="rgb_array", control="trajectory", episode_s=1.0)
     env = RecordVideo(made, str(tmp_path / "video"), episode_trigger=lambda episode: True, disable_logger=True)
     env.reset(seed=3)
     rest, done = env.unwrapped.render(), False

@@ -1,10 +1,10 @@
 """Motions of jawenv's own equations, and random patients and states for the comparisons."""
 
-import numba
 import numpy as np
 
 import jawenv
 from jawenv.anatomy import default_fossa
+from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import state_rate
 
 
@@ -17,14 +17,14 @@ def motion(jaw, log_parameters, state, wrench, step, n_steps):
     return states
 
 
-@numba.njit
+@njit
 def _rate(jaw, muscles, s, w):
     q, u = (s[0], s[1], s[2], s[3], s[4]), (s[5], s[6], s[7], s[8], s[9])
     q_rate, u_rate = state_rate(jaw, muscles, q, u, (w[0], w[1], w[2], w[3], w[4], w[5]))
     return np.array(q_rate + u_rate)
 
 
-@numba.njit
+@njit
 def _fill(jaw, muscles, wrenches, step, states):
     for i in range(len(states) - 1):
         s, w = states[i], wrenches[2 * i : 2 * i + 3]

@@ -8,7 +8,6 @@ import pytest
 import two_condyles
 from bilateral_step import bilateral_step
 
-from jawenv.filter.joint_recursion import joint_scratch_dtype
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import (
     BODY_STEP,
@@ -19,6 +18,7 @@ from jawenv.mechanics.bilateral import (
 )
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.linearisation import linear_dtype
 
 MUSCLES = np.tile([1.2, 7.0], (6, 1))
 NOTHING = (0.0,) * 6
@@ -34,7 +34,7 @@ def jaw_with_discs(times=1):
 def rest_of_both(jaw, wrench=NOTHING):
     """Pose (5) of the midline model at rest, state (12) of the jaw with two condyles at rest under ``wrench``."""
     pose, state = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.empty(12)
-    settle(jaw, MUSCLES, pose, 0.0, False, np.zeros(1, dtype=joint_scratch_dtype())[0], np.empty((5, 5)), np.empty(5))
+    settle(jaw, MUSCLES, pose, 0.0, False, np.zeros(1, dtype=linear_dtype(6))[0], np.empty((5, 5)), np.empty(5))
     put_on_fossa(jaw, pose, state)
     assert settle_bilateral(jaw, MUSCLES, wrench, state, np.empty((6, 6)), np.empty(6))
     return pose, state

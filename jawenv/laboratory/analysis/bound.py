@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.cell_trend import follow_trend
-from jawenv.filter.joint_recursion import move, predict_covariance, update_covariance
+from jawenv.filter.joint_recursion import predict_covariance, update_covariance
+from jawenv.filter.joint_step import propagate
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import Path, path_of
 from jawenv.laboratory.recordings.record import Record
@@ -65,7 +66,7 @@ def bound_path(path, covariance, every, covariances):
     for tick in range(ticks + 1):
         if tick > 0:
             state[:] = states[tick - 1]
-            move(jaw, path.muscles, state, path.wrenches[tick - 1], trend, 0.0, path.dt, scratch)
+            propagate(jaw, path.muscles, state, path.wrenches[tick - 1], trend, 0.0, path.dt, scratch)
             predict_covariance(covariance, path.noise_variance, scratch)
             follow_trend(trend, path.samples[tick - 1], path.dt)
         update_covariance(jaw, states[tick], covariance, path.measurement_variance, path.used[tick], scratch)

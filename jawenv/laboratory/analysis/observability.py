@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_recursion import move
+from jawenv.filter.joint_step import propagate
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import Path, path_of
 from jawenv.laboratory.recordings.record import Record
@@ -78,7 +78,7 @@ def linearise_path(path, by_state, by_parameter, rows):
                 rows[tick, i, j] = weight * scratch.rows[i, j]
         if tick < path.wrenches.shape[0]:
             state[:] = states[tick]
-            move(path.jaw, path.muscles, state, path.wrenches[tick], trend, 0.0, path.dt, scratch)
+            propagate(path.jaw, path.muscles, state, path.wrenches[tick], trend, 0.0, path.dt, scratch)
             for i in range(n_states):
                 for j in range(n_states):
                     by_state[tick, i, j] = scratch.total[i, j]
@@ -113,7 +113,7 @@ def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
     ``moving`` (n) is a copy of ``state`` to work in. It is what a step of no length leaves in ``scratch.slope``.
     """
     moving[:] = state
-    move(jaw, muscles, moving, wrench, trend, 0.0, 0.0, scratch)
+    propagate(jaw, muscles, moving, wrench, trend, 0.0, 0.0, scratch)
     for i in range(rates.shape[0]):
         for j in range(rates.shape[1]):
             rates[i, j] = scratch.slope[i, j]

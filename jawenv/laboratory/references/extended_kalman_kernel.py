@@ -16,12 +16,11 @@ from jawenv.filter.cell_trend import follow_trend
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.joint_recursion import (
     innovation_variance,
-    move,
     predict_covariance,
     reduce_covariance,
     set_noise_variance,
 )
-from jawenv.filter.joint_step import set_muscles
+from jawenv.filter.joint_step import propagate, set_muscles
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 
@@ -63,7 +62,7 @@ def predict_plain(problem, tick, mean, covariance, trend, scratch):
     for j in range(logs.shape[0]):
         logs[j] = log(max(mean[first + j], floor[j])) if linear else mean[first + j]
     set_muscles(problem.jaw, logs, 0, scratch.muscles)
-    move(problem.jaw, scratch.muscles, mean, samples, trend, mean[gain], problem.dt, scratch)
+    propagate(problem.jaw, scratch.muscles, mean, samples, trend, mean[gain], problem.dt, scratch)
     if linear:
         for j in range(logs.shape[0]):
             by_log = 1.0 / max(mean[first + j], floor[j])

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_recursion import move
-from jawenv.filter.joint_step import N_NOISE, set_muscles
+from jawenv.filter.joint_step import N_NOISE, propagate, set_muscles
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.references.initial import mean_readings, parameter_noise, trends, working_memory
 from jawenv.laboratory.references.numpy_model import measurement_with_derivative, step_with_derivative
@@ -90,7 +89,7 @@ class CompiledModel(Model):
         record, moved = self.record, x.copy()
         set_muscles(record.jaw, x, self.n, self.scratch["muscles"])
         samples, trend = record.samples[self.tick], self.trends[self.tick]
-        move(record.jaw, self.scratch["muscles"], moved[: self.n], samples, trend, x[-1], record.dt, self.scratch)
+        propagate(record.jaw, self.scratch["muscles"], moved[: self.n], samples, trend, x[-1], record.dt, self.scratch)
         return moved
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_body_step import body_step_parts, propagate_body_in
 from jawenv.filter.joint_recursion import (
     innovation_variance,
     joint_scratch_dtype,
@@ -97,10 +96,7 @@ def divide(jaw, states, parameters, dt, parts, scratch):
     inner, raised = scratch.filter, False
     set_muscles(jaw, parameters, 0, inner.muscles)
     for k in range(parts.shape[0]):
-        if jaw.condyles == 2:
-            needed = body_step_parts(jaw, inner.muscles, states[k], dt)
-        else:
-            needed = step_parts(jaw, inner.muscles, states[k], dt)
+        needed = step_parts(jaw, inner.muscles, states[k], dt, inner.linear)
         if needed > parts[k]:
             parts[k], raised = needed, True
     return raised
@@ -113,11 +109,8 @@ def push(problem, k, state, wrench, scratch):
     for i in range(samples.shape[0]):
         for j in range(N_WRENCH):
             scratch.pushed[i, j] = samples[i, j] + wrench[j] + (i - 1.0) * wrench[N_WRENCH + j]
-    inner, trend, parts = scratch.filter, problem.trends[k], problem.parts[k]
-    if jaw.condyles == 2:
-        propagate_body_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, problem.dt, parts, inner)
-    else:
-        propagate_in(jaw, inner.muscles, state, scratch.pushed, trend, 0.0, problem.dt, parts, inner)
+    inner, cell = scratch.filter, (scratch.pushed, problem.trends[k], 0.0)
+    propagate_in(jaw, inner.muscles, state, cell, problem.dt, problem.parts[k], inner)
 
 
 @njit

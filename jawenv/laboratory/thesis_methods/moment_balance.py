@@ -41,12 +41,14 @@ SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
 @njit
-def fill_balance(jaw, no_muscles, states, accelerations, wrenches, needed, by_wrench, pull, strain):
+def fill_balance(jaw, no_muscles, motions, needed, by_wrench, pull, strain):
     """Rows of N times: ``needed`` (N, 5), ``by_wrench`` (N, 5, 6), ``pull`` (N, lines, 5), ``strain`` (N, lines).
 
     Rows 0, 1: force along the two tangents of the fossa (N); rows 2 to 4: moment about the contact point, body axes
-    (N m). ``no_muscles`` (lines, 2) is zeros: all forces but the muscles' and the device's then remain.
+    (N m). ``no_muscles`` (lines, 2) is zeros: all forces but the muscles' and the device's then remain. ``motions`` are
+    states (N, 10), accelerations (N, 5) and wrenches (N, 6).
     """
+    states, accelerations, wrenches = motions
     rho, mouthpiece = vector3(jaw.centre_of_mass), vector3(jaw.mouthpiece)
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -154,8 +156,8 @@ def balance(jaw: Any, states: Array, accelerations: Array, wrenches: Array) -> t
     number, lines = len(states), len(jaw["l_o"])
     needed, by_wrench = np.empty((number, N_COORDINATES)), np.empty((number, N_COORDINATES, N_WRENCH))
     pull, strain = np.empty((number, lines, N_COORDINATES)), np.empty((number, lines))
-    moving, turning, acting = (np.ascontiguousarray(array) for array in (states, accelerations, wrenches))
-    fill_balance(jaw, np.zeros((lines, 2)), moving, turning, acting, needed, by_wrench, pull, strain)
+    motions = tuple(np.ascontiguousarray(array) for array in (states, accelerations, wrenches))
+    fill_balance(jaw, np.zeros((lines, 2)), motions, needed, by_wrench, pull, strain)
     return needed, by_wrench, pull, strain
 
 

@@ -121,13 +121,13 @@ def test_a_verdict_is_shown_where_the_draws_are_enough(toy, tmp_path, capsys, op
     assert page.count('<span class="badge">too few draws</span>') == (0 if shown else 2)
 
 
-def estimates(names, cases, draws=40, times=(30.0,), error=0.02, sd=0.02, bias=0.0, truth=1.0, nees=None):
+def estimates(names, cases, draws=40, times=(30.0,), error=0.02, sd=0.02, bias=0.0):
     """A table as ``rows.of_estimate`` gives it, with errors of that size about that bias; numbers or by case."""
 
     def of(value, case):
         return value[case] if isinstance(value, dict) else value
 
-    rng = np.random.default_rng(1)
+    rng, truth = np.random.default_rng(1), 1.0
     found = []
     for case in cases:
         for draw in range(draws):
@@ -144,7 +144,7 @@ def estimates(names, cases, draws=40, times=(30.0,), error=0.02, sd=0.02, bias=0
                             "truth": truth,
                             "estimate": truth + shift,
                             "sd": spread,
-                            "nees": len(names) if nees is None else of(nees, case),
+                            "nees": len(names),
                             "true_value": np.exp(truth),
                             "value": np.exp(truth + shift),
                         }

@@ -25,7 +25,7 @@ from jawenv.laboratory.references import smoother
 from jawenv.laboratory.references.smoother import IteratedSmoother
 from jawenv.ladder import model_named
 
-DRAWS = 250
+DRAWS = 150
 SURE = [0.0005, 0.9995]  # quantiles of what chance alone does
 
 

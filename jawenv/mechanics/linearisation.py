@@ -1,0 +1,95 @@
+"""The rate of a jaw's state with its exact derivatives, of the midline model or of the one with two condyles.
+
+Which model it is of follows from the number of coordinates, which is known from the types: the other is not compiled.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+
+from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.functions import sin_cos
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.bilateral import N_BODY, split_body
+from jawenv.mechanics.bilateral_linear import linearise_body
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
+from jawenv.mechanics.kinematics import angle_rates, split
+
+
+@cache
+def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> np.dtype[np.void]:
+    """Dtype of what a linearisation fills.
+
+    Args:
+        n_lines: of the jaw.
+        n_states: 10, or 12 for two condyles.
+        n_muscles: by whose parameters is differentiated; 0 for none.
+    """
+    half = n_states // 2
+    fields: list[Any] = [
+        ("by_state", "f8", (half, n_states)),  # d u'/d(q, u)
+        ("by_input", "f8", (half, 2 * n_muscles + N_WRENCH)),  # d u'/d(log F_o, log b of each muscle; wrench)
+        ("by_angle", "f8", (3, 5)),  # d(theta', psi', alpha')/d(psi, alpha, omega)
+        ("stiffness", "f8", (3, 3, 3)),  # K, L and N of all forces (``forces``)
+        ("pulls", "f8", (n_lines, 7)),  # force, moment and strain of each line
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def fill_angle_rate_derivatives(q, omega, by_angle):
+    """Derivatives of (theta', psi', alpha') by (psi, alpha, omega), into ``by_angle`` (3, 5)."""
+    sp, cp = sin_cos(q[3])
+    sa, ca = sin_cos(q[4])
+    tangent = sp / cp
+    across = omega[1] * ca - omega[2] * sa
+    along = omega[1] * sa + omega[2] * ca
+    by_angle[0, 0], by_angle[0, 1] = across * sp / (cp * cp), -along / cp
+    by_angle[0, 2], by_angle[0, 3], by_angle[0, 4] = 0.0, ca / cp, -sa / cp
+    by_angle[1, 0], by_angle[1, 1] = 0.0, across
+    by_angle[1, 2], by_angle[1, 3], by_angle[1, 4] = 0.0, sa, ca
+    by_angle[2, 0], by_angle[2, 1] = -across / (cp * cp), along * tangent
+    by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
+
+
+def linearise(jaw, muscles, q, u, wrench, linear):
+    """``linearise_acceleration`` or ``linearise_body``, whichever is for as many coordinates."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(linearise, inline="always")
+def _choose_model(jaw, muscles, q, u, wrench, linear):
+    chosen = linearise_body if len(q) == N_BODY // 2 else linearise_acceleration
+
+    def call(jaw, muscles, q, u, wrench, linear):
+        return chosen(jaw, muscles, q, u, wrench, linear)
+
+    return call
+
+
+@njit_within
+def linearised_rate(jaw, muscles, q, u, wrench, linear):
+    """(q', u') as two tuples, and into ``linear`` (``linear_dtype``) its derivatives."""
+    acceleration = linearise(jaw, muscles, q, u, wrench, linear)
+    pose, omega = (q[0], q[1], q[-3], q[-2], q[-1]), (u[-3], u[-2], u[-1])
+    fill_angle_rate_derivatives(pose, omega, linear.by_angle)
+    return u[:-3] + angle_rates(pose, omega), acceleration
+
+
+def motion_of(state, linear):
+    """``state`` (10 or 12 numbers) as the tuples q and u of the model that ``linear`` is made for."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(motion_of, inline="always")
+def _choose_split(state, linear):
+    chosen = split_body if linear.typeof("by_state").shape[1] == N_BODY else split
+
+    def call(state, linear):
+        return chosen(state)
+
+    return call
