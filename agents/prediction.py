@@ -13,6 +13,7 @@ from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_STATES
 from jawenv.playing.protocol import Array, Mask
 
 QUIET = 1e-3
@@ -121,9 +122,9 @@ def believe(worlds: NDArray[np.void], models: NDArray[np.void]) -> None:
         truth["muscles"][..., k] = np.exp(np.take_along_axis(belief["mean"], of_line + k, axis=1))
     truth["cell_gain"] = 0.0
     truth["lift"] = 0.0
-    if belief["motion"].shape[1] == N_BODY:
-        truth["body"] = belief["motion"]
+    if np.all(models["condyles"] == 2):
+        truth["body"] = belief["motion"][:, :N_BODY]
         for i in range(len(worlds)):
             take_body(truth[i])
     else:
-        truth["state"] = belief["motion"]
+        truth["state"] = belief["motion"][:, :N_STATES]

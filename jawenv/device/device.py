@@ -39,6 +39,7 @@ DEVICE = record_dtype(
         ("brake", "f8"),
         ("unmodelled_force", "f8"),
         ("unmodelled_moment", "f8"),
+        ("unmodelled_time", "f8"),
         ("cell_force", "f8"),
         ("cell_moment", "f8"),
         ("cell_gain", "f8"),
@@ -74,6 +75,8 @@ class Device(NumericFields):
         brake_N_s_m: The governor's speed brake (G).
         unmodelled_force_N: Sd of each component of the force that no model explains, anew every 10 ms (G).
         unmodelled_moment_N_m: The same for its moment (G).
+        unmodelled_time_s: Time constant of its memory (an Ornstein-Uhlenbeck process of these sds); 0 for none (G: what
+            tone and a breathing, swallowing patient do lasts for tenths of a second to seconds).
         cell_force_N: Noise of one sample of the load cell, three per 10 ms (G: 0.02-0.2 N).
         cell_moment_N_m: The same for its moments (G).
         cell_gain: Sd of the load cell's gain error, one value for a whole episode (G: 1 %).
@@ -102,6 +105,7 @@ class Device(NumericFields):
     brake_N_s_m: float = number(30.0, 3000.0, "N s/m")
     unmodelled_force_N: float = number(0.1, 10.0, "N")
     unmodelled_moment_N_m: float = number(0.003, 0.3, "N m")
+    unmodelled_time_s: float = number(0.0, 100.0, "s")
     cell_force_N: float = number(0.04, 4.0, "N")
     cell_moment_N_m: float = number(0.0008, 0.08, "N m")
     cell_gain: float = number(0.01, 0.5, "1")

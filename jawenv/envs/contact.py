@@ -80,7 +80,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
     push = articular_push(settings.reality, known.limits, truth.jaw, q, lift)
-    total = plus_wrench(wrench, scratch.unmodelled, push)
+    total = plus_wrench(wrench, truth.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
     return force[0], force[2], total[4]
 
@@ -133,7 +133,7 @@ class ContactPlants:
         ticks: Any,
         paths: Any,
         observation: Any,
-        sizes: tuple[int, int, int, int],
+        sizes: tuple[int, int, int, int, int],
     ) -> None:
         """Allocate working memory; the jaws are made when their worlds are reset."""
         self._device, self._models, self._worlds, self._settings = device, models, worlds, settings

@@ -61,7 +61,7 @@ def wrench_at_stage(device, world, scratch, settings, step, stage, h, motion):
     push = (0.0, 0.0, 0.0)
     if settings.reality.articular_stiffness > 0.0:
         push = articular_push(settings.reality, world.known.limits, world.truth.jaw, motion[0], motion[2])
-    return plus_wrench(wrench, scratch.unmodelled, push)
+    return plus_wrench(wrench, world.truth.unmodelled, push)
 
 
 @njit_within

@@ -61,7 +61,8 @@ class Simulation:
         self._known_condyles = 2 if known else 1
         self.knowledge = configuration.build_knowledge()
         self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.prior.mean)
-        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds)
+        disturbance = N_WRENCH if self.device[0]["unmodelled_time"] > 0.0 else 0
+        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
@@ -81,7 +82,7 @@ class Simulation:
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes[:3]))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
 
-    def _contact_plants(self, sizes: tuple[int, int, int, int]) -> ContactPlants:
+    def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
         from jawenv.envs.contact import ContactPlants
 
@@ -99,19 +100,19 @@ class Simulation:
             return self._kept_ticks() + 1
         return self.configuration.ticks_per_step + 1 if self.configuration.needs_bound else 1
 
-    def _build_settings(self, sizes: tuple[int, int, int, int]) -> NDArray[np.void]:
+    def _build_settings(self, sizes: tuple[int, int, int, int, int]) -> NDArray[np.void]:
         configuration = self.configuration
         records = record_zeros(1, settings_dtype(*sizes))
         settings = records[0]
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
-        settings["filter"]["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
+        settings["reality"] = self.reality.records()[0]
+        self._set_disturbance(settings)
         control = settings["control"]
         control["servo"] = configuration.mode.has_servos
         control["targets"] = configuration.mode.takes_targets
         control["steps"], control["ticks_per_step"] = configuration.steps, configuration.ticks_per_step
         settings["channels"] = int(settings["filter"]["used"].sum()) + N_WRENCH
-        settings["reality"] = self.reality.records()[0]
         return records
 
     def _set_filter(self, settings: Any) -> None:
@@ -121,12 +122,27 @@ class Simulation:
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
-        settings["start_sd"] = start_sd(self._jaw, self._known_condyles)
+        sd = start_sd(self._jaw, self._known_condyles)
+        settings["start_sd"][: len(sd)] = sd
         noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
         write_nuisances(settings["nuisances"], self._jaw, self.knowledge, self.cohort.muscles, self._sds)
+
+    def _set_disturbance(self, settings: Any) -> None:
+        """The wrench that is not known: process noise of the filter, and where it has memory states as well."""
+        device, known = self.device[0], settings["filter"]
+        time = float(device["unmodelled_time"])
+        true_time = float(settings["reality"]["unmodelled_time"]) or time
+        settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0
+        known["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
+        if time > 0.0:
+            variance = np.repeat([float(device[f"unmodelled_{kind}"]) ** 2 for kind in ("force", "moment")], 3)
+            known["wrench_variance"] -= variance
+            known["start_sd"][-N_WRENCH:] = np.sqrt(variance)
+            known["disturbance_decay"] = np.exp(-TICK / time)
+            known["disturbance_variance"] = variance * -np.expm1(-2.0 * TICK / time)
 
     def _noise_variance(self) -> NDArray[np.float64]:
         """(12,) of the wrench not known: constant over a tick, and tilting."""

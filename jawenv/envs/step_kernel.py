@@ -7,6 +7,7 @@ into one kernel only.
 from __future__ import annotations
 
 from functools import cache
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -67,30 +68,34 @@ class Rows(NamedTuple):
 
 
 @cache
-def settings_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
+def settings_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
     """Dtype of what all worlds of an environment share."""
     fields = [
-        ("filter", filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances)),
+        ("filter", filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)),
         ("control", CONTROL),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("reality", REALITY),
+        ("unmodelled_decay", "f8"),  # of the true unmodelled wrench over a tick
         ("channels", "i8"),  # readings in a tick
     ]
     return record_dtype(fields)
 
 
 @cache
-def scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
+def scratch_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
     """Dtype of one thread's working memory."""
     fields = [
         ("rows", "f8", (N_MEASUREMENTS, N_STATES)),  # of ``measure``
-        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances)),
+        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)),
         ("seeing", seeing_dtype(n_lines)),
         ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
         ("action", "f8", N_MOTORS),  # of the motors
         ("normals", "f8", N_NORMALS),
         ("measured", "f8", N_MEASUREMENTS),
-        ("unmodelled", "f8", 6),
         ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
         ("acted", "f8"),  # what of the governor has acted in this tick
         ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, as the load cell averages it (``load_cell``)
@@ -157,6 +162,16 @@ def command(device, model, known, action, settings, scratch):
 
 
 @njit
+def draw_unmodelled(device, truth, tick, decay, normals):
+    """The unmodelled wrench of the tick: anew, or with memory, and as large in the mean from the first tick on."""
+    kept = decay if tick > 0 else 0.0
+    share = sqrt(1.0 - kept * kept)
+    for k in range(6):
+        sd = device.unmodelled_force if k < 3 else device.unmodelled_moment
+        truth.unmodelled[k] = kept * truth.unmodelled[k] + share * (sd * normals[k])
+
+
+@njit
 def begin_tick(device, model, world, action, settings, scratch):
     """Draw the tick's noise and let the motors take their command."""
     truth, known = world.truth, world.known
@@ -167,9 +182,7 @@ def begin_tick(device, model, world, action, settings, scratch):
     motion = q, u, lift_of(truth)
     command_motors(device, truth.jaw, known.motors, motion, scratch.action, settings.control.servo, TICK)
     update_tissue(settings.reality, truth.reality, truth.jaw, truth.muscles, motion, TICK, scratch.effective)
-    for k in range(3):
-        scratch.unmodelled[k] = device.unmodelled_force * normals[k]
-        scratch.unmodelled[3 + k] = device.unmodelled_moment * normals[3 + k]
+    draw_unmodelled(device, truth, known.tick, settings.unmodelled_decay, normals)
 
 
 @njit_within

@@ -42,6 +42,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
         ("body", "f8", (n_body,)),  # of the plant with two condyles
+        ("unmodelled", "f8", 6),  # the wrench that no model explains, in this tick
         ("reality", reality_state_dtype(n_lines)),
         ("key", "u8", 2),
         ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
@@ -59,7 +60,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.
 
 
 @cache
-def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int) -> np.dtype[np.void]:
+def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_disturbance: int) -> np.dtype[np.void]:
     """Dtype of what the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
     fields = [
         ("tick", "i8"),
@@ -67,7 +68,7 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int) -
         ("motors", MOTORS),
         ("tracker", TRACKER),  # of targets control
         ("reading", "f8", 6),  # load cell, body axes
-        ("belief", belief_dtype(n_muscles, n_states, n_lines, n_nuisances)),
+        ("belief", belief_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)),
         ("left_out", "f8"),  # share of the last step's readings that were not used
         ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
         ("log_det_prior", "f8"),
@@ -77,7 +78,9 @@ def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int) -
 
 
 @cache
-def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_body: int) -> np.dtype[np.void]:
+def world_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_disturbance: int, n_body: int
+) -> np.dtype[np.void]:
     """Dtype of one world. Filter, observation and the law of targets control are given ``known`` alone.
 
     Args:
@@ -85,7 +88,10 @@ def world_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n
         n_lines: Lines along which they pull.
         n_states: Of the motion, in the filter's model.
         n_nuisances: What the filter knows within an sd beside the muscles (``filter.nuisances``).
-        n_body: The same of the plant with two condyles, 0 in a world of another.
+        n_disturbance: Components of the unmodelled wrench that are states of the filter: 6 where it has memory, or 0.
+        n_body: States of the plant with two condyles, 0 in a world of another.
     """
     sizes = n_muscles, n_lines, n_states
-    return record_dtype([("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes, n_nuisances))])
+    return record_dtype(
+        [("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes, n_nuisances, n_disturbance))]
+    )

@@ -8,6 +8,9 @@ from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 
 TREND_TIME = 0.05  # s: long beside a tick, short beside a maneuver
+# s over which the reading is smoothed from which a tick is predicted. The noise of a sample is in the filtered motion,
+# and so in the next innovation: not smoothed it biases mass and damping; over 50 ms the servo's answers lag too much.
+SMOOTHING_TIME = 0.02
 
 
 @njit
@@ -23,8 +26,8 @@ def mean_force(samples):
 
 
 @njit
-def follow_trend(trend, samples, dt):
-    """Let the load cell's trend (6) follow its samples with ``TREND_TIME``; called after they have been used."""
-    follow = 1.0 - exp(-dt / TREND_TIME)
+def follow_trend(trend, samples, dt, time=TREND_TIME):
+    """Let the load cell's trend (6) follow its samples with a time constant; called after they have been used."""
+    follow = 1.0 - exp(-dt / time)
     for k in range(N_WRENCH):
         trend[k] += follow * (mean_reading(samples, k) - trend[k])

@@ -5,9 +5,10 @@ biased: a servo or a stop answers within the tick, so the motion that a reading 
 in the tick and is not known (Forssell & Ljung 1999, Automatica 35:1215). What is predicted from earlier readings is an
 instrument.
 
-Where the muscles alone are unknown, a pose predicted at constant rates suffices. Nuisances are told apart by small
-differences between columns that are nearly parallel, and there the Jacobian, the rates and the rows of the readings
-must be predicted as well: the motion takes the tick under the last tick's mean reading, and all is linearised along it.
+Where the muscles alone are unknown, a pose predicted at constant rates suffices. Nuisances and a disturbance with
+memory are told apart from them by small differences between columns that are nearly parallel, and there the Jacobian,
+the rates and the rows of the readings must be predicted as well: the motion takes the tick under the smoothed reading
+of the ticks before, and all is linearised along it.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 from numba.extending import overload
 
+from jawenv.filter.disturbance import add_disturbance
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.filter.motion_step import move
@@ -30,7 +32,7 @@ def instrument_fields(n_states: int) -> list[Any]:
     return [
         ("motion", "f8", (n_states,)),  # at the end of the tick
         ("total", "f8", (n_states, n_states + N_WRENCH)),  # its derivative by state and wrench, [A, G]
-        ("held", "f8", (N_SAMPLES, N_WRENCH)),  # the last reading as samples of this tick
+        ("held", "f8", (N_SAMPLES, N_WRENCH)),  # the smoothed reading as samples of this tick
     ]
 
 
@@ -46,7 +48,7 @@ def all_finite(values):
 @njit
 def coast(start, dt, after):
     """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``."""
-    half = start.shape[0] // 2
+    half = after.shape[0] // 2
     first = half - 3  # of the angles
     pose = (0.0, 0.0, start[first], start[first + 1], start[first + 2])
     turning = angle_rates(pose, (start[half + first], start[half + first + 1], start[half + first + 2]))
@@ -57,16 +59,24 @@ def coast(start, dt, after):
 
 
 @njit
+def begin_instrument(scratch):
+    """The motion at the start of the tick."""
+    for i in range(scratch.instrument.motion.shape[0]):
+        scratch.instrument.motion[i] = scratch.start_motion[i]
+
+
+@njit
 def hold_reading(jaw, belief, dt, scratch):
-    """The motion at the end of the tick under the last tick's mean reading, and its derivative."""
+    """The motion at the end of the tick under the smoothed reading, and its derivative."""
     instrument = scratch.instrument
     for i in range(N_SAMPLES):
         for k in range(N_WRENCH):
-            instrument.held[i, k] = belief.last_reading[k]
-    instrument.motion[:] = scratch.start_motion
+            instrument.held[i, k] = belief.smoothed[k]
+    add_disturbance(belief, instrument.motion.shape[0], instrument.held, instrument.held)
+    begin_instrument(scratch)
     move(jaw, instrument.motion, instrument.held, dt, scratch.step)
     if not all_finite(instrument.motion):
-        instrument.motion[:] = scratch.start_motion
+        begin_instrument(scratch)
     instrument.total[:, :] = scratch.step.total
     belief.predicted[:] = instrument.motion
 
@@ -78,31 +88,31 @@ def predict_from_past(jaw, belief, dt, scratch):
 
 @overload(predict_from_past, inline="always")
 def _choose_prediction(jaw, belief, dt, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
+    if belief.typeof("predicted").shape[0] == 0:
         return lambda jaw, belief, dt, scratch: coast(scratch.start_motion, dt, scratch.instrument.motion)
     return lambda jaw, belief, dt, scratch: hold_reading(jaw, belief, dt, scratch)
 
 
 def jacobian_of_tick(belief, scratch):
-    """[A, G] of the tick: along the predicted motion where there are nuisances, else along the motion itself."""
+    """[A, G] of the tick, along the predicted motion where more than the muscles is unknown."""
     raise NotImplementedError("only called by compiled kernels")
 
 
 @overload(jacobian_of_tick, inline="always")
 def _choose_jacobian(belief, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
+    if belief.typeof("predicted").shape[0] == 0:
         return lambda belief, scratch: scratch.step.total
     return lambda belief, scratch: scratch.instrument.total
 
 
 def set_rows_of_past(jaw, belief, used, scratch):
-    """Where there are nuisances, the rows of the used readings at the predicted motion."""
+    """Where more than the muscles is unknown, the rows of the used readings at the predicted motion."""
     raise NotImplementedError("only called by compiled kernels")
 
 
 @overload(set_rows_of_past, inline="always")
 def _choose_rows(jaw, belief, used, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
+    if belief.typeof("predicted").shape[0] == 0:
         return lambda jaw, belief, used, scratch: None
 
     def call(jaw, belief, used, scratch):

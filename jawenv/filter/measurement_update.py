@@ -32,21 +32,21 @@ GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 EXPECTED, SURPRISING, REFUSED = 0, 1, 2
 
 
-def measurement_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> list[Any]:
-    """Fields of the working memory of the measurement update."""
+def measurement_update_fields(n_muscles: int, n_lines: int, n_motion: int, n_nuisances: int = 0) -> list[Any]:
+    """Fields of the working memory of the measurement update; ``n_motion`` counts motion and disturbance."""
     columns, parameters = tension_columns(n_muscles, n_nuisances), 2 * n_muscles
     return [
         ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
         ("whitened_nuisances", "f8", (n_nuisances + 1, N_MEASUREMENTS)),
-        ("rows", "f8", (N_MEASUREMENTS, n_states)),  # H
+        ("rows", "f8", (N_MEASUREMENTS, n_motion)),  # H
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("innovation", "f8", (N_MEASUREMENTS,)),
         ("variance", "f8", (N_MEASUREMENTS,)),  # R
         ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
         ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
-        ("whitened_motion", "f8", (N_MEASUREMENTS, n_states)),  # L^-1 H P
+        ("whitened_motion", "f8", (N_MEASUREMENTS, n_motion)),  # L^-1 H P
         ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
-        ("gain", "f8", (n_states, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
+        ("gain", "f8", (n_motion, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
         ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
         ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
         ("spread", "f8", (N_MEASUREMENTS, parameters)),

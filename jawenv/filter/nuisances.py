@@ -142,7 +142,7 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
     ``at`` is the pose half way through the tick, the rates and their rate of change over it, and the load cell's
-    reading (six numbers) of the tick before, all as the past alone has them (``instrument``).
+    smoothed reading (six numbers), all as the past alone has them (``instrument``).
     """
     pose, u, rate, reading = at
     body_to_head = rotation(pose)
@@ -218,7 +218,7 @@ def _choose_wrenches(jaw, muscles, belief, pose, settings, scratch):
     def call(jaw, muscles, belief, pose, settings, scratch):
         first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
         wrenches = scratch.line_wrench
-        last = belief.last_reading
+        last = belief.smoothed
         reading = (last[0], last[1], last[2], last[3], last[4], last[5])
         u, rate = middle_rates(scratch.start_motion, scratch.instrument.motion, settings.dt)
         set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)

@@ -16,7 +16,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 @njit
 def middle_of(jaw, before, after):
     """The pose half way between two states, as the midline model's five coordinates, and the reference point there."""
-    angles = before.shape[0] // 2 - 3  # number of the first
+    angles = after.shape[0] // 2 - 3  # number of the first
     pose = (
         0.5 * (before[0] + after[0]),
         0.5 * (before[1] + after[1]),

@@ -45,13 +45,15 @@ def block_dtype(columns: int) -> np.dtype[np.void]:
 
 
 @cache
-def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0) -> np.dtype[np.void]:
+def belief_dtype(
+    n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
     """Dtype of the filter's state."""
-    size, parameters = tension_columns(n_muscles, n_nuisances), 2 * n_muscles
+    size, parameters, n_motion = tension_columns(n_muscles, n_nuisances), 2 * n_muscles, n_states + n_disturbance
     fields = [
-        ("motion", "f8", (n_states,)),
-        ("motion_cov", "f8", (n_states, n_states)),
-        ("by_tension", "f8", (n_states, size)),
+        ("motion", "f8", (n_motion,)),  # and after it the disturbance, where it has memory
+        ("motion_cov", "f8", (n_motion, n_motion)),
+        ("by_tension", "f8", (n_motion, size)),
         ("information", "f8", (size, size)),
         ("score", "f8", (size,)),
         ("basis", basis_dtype(n_muscles)),
@@ -60,8 +62,12 @@ def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: i
         ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
         ("nuisances_replayed_at", "f8", (n_nuisances,)),
         ("jaw", jaw_dtype(n_lines if n_nuisances else 1)),  # the filter's model at that mean, where there are nuisances
-        ("predicted", "f8", (n_states if n_nuisances else 1,)),  # motion at the tick's end as the past alone has it
-        ("last_reading", "f8", (N_WRENCH,)),  # of the load cell, the mean of the last tick, corrected
+        (
+            "predicted",
+            "f8",
+            (n_states if n_nuisances + n_disturbance else 0,),
+        ),  # motion at the tick's end as the past alone has it
+        ("smoothed", "f8", (N_WRENCH,)),  # the load cell's trend over a shorter time, corrected
         # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
         ("nuisance_factor", "f8", (n_nuisances + 1, n_nuisances + 1)),
         ("mean", "f8", (parameters,)),  # natural logs
@@ -80,8 +86,10 @@ def belief_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: i
 
 @njit
 def begin_motion(belief, motion, sd):
-    """Set the mean of the motion (n) before the first reading, and its sds (n)."""
-    belief.motion[:] = motion
+    """Set the mean of the motion (n) before the first reading, no disturbance, and the sds of both."""
+    belief.motion[:] = 0.0
+    for i in range(motion.shape[0]):
+        belief.motion[i] = motion[i]
     for i in range(belief.predicted.shape[0]):
         belief.predicted[i] = motion[i]
     lose_motion(belief, sd)
@@ -142,7 +150,7 @@ def forget_readings(belief):
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
     belief.trend[:] = 0.0
-    belief.last_reading[:] = 0.0
+    belief.smoothed[:] = 0.0
     begin_block(belief.block)
     belief.block.misfit = 0.0
     belief.readings = 0

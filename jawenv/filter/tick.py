@@ -10,7 +10,7 @@ import numpy as np
 from numba.extending import overload
 
 from jawenv.filter.basis import basis_dtype, build_basis
-from jawenv.filter.cell_trend import follow_trend, mean_reading
+from jawenv.filter.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.filter.learn import belief_fields, learn
@@ -46,7 +46,9 @@ TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
 
 @cache
-def filter_settings_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0) -> np.dtype[np.void]:
+def filter_settings_dtype(
+    n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
     """Dtype of the filter's settings: device, prior and noise."""
     fields = [
         ("dt", "f8"),
@@ -54,7 +56,9 @@ def filter_settings_dtype(n_muscles: int, n_states: int, n_lines: int = 1, n_nui
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
         ("gain_variance", "f8"),
-        ("start_sd", "f8", n_states),  # of the motion before the first reading
+        ("start_sd", "f8", n_states + n_disturbance),  # of motion and disturbance before the first reading
+        ("disturbance_decay", "f8"),  # over a tick, of a disturbance with memory
+        ("disturbance_variance", "f8", (n_disturbance,)),  # of what is new in it after a tick
         ("basis", basis_dtype(n_muscles)),
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
@@ -75,11 +79,13 @@ def tick_dtype(n_states: int) -> np.dtype[np.void]:
 
 
 @cache
-def filter_scratch_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> np.dtype[np.void]:
+def filter_scratch_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
     """Dtype of the filter's working memory, stage by stage."""
     stages: dict[str, list[Any]] = {
-        "time": time_update_fields(n_muscles, n_lines, n_states, n_nuisances),
-        "update": measurement_update_fields(n_muscles, n_lines, n_states, n_nuisances),
+        "time": time_update_fields(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
+        "update": measurement_update_fields(n_muscles, n_lines, n_states + n_disturbance, n_nuisances),
         "belief": belief_fields(n_muscles, n_nuisances),
     }
     fields: list[Any] = [(name, record_dtype(stage)) for name, stage in stages.items()]
@@ -117,7 +123,7 @@ def add_tooth_noise(jaw, motion, variance):
     Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
     both about the mouthpiece.
     """
-    first = motion.shape[0] // 2 - 3  # of the angles
+    first = 3 if jaw.condyles == 2 else 2  # of the angles
     pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
     contact, body_to_head = contact_point(jaw, pose), rotation(pose)
     bite = 0.0
@@ -161,8 +167,7 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
-        for k in range(N_WRENCH):
-            belief.last_reading[k] = mean_reading(scratch.samples, k)
+        follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
     left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
     scratch.verdict = EXPECTED
     if scratch.used.any():

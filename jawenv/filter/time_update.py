@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from jawenv.filter.disturbance import add_disturbance, decay_disturbance, set_total
 from jawenv.filter.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
-from jawenv.filter.joint_step import set_muscles
+from jawenv.filter.joint_step import N_SAMPLES, set_muscles
 from jawenv.filter.motion_step import move, step_dtype
 from jawenv.filter.nuisances import nuisance_fields, set_nuisance_wrenches
 from jawenv.filter.regressors import middle_of, set_line_wrenches
@@ -21,22 +22,26 @@ from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
-def time_update_fields(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0) -> list[Any]:
+def time_update_fields(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> list[Any]:
     """Fields of the working memory of the time update."""
-    columns, inputs = tension_columns(n_muscles, n_nuisances), n_states + N_WRENCH
+    n_motion = n_states + n_disturbance
+    columns, inputs = tension_columns(n_muscles, n_nuisances), n_motion + N_WRENCH
     return [
         ("step", step_dtype(n_lines, n_states)),
         ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
-        ("start_motion", "f8", (n_states,)),
+        ("start_motion", "f8", (n_motion,)),
         ("instrument", record_dtype(instrument_fields(n_states))),
+        ("driven", "f8", (N_SAMPLES, N_WRENCH)),  # the samples and the disturbance
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
-        ("total", "f8", (n_states, inputs)),  # [A, G]
-        ("turned", "f8", (inputs, n_states)),  # its transpose
+        ("total", "f8", (n_motion, inputs)),  # [A, G]
+        ("turned", "f8", (inputs, n_motion)),  # its transpose
         ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
-        ("after", "f8", (n_states, columns)),
-        ("moved_cov", "f8", (n_states, n_states)),  # A P
-        ("weighted", "f8", (n_states, inputs)),  # [A P, G W]
-        ("next_cov", "f8", (n_states, n_states)),
+        ("after", "f8", (n_motion, columns)),
+        ("moved_cov", "f8", (n_motion, n_motion)),  # A P
+        ("weighted", "f8", (n_motion, inputs)),  # [A P, G W]
+        ("next_cov", "f8", (n_motion, n_motion)),
     ]
 
 
@@ -52,13 +57,15 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
     predict_from_past(jaw, belief, dt, scratch)
-    move(jaw, belief.motion, samples, dt, scratch.step)
+    add_disturbance(belief, scratch.instrument.motion.shape[0], samples, scratch.driven)
+    move(jaw, belief.motion, scratch.driven, dt, scratch.step)
     if not all_finite(belief.motion):
         belief.motion[:] = scratch.start_motion
         lose_motion(belief, start_sd)
         return
-    scratch.total[:, :] = jacobian_of_tick(belief, scratch)
+    set_total(jacobian_of_tick(belief, scratch), settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
+    decay_disturbance(belief, settings)
     pose, position = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
     set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
     set_nuisance_wrenches(jaw, scratch.step.muscles, belief, pose, settings, scratch)

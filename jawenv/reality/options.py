@@ -25,6 +25,7 @@ REALITY = record_dtype(
         ("cell_bias_moment", "f8"),
         ("play_position", "f8"),  # whole width of the dead band
         ("play_angle", "f8"),
+        ("unmodelled_time", "f8"),
         ("lost_below", "f8"),  # standard normals below it lose a reading
         ("frozen_above", "f8"),  # above it repeat the last one
     ],
@@ -65,6 +66,8 @@ class Reality(NumericFields):
         encoder_play_mm: Width of the dead band (backlash) of each reading of position: 0.2 to 0.5 mm, linkage and
             mouthpiece on its gum (G).
         encoder_play_deg: The same for angles: 0.2 to 0.5 degrees, that play at 6 cm (G).
+        unmodelled_time_s: Time constant of the memory of the unmodelled wrench, an Ornstein-Uhlenbeck process of the
+            same sd; 0 for the one that the device has (G).
         lost_share: Share of the readings, of each encoder and each component of the load cell, that are lost (G).
         frozen_share: Share that repeat the last reading (G).
     """
@@ -82,6 +85,7 @@ class Reality(NumericFields):
     cell_bias_N_m: float = number(0.0, 1.0, "N m", record="cell_bias_moment")
     encoder_play_mm: float = number(0.0, 10.0, "mm", record="play_position")
     encoder_play_deg: float = number(0.0, 10.0, "deg", record="play_angle")
+    unmodelled_time_s: float = number(0.0, 100.0, "s")
     lost_share: float = number(0.0, 0.49, "1")
     frozen_share: float = number(0.0, 0.49, "1")
 
