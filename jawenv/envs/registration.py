@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import gymnasium as gym
 
 # Environment -> the model of ``jawenv.ladder`` that it runs; written out, because that module is heavier than this.
@@ -15,16 +17,25 @@ ENVIRONMENTS = {
 }
 
 
+# The jaw as a clinic would have it: known within sds, and disturbed by what lasts. Agents that adapt are judged on it.
+IMAGED = {"model": "jaw", "knowledge": "imaged", "device": {"unmodelled_time_s": 0.5}}
+
+
 def register_environments() -> None:
     """Register jawenv's environments; called by ``import jawenv``.
 
     Version 1 of an id is the same world with ``control="force"`` by default, for what was made with it.
     """
     for env_id, model in ENVIRONMENTS.items():
-        for version, defaults in ((env_id, {}), (env_id.replace("-v2", "-v1"), {"control": "force"})):
-            gym.register(
-                id=version,
-                entry_point="jawenv.envs.jaw:JawEnv",
-                vector_entry_point="jawenv.envs.vector:JawVectorEnv",
-                kwargs={"model": model, **defaults},
-            )
+        _register(env_id, {"model": model})
+        _register(env_id.replace("-v2", "-v1"), {"model": model, "control": "force"})
+    _register("jawenv/JawImaged-v1", IMAGED)
+
+
+def _register(env_id: str, arguments: dict[str, Any]) -> None:
+    gym.register(
+        id=env_id,
+        entry_point="jawenv.envs.jaw:JawEnv",
+        vector_entry_point="jawenv.envs.vector:JawVectorEnv",
+        kwargs=arguments,
+    )

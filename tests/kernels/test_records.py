@@ -37,7 +37,7 @@ def test_every_record_begins_at_a_line_and_is_zero(shape):
             assert not record[name].any()
 
 
-@pytest.mark.parametrize("dtype", [world_dtype(6, 6, 10, 0, 0), scratch_dtype(6, 6, 10)])
+@pytest.mark.parametrize("dtype", [world_dtype(6, 6, 10, 0, 0, 0), scratch_dtype(6, 6, 10)])
 def test_nested_records_keep_their_alignment(dtype):
     def check(kind, start):
         for name in kind.names:

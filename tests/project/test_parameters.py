@@ -14,6 +14,7 @@ COMMANDS = {
     "design",
     "diagnose_command",
     "distill",
+    "live_command",
     "optimise",
     "patient_command",
     "play_command",
