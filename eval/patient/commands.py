@@ -64,6 +64,7 @@ def patient_command(
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course
+    from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
     settings = options.settings_of(
@@ -80,7 +81,7 @@ def patient_command(
     for person, course in zip(people, courses, strict=True):
         text = page.render(loaded, person, plan, course, about, show_truth)
         written = page.write(text, output / f"patient-{person.name}.html")
-        said = {str(row["muscle"]): str(row["verdict"]) for row in page.verdict_rows(person, course[-1:])}
+        said = {name: each.word for name, each in zip(MUSCLE_NAMES, page.said_of(course), strict=True)}
         console.print(f"{written}: {page.headline(said)}", soft_wrap=True)
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
 

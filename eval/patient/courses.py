@@ -134,5 +134,5 @@ def load(path: Path) -> Treatment:
     except InputError as error:
         reason = str(error).removeprefix(f"{path}: ")
         raise InputError(f"{path} is damaged ({reason}); delete it, or use --fresh") from None
-    violated = bool(held.pop("violated"))
-    return Treatment(**held, violated=violated)
+    violated, misfit = bool(held.pop("violated")), float(held.pop("misfit"))
+    return Treatment(**held, violated=violated, misfit=misfit)

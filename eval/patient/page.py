@@ -16,7 +16,7 @@ from eval.patient import charts, drawing
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment
-from eval.patient.verdicts import UNKNOWN, WORDS, Verdict, truly, verdicts
+from eval.patient.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, Verdict, truly, verdicts
 from eval.report import template, words
 from jawenv.anatomy import MUSCLE_NAMES, muscle_set
 from jawenv.errors import InputError
@@ -96,7 +96,7 @@ def render(
         about: command, versions, time.
         show_truth: whether the true values of the simulated patient are shown.
     """
-    now = verdicts(course[-1].mean[-1], course[-1].cov[-1])
+    now = said_of(course)
     said = {name: each.word for name, each in zip(MUSCLE_NAMES, now, strict=True)}
     cards = {name: _card(course, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
@@ -107,12 +107,15 @@ def render(
         plan=plan,
         seconds=f"{course[-1].time[-1]:g}",
         ended_early=[i for i, each in enumerate(course, 1) if each.violated],
+        unfit=[i for i, each in enumerate(course, 1) if each.rings],
         headline=headline(said),
         effects=", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items()),
         views={side: drawing.view(side, muscle_set(), said) for side in ("right", "left")},
         rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in ABOUT],
         legend=[
-            (word, drawing.class_of(word)) for word in WORDS if word != "stiff and blocked" or word in said.values()
+            (word, drawing.class_of(word))
+            for word in (*WORDS, NO_VERDICT)
+            if word not in (BOTH, NO_VERDICT) or word in said.values()
         ],
         fibrosed=f"{FIBROSED_F_O_N:g}",
         blocked=f"{BLOCKED_B:g}",
@@ -123,12 +126,25 @@ def render(
     )
 
 
+def said_of(course: Sequence[Treatment]) -> list[Verdict]:
+    """The verdict on every muscle after the last treatment; none where the readings of any do not fit the model.
+
+    Args:
+        course: treatments, each of which begins with what the one before has left known.
+    """
+    if any(each.rings for each in course):
+        return [WITHHELD] * len(MUSCLE_NAMES)
+    return verdicts(course[-1].mean[-1], course[-1].cov[-1])
+
+
 def headline(said: dict[str, str]) -> str:
     """All verdicts in a sentence or two.
 
     Args:
         said: muscle -> verdict.
     """
+    if NO_VERDICT in said.values():
+        return "No verdict: the readings do not fit the model."
     groups = {word: [words.label(name) for name, each in said.items() if each == word] for word in WORDS}
     if len(groups[UNKNOWN]) == len(said):
         return "Nothing can be said about any of the six closing muscles yet."
@@ -165,7 +181,7 @@ def _card(course: Sequence[Treatment], muscle: int, now: Verdict, show_truth: bo
         about=ABOUT[kind],
         verdict=now,
         badge=drawing.class_of(now.word),
-        chance=_chance(now.probability),
+        chance=_chance(now.probability) if now.word != NO_VERDICT else "",
         since=_since(course, muscle, now.word),
         force=_quantity(course, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
         stiffening=_quantity(
@@ -202,7 +218,7 @@ def _chance(probability: float) -> str:
 
 def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
     """From which moment on the verdict has been the last one, in words."""
-    if word == UNKNOWN:
+    if word in (UNKNOWN, NO_VERDICT):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)
     kept = [(number, step) for number, each in enumerate(course) for step in range(len(each.time))]
@@ -240,12 +256,12 @@ def verdict_rows(person: Person, course: Sequence[Treatment]) -> list[dict[str, 
         sd = np.sqrt(np.diagonal(each.cov[-1]))
         estimate, truth = np.exp(each.mean[-1]), np.exp(each.truth)
         low, high = np.exp(each.mean[-1] - SD_95 * sd), np.exp(each.mean[-1] + SD_95 * sd)
-        for i, said in enumerate(verdicts(each.mean[-1], each.cov[-1])):
+        for i, said in enumerate(said_of(course[:number])):
             row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
             row |= {"muscle": MUSCLE_NAMES[i], "verdict": said.word, "probability": said.probability}
             row |= {"stiff": said.stiff, "blocked": said.blocked, "truly": truly(each.truth[2 * i : 2 * i + 2])}
             for symbol, k in (("F_o_N", 2 * i), ("b", 2 * i + 1)):
                 row |= {symbol: estimate[k], f"{symbol}_low": low[k], f"{symbol}_high": high[k]}
                 row |= {f"{symbol}_true": truth[k]}
-            rows.append(row | {"nees_of_12": each.nees})
+            rows.append(row | {"nees_of_12": each.nees, "misfit": each.misfit})
     return rows

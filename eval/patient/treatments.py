@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from eval.patient.cohort import KnownPatient
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
+from jawenv.metrics import alarm_rings
 
 Array = NDArray[np.float64]
 
@@ -55,6 +56,7 @@ class Treatment:
         cov: (T, P, P).
         truth: (P,) the patient's natural-log parameters, the same during a treatment.
         violated: whether it ended at a hard limit of comfort.
+        misfit: the filter's alarm, the largest of the treatment.
     """
 
     time: Array
@@ -62,6 +64,12 @@ class Treatment:
     cov: Array
     truth: Array
     violated: bool
+    misfit: float
+
+    @property
+    def rings(self) -> bool:
+        """Whether the alarm rings: the readings do not fit the model."""
+        return bool(alarm_rings(np.array(self.misfit)))
 
     @property
     def nees(self) -> float:
@@ -73,7 +81,7 @@ class Treatment:
         """The same at so many times or fewer, the first and the last among them, denser at the start."""
         share = np.linspace(0.0, 1.0, number) ** 2
         chosen = np.unique(np.round(share * (len(self.time) - 1)).astype(int))
-        return Treatment(self.time[chosen], self.mean[chosen], self.cov[chosen], self.truth, self.violated)
+        return replace(self, time=self.time[chosen], mean=self.mean[chosen], cov=self.cov[chosen])
 
 
 def population_of(entry: Entry) -> Cohort:
@@ -140,4 +148,5 @@ def _play(entry: Entry, belief: Belief, patient: Patient | None, noise: int) -> 
     recording = entry.play([patient], noise, cohort=known, track_bound=False)
     last = recording.last[0] + 1
     mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
-    return Treatment(recording.time[:last], mean, cov, recording.truth[0], bool(recording.violation[0].any()))
+    violated, misfit = bool(recording.violation[0].any()), float(recording.at_end(recording.misfit)[0])
+    return Treatment(recording.time[:last], mean, cov, recording.truth[0], violated, misfit)

@@ -134,6 +134,31 @@ def test_the_truth_is_shown_where_it_is_asked_for(three, tmp_path):
     assert text.count("truly stiff") == 3 and text.count("true: 1.80 N") == 3 and text.count("true: 7.00") == 6
 
 
+def test_no_verdict_is_given_where_the_readings_do_not_fit_the_model(tmp_path, capsys):
+    arguments = ["--episode-s", "8", "--seed", "5200", "--control", "targets", "--reality", "fossa_error=0.3"]
+    assert run(tmp_path, "refined", *arguments) == 0
+    text, said = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8")), capsys.readouterr().out
+    assert "No verdict: the readings do not fit the model." in text and "No verdict: the readings" in said
+    assert "The numbers below are not to be trusted." in text
+    assert "probability above" not in text and "most likely" not in text
+    table = pd.read_parquet(tmp_path / "verdicts.parquet")
+    assert set(table["verdict"]) == {"no verdict"} and (table["misfit"] > 1.0).all()
+    assert table["probability"].isna().all()
+
+
+def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
+    _, _, folder = three
+    (entry,) = load_entries([RICH], Settings(1, "wide", 5200, "force", "pose", 8.0).env_kwargs)
+    good = first_treatment(entry, 5200, Patient.load(folder / f"{HEALTHY}.json"))
+    assert not good.rings
+    course = [good, replace(good, misfit=1.2), good]
+    rows = pd.DataFrame(page.verdict_rows(Person("1", 5200), course)).groupby("treatment")["verdict"].first()
+    assert rows.tolist() == ["normal", "no verdict", "no verdict"]
+    about = {"finished": "today", "command": "python -m eval patient"}
+    text = words_of(page.render(entry, Person("1", 5200), Course(3), course, about, show_truth=False))
+    assert "do not fit the model in treatment 2:" in text
+
+
 def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys):
     original, played, interrupt_at = courses.next_treatment, [], [3]
 
