@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -48,6 +48,7 @@ def patient_command(
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
+    knowledge: options.Known = "exact",
     output: options.Output = Path("runs/patient"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -70,6 +71,7 @@ def patient_command(
     settings = options.settings_of(
         1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]), reality, device, estimator
     )
+    settings = replace(settings, knowledge=options.known_within(knowledge))
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)

@@ -42,6 +42,8 @@ class Patient(InputModel):
         F_o_N: muscle -> force at its closed-jaw length, N, in (0, 100].
         b: muscle -> stiffness exponent, in (0, 60].
         head_tilt_deg: pitch of the head, positive nose down, in [-90, 90].
+        anatomy_seed: of what is known of the patient's anatomy only within sds (`jawenv.Knowledge`), so that it is the
+            same in all episodes; drawn anew in each by default.
 
     Raises:
         InputError: one line that names the field, the value and what is allowed.
@@ -51,6 +53,7 @@ class Patient(InputModel):
     F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_F_O_N)]], AfterValidator(_of_all_muscles)]
     b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_B)]], AfterValidator(_of_all_muscles)]
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0
+    anatomy_seed: Annotated[int, Field(ge=0)] | None = None
 
     @classmethod
     def from_dict(cls, data: Mapping[str, object]) -> Self:
