@@ -64,7 +64,7 @@ def patient_command(
     from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
-    from eval.patient.treatments import Course
+    from eval.patient.treatments import Course, population_of
     from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
@@ -78,7 +78,8 @@ def patient_command(
     console = terminal()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
     about = made_with(typed(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
-    rows = [row for person, course in zip(people, courses, strict=True) for row in page.verdict_rows(person, course)]
+    prior = population_of(loaded).prior
+    rows = [row for each in zip(people, courses, strict=True) for row in page.verdict_rows(*each, prior)]
     write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
     for person, course in zip(people, courses, strict=True):
         text = page.render(loaded, person, plan, course, about, show_truth)

@@ -97,9 +97,9 @@ FAULTS = [
     ({"F_o_N": 3, "b": B}, "F_o_N = 3 must be a mapping"),
     (
         {"F_o_N": F_O, "b": B, "head_tilt": 3},
-        "unknown key 'head_tilt'; allowed: name, F_o_N, b, head_tilt_deg",
+        "unknown key 'head_tilt'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed",
     ),
-    ({"F_0_N": F_O, "b": B}, "unknown key 'F_0_N'; allowed: name, F_o_N, b, head_tilt_deg (and 1 more)"),
+    ({"F_0_N": F_O, "b": B}, "unknown key 'F_0_N'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed (and 1 more)"),
     (
         {"F_o_N": F_O, "b": B, "head_tilt_deg": 91},
         "head_tilt_deg = 91 must be less than or equal to 90",

@@ -152,7 +152,11 @@ def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
     good = first_treatment(entry, 5200, Patient.load(folder / f"{HEALTHY}.json"))
     assert not good.rings
     course = [good, replace(good, misfit=1.2), good]
-    rows = pd.DataFrame(page.verdict_rows(Person("1", 5200), course)).groupby("treatment")["verdict"].first()
+    rows = (
+        pd.DataFrame(page.verdict_rows(Person("1", 5200), course, cohort("wide").prior))
+        .groupby("treatment")["verdict"]
+        .first()
+    )
     assert rows.tolist() == ["normal", "no verdict", "no verdict"]
     about = {"finished": "today", "command": "python -m eval patient"}
     text = words_of(page.render(entry, Person("1", 5200), Course(3), course, about, show_truth=False))
@@ -179,6 +183,22 @@ def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys
     assert run(tmp_path / "whole", *arguments) == 0
     whole = pd.read_parquet(tmp_path / "whole" / "verdicts.parquet")
     pd.testing.assert_frame_equal(rows, whole)
+
+
+def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_exactly(tmp_path):
+    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
+    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1") == 0
+    text = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8"))
+    told = re.findall(r"since the first treatment (softer|stiffer) by \d+ % \(−?\d+ … −?\d+\)", text)
+    assert len(told) == 12 and "errors that come of the anatomy are alike in both" in text
+    table = pd.read_parquet(tmp_path / "verdicts.parquet")
+    first, second = (table[table["treatment"] == number] for number in (1, 2))
+    assert second["F_o_change"].between(second["F_o_change_low"], second["F_o_change_high"]).all()
+    assert first["F_o_change"].isna().all() and second["b_change_low"].notna().all()
+    assert run(tmp_path / "exact", *arguments[:-2], "--treatments", "2") == 0
+    exact = pd.read_parquet(tmp_path / "exact" / "verdicts.parquet")
+    assert exact["F_o_change"].isna().all()
+    assert "since the first" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
 
 
 def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
