@@ -1,6 +1,7 @@
 """``python -m eval patient`` and ``diagnose`` as a user types them."""
 
 import re
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -17,6 +18,7 @@ from eval.patient.verdicts import UNKNOWN, verdicts
 from eval.settings import Settings
 from jawenv import MUSCLE_NAMES, Patient
 from jawenv.anatomy import cohort
+from tests.eval.report.browser import executable
 
 RICH = "opening_with_swings_and_fore_aft"
 SHORT = ["--episode-s", "0.5", "--seed", "5200"]
@@ -189,7 +191,7 @@ def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_e
     arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
     assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1") == 0
     text = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8"))
-    told = re.findall(r"since the first treatment (softer|stiffer) by \d+ % \(−?\d+ … −?\d+\)", text)
+    told = re.findall(r"change: (softer|stiffer) by \d+ % \(−?\d+ … −?\d+\)", text)
     assert len(told) == 12 and "errors that come of the anatomy are alike in both" in text
     table = pd.read_parquet(tmp_path / "verdicts.parquet")
     first, second = (table[table["treatment"] == number] for number in (1, 2))
@@ -198,7 +200,18 @@ def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_e
     assert run(tmp_path / "exact", *arguments[:-2], "--treatments", "2") == 0
     exact = pd.read_parquet(tmp_path / "exact" / "verdicts.parquet")
     assert exact["F_o_change"].isna().all()
-    assert "since the first" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
+    assert "change:" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
+
+
+def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(tmp_path):
+    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
+    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1", "--show-truth") == 0
+    sheet = tmp_path / "sheet.pdf"
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer", f"--print-to-pdf={sheet}"]
+    subprocess.run(  # noqa: S603
+        [executable(), *flags, (tmp_path / "patient-5200.html").as_uri()], check=True, capture_output=True, timeout=120
+    )
+    assert len(re.findall(rb"/Type\s*/Page[^s]", sheet.read_bytes())) == 1
 
 
 def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
