@@ -46,6 +46,8 @@ def main() -> None:
     )
     print(f"NEES: {np.mean(score.nees):.1f} (honest: about {len(score.parameter_names)})")
     print(f"discomfort: {np.mean(score.discomfort_s):.2f} s, a hard limit crossed in {np.mean(score.violated):.0%}")
+    if score.alarm:
+        print(f"alarm: {score.alarm}; do not trust their beliefs")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ PER_S = 30.0
 """Discomfort is judged per so many seconds, the usual length of an episode."""
 FALSE_NEES = 4.0
 """Mean NEES per parameter above which sds are false: errors are more than twice what the filter states."""
+LARGEST_RINGING = 0.05
+"""Share of ringing episodes above which nothing counts as known; with a model that is right few ring."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,18 @@ class Admission:
         if violation > self.violation:
             found.append(f"{violation:.1%} of the episodes cross a hard limit, allowed {self.violation:.1%}")
         return [reason.replace("%", " %") for reason in found]
+
+
+def does_not_fit(ringing: float) -> str:
+    """Why nothing counts as known by readings that do not fit the model, or nothing where they do.
+
+    Args:
+        ringing: share of the episodes in which the alarm rings.
+    """
+    if ringing <= LARGEST_RINGING:
+        return ""
+    share, allowed = (f"{100.0 * value:.3g} %" for value in (ringing, LARGEST_RINGING))
+    return f"the alarm rings in {share} of the episodes, allowed {allowed}: their readings do not fit the model"
 
 
 def false_sd(nees: float, information_true: float, information_claimed: float, parameters: int) -> str:

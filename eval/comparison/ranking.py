@@ -13,11 +13,19 @@ from typing import Any
 import numpy as np
 
 from eval import statistics
-from eval.comparison.admission import PER_S, Admission, false_sd
+from eval.comparison.admission import PER_S, Admission, does_not_fit, false_sd
 from eval.comparison.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
-from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, nees_band, whole_muscles_per_line
+from jawenv.metrics import (
+    BLOCKED_B,
+    FIBROSED_F_O_N,
+    Diagnosis,
+    alarm_rings,
+    diagnose,
+    nees_band,
+    whole_muscles_per_line,
+)
 
 SIGMAS = {1: 0.6827, 2: 0.9545, 3: 0.9973}
 """Share of a Gaussian within so many standard deviations of its mean."""
@@ -42,6 +50,7 @@ class Row:
         description: what it does.
         excluded: why it is not ranked; empty if it is.
         false_sd: why its sds cannot be believed; empty if they can.
+        does_not_fit: why nothing counts as known, where the alarm rings too often; else empty.
         information_true: by the log score.
         information_claimed: by the covariance.
         information_bound: by the posterior Cramer-Rao bound.
@@ -62,6 +71,7 @@ class Row:
         discomfort_rate: the same, s per 30 s, of all episodes together.
         largest_fraction: largest used fraction of a soft limit in any patient.
         violated: share of the episodes in which a hard limit was crossed.
+        rings: share of the episodes in which the alarm rings.
         governor: share of the time in which the governor acted.
         fibrosed: diagnosis of raised F_o.
         blocked: diagnosis of raised b.
@@ -74,6 +84,7 @@ class Row:
     description: str
     excluded: str
     false_sd: str
+    does_not_fit: str
     information_true: Interval
     information_claimed: Interval
     information_bound: Interval
@@ -94,6 +105,7 @@ class Row:
     discomfort_rate: float
     largest_fraction: float
     violated: Interval
+    rings: Interval
     governor: Interval
     fibrosed: Diagnosis
     blocked: Diagnosis
@@ -197,7 +209,7 @@ def rank(study: Results, reference: str | None = None, admission: Admission | No
 def _order(row: Row) -> tuple[float | bool, ...]:
     """What rows are sorted by."""
     soon = (row.time_to[KNOWN].value, row.time_to_p90[KNOWN].value, -row.share_to[KNOWN].value)
-    return (bool(row.excluded), bool(row.false_sd), *soon, -row.information_true.value)
+    return (bool(row.excluded), bool(row.does_not_fit), bool(row.false_sd), *soon, -row.information_true.value)
 
 
 def _difference(study: Results, entry: str, reference: str) -> Interval | None:
@@ -226,9 +238,11 @@ def _row(study: Results, entry: str, admission: Admission) -> Row:
     }
     nees, true, claimed = (float(table[name].mean()) for name in ("nees", "information_true", "information_claimed"))
     false = false_sd(nees, true, claimed, len(study.parameters))
+    rings = alarm_rings(table["misfit"].to_numpy(dtype=np.float64))
+    unfit = does_not_fit(float(rings.mean()))
     rate = PER_S * float(table["discomfort_s"].sum() / table["duration_s"].sum())
     reasons = [CLAIRVOYANT] if about.get("clairvoyant") else []
-    reasons += [false] if false else []
+    reasons += [reason for reason in (unfit, false) if reason]
     reasons += admission.reasons(rate, float(table["violated"].mean()))
     return Row(
         entry=entry,
@@ -238,6 +252,7 @@ def _row(study: Results, entry: str, admission: Admission) -> Row:
         description=about.get("description", ""),
         excluded="; ".join(reasons),
         false_sd=false,
+        does_not_fit=unfit,
         information_true=mean("information_true"),
         information_claimed=mean("information_claimed"),
         information_bound=mean("information_bound"),
@@ -258,6 +273,7 @@ def _row(study: Results, entry: str, admission: Admission) -> Row:
         discomfort_rate=rate,
         largest_fraction=float(table["largest_fraction"].max()),
         violated=mean("violated"),
+        rings=statistics.mean(rings.astype(np.float64)),
         governor=mean("governor"),
         **diagnoses,
     )

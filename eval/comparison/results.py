@@ -43,6 +43,7 @@ PATIENT_METRICS = (
     "discomfort_s",
     "largest_fraction",
     "violated",
+    "misfit",
     "governor",
     "duration_s",
 )

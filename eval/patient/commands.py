@@ -48,6 +48,7 @@ def patient_command(
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
+    knowledge: options.Known = "exact",
     output: options.Output = Path("runs/patient"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -63,25 +64,27 @@ def patient_command(
     from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
-    from eval.patient.treatments import Course
+    from eval.patient.treatments import Course, population_of
     from eval.settings import Settings
+    from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
     env = env or env_of_runs([entry])
-    effects, changes = options.effects(reality), options.changes(device)
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator)
+    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator, within)
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
     console = terminal()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
     about = made_with(typed(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
-    rows = [row for person, course in zip(people, courses, strict=True) for row in page.verdict_rows(person, course)]
+    prior = population_of(loaded).prior
+    rows = [row for each in zip(people, courses, strict=True) for row in page.verdict_rows(*each, prior)]
     write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
     for person, course in zip(people, courses, strict=True):
         text = page.render(loaded, person, plan, course, about, show_truth)
         written = page.write(text, output / f"patient-{person.name}.html")
-        said = {str(row["muscle"]): str(row["verdict"]) for row in page.verdict_rows(person, course[-1:])}
+        said = {name: each.word for name, each in zip(MUSCLE_NAMES, page.said_of(course), strict=True)}
         console.print(f"{written}: {page.headline(said)}", soft_wrap=True)
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
 

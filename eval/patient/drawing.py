@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from eval.patient.verdicts import BOTH, UNKNOWN
+from eval.patient.verdicts import BOTH, NO_VERDICT, UNKNOWN
 from eval.report import words
 from jawenv.anatomy import MuscleSet
 from jawenv.rendering import outlines
@@ -67,7 +67,7 @@ def view(side: str, muscles: MuscleSet, said: Mapping[str, str]) -> Markup:
     Args:
         side: `left` or `right`, the patient's.
         muscles: whose lines are drawn, jaw closed.
-        said: muscle -> what is said of it, one of `verdicts.WORDS`.
+        said: muscle -> what is said of it, one of `verdicts.WORDS` or `verdicts.NO_VERDICT`.
     """
     shown = _Side(side)
     spoken = ", ".join(f"{words.label(name)}: {word}" for name, word in said.items() if name.endswith(side))
@@ -134,4 +134,4 @@ def _name(shown: _Side, kind: str, line: tuple[Array, Array], word: str) -> str:
 
 def class_of(word: str) -> str:
     """CSS class of a verdict."""
-    return {UNKNOWN: "unknown", BOTH: "both"}.get(word, word)
+    return {UNKNOWN: "unknown", NO_VERDICT: "unknown", BOTH: "both"}.get(word, word)

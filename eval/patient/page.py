@@ -13,12 +13,13 @@ from markupsafe import Markup
 
 from eval.entries import Entry
 from eval.patient import charts, drawing
+from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
-from eval.patient.treatments import Course, Treatment
-from eval.patient.verdicts import UNKNOWN, WORDS, Verdict, truly, verdicts
+from eval.patient.treatments import Course, Treatment, population_of
+from eval.patient.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, Verdict, truly, verdicts
 from eval.report import template, words
-from jawenv.anatomy import MUSCLE_NAMES, muscle_set
+from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
@@ -35,10 +36,11 @@ ABOUT = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """An estimate with its 95 % interval, as words; and over time, as a picture."""
+    """An estimate with its 95 % interval and its change, as words; and over time, as a picture."""
 
     value: str
     interval: str
+    change: str
     picture: Markup
     truth: str
 
@@ -96,9 +98,10 @@ def render(
         about: command, versions, time.
         show_truth: whether the true values of the simulated patient are shown.
     """
-    now = verdicts(course[-1].mean[-1], course[-1].cov[-1])
+    now = said_of(course)
     said = {name: each.word for name, each in zip(MUSCLE_NAMES, now, strict=True)}
-    cards = {name: _card(course, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
+    changed = change_of(course, population_of(entry).prior)
+    cards = {name: _card(course, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
         "patient.html.j2",
         SHEET,
@@ -107,20 +110,35 @@ def render(
         plan=plan,
         seconds=f"{course[-1].time[-1]:g}",
         ended_early=[i for i, each in enumerate(course, 1) if each.violated],
+        unfit=[i for i, each in enumerate(course, 1) if each.rings],
         headline=headline(said),
         effects=", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items()),
         views={side: drawing.view(side, muscle_set(), said) for side in ("right", "left")},
         rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in ABOUT],
         legend=[
-            (word, drawing.class_of(word)) for word in WORDS if word != "stiff and blocked" or word in said.values()
+            (word, drawing.class_of(word))
+            for word in (*WORDS, NO_VERDICT)
+            if word not in (BOTH, NO_VERDICT) or word in said.values()
         ],
         fibrosed=f"{FIBROSED_F_O_N:g}",
         blocked=f"{BLOCKED_B:g}",
         doubling_normal=f"{100.0 * math.log(2.0) / BLOCKED_B:.0f}",
         confidence=f"{100.0 * CONFIDENCE:g}",
         show_truth=show_truth,
+        changes=changed is not None,
         about=about,
     )
+
+
+def said_of(course: Sequence[Treatment]) -> list[Verdict]:
+    """The verdict on every muscle after the last treatment; none where the readings of any do not fit the model.
+
+    Args:
+        course: treatments, each of which begins with what the one before has left known.
+    """
+    if any(each.rings for each in course):
+        return [WITHHELD] * len(MUSCLE_NAMES)
+    return verdicts(course[-1].mean[-1], course[-1].cov[-1])
 
 
 def headline(said: dict[str, str]) -> str:
@@ -129,6 +147,8 @@ def headline(said: dict[str, str]) -> str:
     Args:
         said: muscle -> verdict.
     """
+    if NO_VERDICT in said.values():
+        return "No verdict: the readings do not fit the model."
     groups = {word: [words.label(name) for name, each in said.items() if each == word] for word in WORDS}
     if len(groups[UNKNOWN]) == len(said):
         return "Nothing can be said about any of the six closing muscles yet."
@@ -155,7 +175,7 @@ def _who(entry: Entry, person: Person) -> str:
     return f"Simulated patient {person.name} of the cohort “{words.label(str(entry.env_kwargs['cohort']))}”"
 
 
-def _card(course: Sequence[Treatment], muscle: int, now: Verdict, show_truth: bool) -> Card:
+def _card(course: Sequence[Treatment], changed: Change | None, muscle: int, now: Verdict, show_truth: bool) -> Card:
     name = MUSCLE_NAMES[muscle]
     kind, side = name.rsplit("_", 1)
     title = f"{words.label(kind).capitalize()}, {side}"
@@ -165,11 +185,11 @@ def _card(course: Sequence[Treatment], muscle: int, now: Verdict, show_truth: bo
         about=ABOUT[kind],
         verdict=now,
         badge=drawing.class_of(now.word),
-        chance=_chance(now.probability),
+        chance=_chance(now.probability) if now.word != NO_VERDICT else "",
         since=_since(course, muscle, now.word),
-        force=_quantity(course, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
+        force=_quantity(course, changed, 2 * muscle, FORCE, f"Pull of the {title} over time", "N", show_truth),
         stiffening=_quantity(
-            course, 2 * muscle + 1, STIFFENING, f"Stiffening of the {title} over time", "", show_truth
+            course, changed, 2 * muscle + 1, STIFFENING, f"Stiffening of the {title} over time", "", show_truth
         ),
         doubling=_significant(100.0 * math.log(2.0) / b),
         truth=truly(course[-1].truth[2 * muscle : 2 * muscle + 2]) if show_truth else "",
@@ -177,7 +197,13 @@ def _card(course: Sequence[Treatment], muscle: int, now: Verdict, show_truth: bo
 
 
 def _quantity(
-    course: Sequence[Treatment], parameter: int, axis: Axis, label: str, unit: str, show_truth: bool
+    course: Sequence[Treatment],
+    changed: Change | None,
+    parameter: int,
+    axis: Axis,
+    label: str,
+    unit: str,
+    show_truth: bool,
 ) -> Quantity:
     mean, sd = float(course[-1].mean[-1, parameter]), math.sqrt(course[-1].cov[-1, parameter, parameter])
     low, high = (_significant(math.exp(mean + factor * sd)) for factor in (-SD_95, SD_95))
@@ -185,6 +211,7 @@ def _quantity(
     return Quantity(
         value=f"{_significant(math.exp(mean))} {unit}".strip(),
         interval=f"{low} to {high}",
+        change="" if changed is None else change_in_words(*changed.of(parameter)),
         picture=charts.chart(course, parameter, axis, label, show_truth),
         truth=f"{_significant(truth)} {unit}".strip(),
     )
@@ -202,7 +229,7 @@ def _chance(probability: float) -> str:
 
 def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
     """From which moment on the verdict has been the last one, in words."""
-    if word == UNKNOWN:
+    if word in (UNKNOWN, NO_VERDICT):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)
     kept = [(number, step) for number, each in enumerate(course) for step in range(len(each.time))]
@@ -228,24 +255,31 @@ def write(page: str, path: Path) -> Path:
     return template.write(page, path)
 
 
-def verdict_rows(person: Person, course: Sequence[Treatment]) -> list[dict[str, object]]:
+def verdict_rows(person: Person, course: Sequence[Treatment], prior: Prior) -> list[dict[str, object]]:
     """One row per treatment and muscle: estimates with 95 % intervals, verdict, probabilities, truth.
+
+    ``F_o_change`` and ``b_change`` are factors since the first treatment, with ``_low`` and ``_high``; NaN in the
+    first, and where the anatomy is known exactly.
 
     Args:
         person: the patient.
         course: treatments of the patient.
+        prior: of the muscles.
     """
     rows: list[dict[str, object]] = []
     for number, each in enumerate(course, 1):
         sd = np.sqrt(np.diagonal(each.cov[-1]))
         estimate, truth = np.exp(each.mean[-1]), np.exp(each.truth)
         low, high = np.exp(each.mean[-1] - SD_95 * sd), np.exp(each.mean[-1] + SD_95 * sd)
-        for i, said in enumerate(verdicts(each.mean[-1], each.cov[-1])):
+        changed = change_of(course[:number], prior) or Change(*np.full((2, len(truth)), np.nan))
+        for i, said in enumerate(said_of(course[:number])):
             row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
             row |= {"muscle": MUSCLE_NAMES[i], "verdict": said.word, "probability": said.probability}
             row |= {"stiff": said.stiff, "blocked": said.blocked, "truly": truly(each.truth[2 * i : 2 * i + 2])}
             for symbol, k in (("F_o_N", 2 * i), ("b", 2 * i + 1)):
                 row |= {symbol: estimate[k], f"{symbol}_low": low[k], f"{symbol}_high": high[k]}
                 row |= {f"{symbol}_true": truth[k]}
-            rows.append(row | {"nees_of_12": each.nees})
+                names = (f"{symbol.removesuffix('_N')}_change{end}" for end in ("", "_low", "_high"))
+                row |= dict(zip(names, changed.of(k), strict=True))
+            rows.append(row | {"nees_of_12": each.nees, "misfit": each.misfit})
     return rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 from eval.entries import Entry
 from eval.patient.belief import Belief, combined
 from eval.patient.cohort import KnownPatient
+from eval.patient.shared import Hearing, at_start, is_shared
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
+from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 from jawenv.ladder import model_of_env
+from jawenv.metrics import alarm_rings
+from jawenv.playing.rollout import Recording
 
 Array = NDArray[np.float64]
 
@@ -55,6 +59,12 @@ class Treatment:
         cov: (T, P, P).
         truth: (P,) the patient's natural-log parameters, the same during a treatment.
         violated: whether it ended at a hard limit of comfort.
+        misfit: the filter's alarm, the largest of the treatment.
+        information: (P + Q, P + Q) what this treatment alone has told of the muscles and the patient's anatomy
+            together, see ``JointLikelihood``; empty where the anatomy is known exactly.
+        vector: (P + Q,) the same.
+        joint_mean: (P + Q,) what is known of them at the end after all treatments so far; empty as well.
+        joint_cov: (P + Q, P + Q).
     """
 
     time: Array
@@ -62,6 +72,21 @@ class Treatment:
     cov: Array
     truth: Array
     violated: bool
+    misfit: float
+    information: Array = field(default_factory=lambda: np.empty((0, 0)))
+    vector: Array = field(default_factory=lambda: np.empty(0))
+    joint_mean: Array = field(default_factory=lambda: np.empty(0))
+    joint_cov: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def told(self) -> JointLikelihood | None:
+        """What this treatment alone has told; None where the anatomy is known exactly."""
+        return JointLikelihood(self.information, self.vector) if len(self.vector) else None
+
+    @property
+    def rings(self) -> bool:
+        """Whether the alarm rings: the readings do not fit the model."""
+        return bool(alarm_rings(np.array(self.misfit)))
 
     @property
     def nees(self) -> float:
@@ -73,7 +98,7 @@ class Treatment:
         """The same at so many times or fewer, the first and the last among them, denser at the start."""
         share = np.linspace(0.0, 1.0, number) ** 2
         chosen = np.unique(np.round(share * (len(self.time) - 1)).astype(int))
-        return Treatment(self.time[chosen], self.mean[chosen], self.cov[chosen], self.truth, self.violated)
+        return replace(self, time=self.time[chosen], mean=self.mean[chosen], cov=self.cov[chosen])
 
 
 def population_of(entry: Entry) -> Cohort:
@@ -87,12 +112,23 @@ def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> 
     Args:
         entry: the maneuver or agent.
         seed: of the patient and the noise.
-        patient: drawn from the entry's cohort by default, as `jawenv.play` draws it.
+        patient: drawn from the entry's cohort by default, as `jawenv.play` draws it where the anatomy is known exactly.
 
     Raises:
         InputError: a patient who cannot be treated, or what the environment refuses.
     """
-    return _play(entry, Belief.of_prior(population_of(entry).prior), patient, seed)
+    population = population_of(entry)
+    if not is_shared(entry):
+        return _play(entry, Belief.of_prior(population.prior), patient, seed)
+    generator = np.random.default_rng(seed)
+    for attempt in range(REDRAWS):
+        given = population.draw(generator) if patient is None else patient
+        try:
+            return _play_shared(entry, None, _of_one_anatomy(given, seed), seed)
+        except InputError:
+            if patient is not None or attempt == REDRAWS - 1:
+                raise
+    raise AssertionError("the last attempt returns or raises")
 
 
 def next_treatment(
@@ -109,25 +145,29 @@ def next_treatment(
         number: of this treatment; the first is 1.
         drift: sd of the step.
         seed: of the patient; noise and step follow from it and the number.
-        patient: whose name and tilt of the head it keeps; those of a drawn one by default.
+        patient: whose name, anatomy and tilt of the head it keeps; those of a drawn one by default.
 
     Raises:
         InputError: the environment refuses the settings, or all patients that are drawn.
     """
-    population = population_of(entry)
-    belief = Belief(last.mean[-1], last.cov[-1]).widened(drift)
+    population, shared = population_of(entry), is_shared(entry)
     noise, step = np.random.SeedSequence((seed, number)).spawn(2)
+    noises = noise.generate_state(REDRAWS).tolist()
     generator = np.random.default_rng(step)
     name, tilt = (population.name, 0.0) if patient is None else (patient.name, patient.head_tilt_deg)
+    anatomy_seed = None if patient is None else patient.anatomy_seed
     for attempt in range(REDRAWS):
         truth = last.truth + drift * generator.standard_normal(len(last.truth))
         try:
             changed = Patient.from_log_parameters(
                 truth, name=name, head_tilt_deg=tilt, muscles=population.muscles.names
-            )
-            return _play(entry, belief, changed, int(noise.generate_state(1)[0]))
+            ).model_copy(update={"anatomy_seed": anatomy_seed})
+            if shared:
+                # How the device sits is drawn with the noise, and decides with whom it can treat.
+                return _play_shared(entry, _widened(last, drift), _of_one_anatomy(changed, seed), noises[attempt])
+            return _play(entry, Belief(last.mean[-1], last.cov[-1]).widened(drift), changed, noises[0])
         except InputError:
-            if drift == 0.0 or attempt == REDRAWS - 1:
+            if (drift == 0.0 and not shared) or attempt == REDRAWS - 1:
                 raise
     raise AssertionError("the last attempt returns or raises")
 
@@ -140,4 +180,50 @@ def _play(entry: Entry, belief: Belief, patient: Patient | None, noise: int) -> 
     recording = entry.play([patient], noise, cohort=known, track_bound=False)
     last = recording.last[0] + 1
     mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
-    return Treatment(recording.time[:last], mean, cov, recording.truth[0], bool(recording.violation[0].any()))
+    return Treatment(recording.time[:last], mean, cov, recording.truth[0], *_outcome(recording))
+
+
+def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Patient, noise: int) -> Treatment:
+    """One treatment that begins with a belief about muscles and anatomy together; None is the prior."""
+    population = population_of(entry)
+    working, parameters = population.prior, len(population.prior.mean)
+    if before is not None:
+        mean, cov = (values[:parameters] for values in before)
+        working = Belief(mean, cov[:, :parameters]).working_prior(population.prior)
+    hearing = Hearing(entry.agent)
+    playing = replace(entry, agent=hearing)
+    recording = playing.play([patient], noise, cohort=KnownPatient.of(population, working), track_bound=False)
+    last = int(recording.last[0]) + 1
+    told = hearing.heard(last)
+    start = before or at_start(population.prior, len(told[0].vector))
+    beliefs = [each.posterior(*start) for each in told]
+    return Treatment(
+        recording.time[:last],
+        np.array([mean[:parameters] for mean, _ in beliefs]),
+        np.array([cov[:parameters, :parameters] for _, cov in beliefs]),
+        recording.truth[0],
+        *_outcome(recording),
+        told[-1].information,
+        told[-1].vector,
+        *beliefs[-1],
+    )
+
+
+def _outcome(recording: Recording) -> tuple[bool, float]:
+    """Whether a hard limit was crossed, and the alarm."""
+    return bool(recording.violation[0].any()), float(recording.at_end(recording.misfit)[0])
+
+
+def _widened(last: Treatment, drift: float) -> tuple[Array, Array]:
+    """What is known of muscles and anatomy after each muscle's step; the anatomy makes none."""
+    steps = np.zeros(len(last.joint_mean))
+    steps[: len(last.truth)] = drift**2
+    return last.joint_mean, last.joint_cov + np.diag(steps)
+
+
+def _of_one_anatomy(patient: Patient, seed: int) -> Patient:
+    """The patient with an anatomy of its own: that of the seed, if the patient names none."""
+    if patient.anatomy_seed is not None:
+        return patient
+    own = int(np.random.SeedSequence((seed, 0)).generate_state(1)[0])
+    return patient.model_copy(update={"anatomy_seed": own})

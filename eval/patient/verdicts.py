@@ -1,7 +1,8 @@
-"""What is said of a muscle: normal, stiff, blocked, or not known yet, each with its probability."""
+"""What is said of a muscle: normal, stiff, blocked, or not known yet, each with its probability; or nothing."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,8 @@ from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
 Array = NDArray[np.float64]
 
 NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN = "normal", "stiff", "blocked", "stiff and blocked", "not known yet"
+NO_VERDICT = "no verdict"
+"""Where the readings do not fit the model."""
 WORDS = (NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN)
 
 
@@ -22,7 +25,7 @@ class Verdict:
     """What is said of one muscle.
 
     Attributes:
-        word: one of ``WORDS``.
+        word: one of ``WORDS``, or ``NO_VERDICT``.
         probability: that the word is right; of the likeliest where nothing is known yet.
         likeliest: the one of `normal`, `stiff`, `blocked`, `stiff and blocked` with the largest probability.
         stiff: probability that F_o is raised.
@@ -42,6 +45,10 @@ class Verdict:
         if other <= 1.0 - CONFIDENCE:
             return ""
         return BLOCKED if self.word == STIFF else STIFF
+
+
+WITHHELD = Verdict(NO_VERDICT, math.nan, "", math.nan, math.nan)
+"""The verdict on a muscle of which nothing is said; its probabilities are NaN."""
 
 
 def verdict(mean: Array, cov: Array) -> Verdict:

@@ -14,6 +14,7 @@ import numpy as np
 from markupsafe import Markup
 
 from eval.comparison.adaptation import adaptations
+from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
 from eval.report import charts, panels, template, verdict, words
@@ -62,6 +63,7 @@ def render(study: Results, ranking: Ranking) -> str:
     return template.render(
         "report.html.j2",
         ranking=ranking,
+        largest_ringing=LARGEST_RINGING,
         adaptations=adaptations(study),
         early_s=EARLY_S,
         sigmas=SIGMAS,

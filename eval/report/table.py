@@ -141,6 +141,7 @@ def _trust(ranking: Ranking) -> Table:
         "RMSE /\nbound",
         "discomfort\ns",
         "violating\nepisodes, %",
+        "alarm\nrings, %",
         "governor\n%",
     )
     for row in _rows(ranking, table):
@@ -152,6 +153,7 @@ def _trust(ranking: Ranking) -> Table:
             words.number(row.rmse_over_bound.value, 2),
             words.number(row.discomfort_s.value, 2),
             words.percent(row.violated.value),
+            words.percent(row.rings.value),
             words.percent(row.governor.value),
         )
     return table

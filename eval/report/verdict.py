@@ -89,6 +89,7 @@ def remarks(ranking: Ranking) -> list[str]:
     lines += [f"Not ranked: {words.label(row.entry)}, {row.excluded}." for row in ranking.others]
     lines += _of_honesty(ranking)
     lines += _of_gaps(ranking)
+    lines += _of_alarm(ranking)
     lines += _of_comfort(ranking)
     if ranking.patients < 2:
         lines.append("One patient only: there is no interval, and no figure here says anything about other patients.")
@@ -180,6 +181,15 @@ def _of_gaps(ranking: Ranking) -> list[str]:
             f"from the filter's prior is {ranking.n_parameters}."
         )
     return lines
+
+
+def _of_alarm(ranking: Ranking) -> list[str]:
+    """In which share of the episodes of whom the alarm rings, where it rings at all."""
+    ringing = [row for row in ranking.rows if row.rings.value > 0.0]
+    if not ringing:
+        return []
+    listed = _list([f"{words.label(row.entry)} ({words.percent(row.rings.value)} %)" for row in ringing])
+    return [f"The readings do not fit the model, in that share of the episodes, of {listed}: do not trust their sds."]
 
 
 def _of_comfort(ranking: Ranking) -> list[str]:

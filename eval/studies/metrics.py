@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from jawenv.metrics import alarm_rings
+
 Array = npt.NDArray[np.float64]
 Better = Literal["higher", "lower"]
 
@@ -48,6 +50,10 @@ def _per_parameter(name: str) -> Callable[[pd.DataFrame, int], Array]:
     return lambda rows, parameters: rows[name].to_numpy(dtype=np.float64) / parameters
 
 
+def _rings(rows: pd.DataFrame, parameters: int) -> Array:
+    return alarm_rings(rows["misfit"].to_numpy(dtype=np.float64)).astype(np.float64)
+
+
 METRICS: Mapping[str, Metric] = MappingProxyType(
     {
         "information_true": Metric("true information, nats", _column("information_true"), "higher"),
@@ -74,6 +80,7 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "reaches_5": Metric("reach 5 %, % of patients", _reached("time_to_0.05_s"), "higher", scale=100.0),
         "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=3),
         "violated": Metric("violating episodes, %", _column("violated"), "lower", scale=100.0),
+        "rings": Metric("alarm rings, % of episodes", _rings, "lower", scale=100.0),
         "governor": Metric("governor, % of the time", _column("governor"), "lower", scale=100.0),
     }
 )

@@ -8,7 +8,7 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_names
 from jawenv.errors import InputError
@@ -16,7 +16,7 @@ from jawenv.files import InputModel, Number, read_model, validate, write_json
 
 __all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
 
-LARGEST_F_O_N, LARGEST_B = 100.0, 60.0
+LARGEST_F_O_N, LARGEST_B, LARGEST_SEED = 100.0, 60.0, 2**32 - 1
 
 
 def _of_all_muscles(values: dict[str, float]) -> dict[str, float]:
@@ -32,6 +32,11 @@ def _of_all_muscles(values: dict[str, float]) -> dict[str, float]:
     return {name: values[name] for name in names}
 
 
+def _pythons(value: object) -> object:
+    """NumPy's whole numbers as Python's."""
+    return int(value) if isinstance(value, np.integer) else value
+
+
 class Patient(InputModel):
     """The muscle law `F = F_o exp(b (l - l_o)/l_o)` of the closing muscles, and the tilt of the head.
 
@@ -42,6 +47,8 @@ class Patient(InputModel):
         F_o_N: muscle -> force at its closed-jaw length, N, in (0, 100].
         b: muscle -> stiffness exponent, in (0, 60].
         head_tilt_deg: pitch of the head, positive nose down, in [-90, 90].
+        anatomy_seed: of what is known of the patient's anatomy only within sds (`jawenv.Knowledge`), so that it is the
+            same in all episodes, 0 to 2**32 - 1; drawn anew in each by default.
 
     Raises:
         InputError: one line that names the field, the value and what is allowed.
@@ -51,6 +58,7 @@ class Patient(InputModel):
     F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_F_O_N)]], AfterValidator(_of_all_muscles)]
     b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_B)]], AfterValidator(_of_all_muscles)]
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0
+    anatomy_seed: Annotated[int, Field(ge=0, le=LARGEST_SEED), BeforeValidator(_pythons)] | None = None
 
     @classmethod
     def from_dict(cls, data: Mapping[str, object]) -> Self:

@@ -37,6 +37,8 @@ def print_score(maneuver: str, patients: int, seed: int, model: str, env_kwargs:
     print(f"information: {information}")
     print(f"NEES: {reached.nees.mean():.1f} (honest: about {len(reached.parameter_names)})")
     print(f"discomfort: {reached.discomfort_s.mean():.2f} s, a hard limit crossed in {reached.violated.mean():.0%}")
+    if reached.alarm:
+        print(f"alarm: {reached.alarm}; do not trust their beliefs")
     if not exact:
         print("the bound is that of a filter that knows the anatomy")
 

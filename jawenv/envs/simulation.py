@@ -16,6 +16,7 @@ from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
+from jawenv.envs.own_anatomy import with_anatomy_of
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
@@ -30,7 +31,7 @@ from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
-from jawenv.mechanics.unknowns import changed_jaw, directions, draw_unknowns, offset_of, turn_of
+from jawenv.mechanics.unknowns import Unknowns, changed_jaw, directions, draw_unknowns, offset_of, turn_of
 from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:
@@ -226,7 +227,8 @@ class Simulation:
         self.models["condyles"][index] = self._known_condyles
         self.worlds["truth"]["jaw"][index] = self._jaw
         if self._sds:
-            self._draw_unknowns(index, tilt, geometry_generator)
+            anatomy_seed = None if patient is None else patient.anatomy_seed
+            self._draw_unknowns(index, tilt, geometry_generator, anatomy_seed)
         perturb_geometry(self.reality, self.cohort.muscles, self.worlds["truth"]["jaw"][index], geometry_generator)
         self.worlds["truth"]["log_parameters"][index] = log_parameters
 
@@ -238,10 +240,15 @@ class Simulation:
             self._advance_compiled(np.zeros((len(chosen), N_MOTORS)), chosen)
         self._track_bound(chosen)
 
-    def _draw_unknowns(self, index: int, tilt_deg: float, generator: np.random.Generator) -> None:
+    def _draw_unknowns(
+        self, index: int, tilt_deg: float, generator: np.random.Generator, anatomy_seed: int | None
+    ) -> None:
         """Draw what the filter knows only within an sd, into the truth of a world."""
         muscles = self.cohort.muscles
         values = draw_unknowns(len(muscles.muscle), generator)
+        if anatomy_seed is not None:
+            patient = draw_unknowns(len(muscles.muscle), np.random.default_rng(anatomy_seed))
+            values = with_anatomy_of(patient, values)
         jaw = changed_jaw(self.worlds["truth"]["jaw"][index], self.knowledge, muscles, values, tilt_deg)
         self.worlds["truth"]["jaw"][index] = jaw
         self.worlds["truth"]["cell_offset"][index] = offset_of(self.knowledge, values)
@@ -264,6 +271,11 @@ class Simulation:
         """The bound of the active worlds at the end of their control period, if it is asked for."""
         if self.configuration.needs_bound:
             track_bound(self.models, self.worlds, active, self.settings, self._bound_scratches, self.paths)
+
+    @property
+    def nuisance_sds(self) -> list[Unknowns]:
+        """One sd of each nuisance that the filter integrates out, in its order."""
+        return self._sds
 
     @property
     def tick_s(self) -> float:

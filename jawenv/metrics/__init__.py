@@ -5,6 +5,7 @@
 """
 
 from jawenv.metrics.calibration import (
+    alarm_rings,
     claimed_information,
     covered,
     log_density,
@@ -23,6 +24,7 @@ __all__ = [
     "TARGETS",
     "Diagnosis",
     "Score",
+    "alarm_rings",
     "claimed_information",
     "covered",
     "diagnose",

@@ -41,6 +41,19 @@ def nees(error: Array, covariance: Array) -> Array:
     return squared
 
 
+def alarm_rings(misfit: Array) -> npt.NDArray[np.bool_]:
+    """Where the filter's alarm rings: the readings do not fit the model, and the belief is not to be trusted.
+
+    Args:
+        misfit: (...) largest of an episode, `info["misfit"]`; one that is not a number rings.
+
+    Returns:
+        (...) bool.
+    """
+    rings: npt.NDArray[np.bool_] = ~(np.asarray(misfit) <= 1.0)
+    return rings
+
+
 def nees_band(patients: int, parameters: int, confidence: float = 0.95) -> tuple[float, float]:
     """Interval in which the mean NEES over patients of an honest filter lies.
 

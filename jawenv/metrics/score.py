@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jawenv.errors import InputError
-from jawenv.metrics.calibration import claimed_information, covered, nees, true_information
+from jawenv.metrics.calibration import alarm_rings, claimed_information, covered, nees, true_information
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.playing.rollout import Recording
@@ -43,6 +43,7 @@ class Score:
         discomfort_s: (N,) integral of the cost over time.
         largest_fraction: (N,) largest used fraction of a soft comfort limit.
         violated: (N,) bool, a hard limit was crossed.
+        misfit: (N,) the filter's alarm, the largest of the episode: above 1 the readings do not fit the model.
         governor: (N,) share of the time in which the governor acted.
         duration_s: (N,) length of the episode.
         fibrosed: decisions on raised F_o.
@@ -67,6 +68,7 @@ class Score:
     discomfort_s: Array
     largest_fraction: Array
     violated: Mask
+    misfit: Array
     governor: Array
     duration_s: Array
     fibrosed: Diagnosis
@@ -76,6 +78,17 @@ class Score:
     def honesty_gap(self) -> Array:
         """(N,) claimed minus true information, nats: above 0 the filter claims more than it delivers."""
         return self.information_claimed - self.information_true
+
+    @property
+    def rings(self) -> Mask:
+        """(N,) bool, the alarm rings: the readings do not fit the model, and the belief is not to be trusted."""
+        return alarm_rings(self.misfit)
+
+    @property
+    def alarm(self) -> str:
+        """What is to be said where the alarm rings in any episode; empty where it does not."""
+        share = f"{100.0 * np.mean(self.rings):.0f} %"
+        return f"the readings of {share} of the patients do not fit the model" if self.rings.any() else ""
 
     @property
     def rmse_over_bound(self) -> Array:
@@ -98,6 +111,8 @@ class Score:
             "rmse_over_bound_max": float(np.max(self.rmse_over_bound)),
             "honesty_gap": float(np.mean(self.honesty_gap)),
             "violation_share": float(np.mean(self.violated)),
+            "ringing_share": float(np.mean(self.rings)),
+            "misfit_max": float(np.max(self.misfit)),
             "largest_fraction_max": float(np.max(self.largest_fraction)),
         }
         means = ("information_claimed", "information_true", "information_bound", "nees", "nees_prior")
@@ -169,6 +184,7 @@ def score(
         discomfort_s=np.sum(recording.cost[:, 1:] * lived, axis=1),
         largest_fraction=np.max(recording.comfort * recording.valid[..., None], axis=(1, 2)),
         violated=np.asarray((recording.violation & recording.valid).any(axis=1)),
+        misfit=recording.at_end(recording.misfit),
         governor=np.sum(recording.governor[:, 1:] * lived, axis=1) / np.maximum(lived.sum(axis=1), lived.max()),
         duration_s=recording.time[recording.last],
         fibrosed=diagnose(truth[:, forces], mean[:, forces], sd[:, forces], fibrosed_F_o_N, confidence),

@@ -47,10 +47,11 @@ _SHAPES: dict[str, tuple[str, ...]] = {
     "comfort": ("N", "T", "L"),
     "governor": ("N", "T"),
     "violation": ("N", "T"),
+    "misfit": ("N", "T"),
     "valid": ("N", "T"),
     "terminated": ("N",),
 }
-_MAY_BE_NAN = {"bound_sd", "information_bound"}
+_MAY_BE_NAN = {"bound_sd", "information_bound", "misfit"}
 _TRACKED = (
     "belief_mean",
     "belief_cov",
@@ -61,6 +62,7 @@ _TRACKED = (
     "cost",
     "governor",
     "violation",
+    "misfit",
 )
 _ZERO_AFTER_THE_END = {"cost", "governor"}
 
@@ -87,6 +89,7 @@ class Recording:
         comfort: (N, T+1, L) used fraction of each soft limit.
         governor: (N, T+1) share of the device ticks of that step in which the governor acted.
         violation: (N, T+1) bool, a hard limit was crossed in that step.
+        misfit: (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model.
         valid: (N, T+1) bool, False after the episode has ended.
         terminated: (N,) bool, the episode ended before its time limit.
         parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
@@ -111,6 +114,7 @@ class Recording:
     comfort: Array
     governor: Array
     violation: Mask
+    misfit: Array
     valid: Mask
     terminated: Mask
     parameter_names: tuple[str, ...]

@@ -29,6 +29,7 @@ patients = st.builds(
     F_o_N=per_muscle(100),
     b=per_muscle(60),
     head_tilt_deg=st.floats(-90, 90),
+    anatomy_seed=st.none() | st.integers(0, 2**32 - 1) | st.integers(0, 2**32 - 1).map(np.uint64),
 )
 
 
@@ -97,12 +98,16 @@ FAULTS = [
     ({"F_o_N": 3, "b": B}, "F_o_N = 3 must be a mapping"),
     (
         {"F_o_N": F_O, "b": B, "head_tilt": 3},
-        "unknown key 'head_tilt'; allowed: name, F_o_N, b, head_tilt_deg",
+        "unknown key 'head_tilt'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed",
     ),
-    ({"F_0_N": F_O, "b": B}, "unknown key 'F_0_N'; allowed: name, F_o_N, b, head_tilt_deg (and 1 more)"),
+    ({"F_0_N": F_O, "b": B}, "unknown key 'F_0_N'; allowed: name, F_o_N, b, head_tilt_deg, anatomy_seed (and 1 more)"),
     (
         {"F_o_N": F_O, "b": B, "head_tilt_deg": 91},
         "head_tilt_deg = 91 must be less than or equal to 90",
+    ),
+    (
+        {"F_o_N": F_O, "b": B, "anatomy_seed": -1},
+        "anatomy_seed = -1 must be greater than or equal to 0",
     ),
     ({"F_o_N": F_O, "b": B, "name": ""}, "name = '' must have at least 1 character"),
 ]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N
+from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, LARGEST_SEED
 from jawenv.reality import Reality
 
 SMALLEST = np.nextafter(0.0, 1.0)
@@ -23,7 +23,7 @@ BOUNDS = [
     for name, numeric in kind.numeric_fields().items()
     for value in (0.0 if numeric.zero else SMALLEST, numeric.high)
 ]
-STIFFNESS = {"F_o_N": 1.2, "b": 7.0, "head_tilt_deg": 0.0}
+STIFFNESS = {"F_o_N": 1.2, "b": 7.0, "head_tilt_deg": 0.0, "anatomy_seed": None}
 
 
 def play_two_seconds(patient=None, **arguments):
@@ -61,14 +61,17 @@ def test_an_episode_at_a_bound_is_finite(what, name, value, control):
         ("b", LARGEST_B),
         ("head_tilt_deg", -90.0),
         ("head_tilt_deg", 90.0),
+        ("anatomy_seed", 0),
+        ("anatomy_seed", LARGEST_SEED),
     ],
 )
 def test_a_patient_at_a_bound_is_finite_or_refused_in_one_line(name, value):
     """A jaw that no comfort fits is refused when the episode begins."""
     given = STIFFNESS | {name: value}
     muscles = {key: dict.fromkeys(jawenv.MUSCLE_NAMES, given[key]) for key in ("F_o_N", "b")}
-    patient = jawenv.Patient(**muscles, head_tilt_deg=given["head_tilt_deg"])
+    patient = jawenv.Patient(**muscles, **{key: given[key] for key in ("head_tilt_deg", "anatomy_seed")})
+    knowledge = "imaged" if name == "anatomy_seed" else "exact"
     try:
-        play_two_seconds(patient)
+        play_two_seconds(patient, knowledge=knowledge)
     except jawenv.InputError as error:
         assert "patient" in str(error) and "\n" not in str(error)

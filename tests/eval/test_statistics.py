@@ -21,6 +21,26 @@ def test_intervals_of_a_mean_cover_it_as_often_as_they_say():
     assert 0.88 <= np.mean(covered) <= 0.99
 
 
+def test_intervals_of_several_means_hold_all_at_once_as_often_as_they_say():
+    rng, hold_all, first_alone = np.random.default_rng(2), [], []
+    mixed = np.eye(12) + 0.3
+    for _ in range(200):
+        found = statistics.means_together(rng.normal(size=(80, 12)) @ mixed)
+        holds = [each.low <= 0.0 <= each.high for each in found]
+        hold_all.append(all(holds))
+        first_alone.append(holds[0])
+    assert 0.90 <= np.mean(hold_all) <= 0.99
+    assert np.mean(first_alone) > np.mean(hold_all)
+
+
+def test_several_means_of_few_or_equal_patients():
+    (alone,) = statistics.means_together(np.array([[2.0]]))
+    assert alone.value == 2.0 and not alone.known
+    equal, other = statistics.means_together(np.array([[1.0, 0.0], [1.0, 4.0]]))
+    assert (equal.low, equal.high) == (1.0, 1.0) and other.low < 2.0 < other.high
+    assert np.isnan(statistics.means_together(np.empty((0, 3)))[2].value)
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.floats(0.1, 100.0), st.floats(-100.0, 100.0))
 def test_an_interval_moves_with_the_unit(scale, shift):

@@ -65,6 +65,7 @@ def linear_gaussian(
         comfort=np.full((*shape, len(LIMITS)), 0.5),
         governor=np.full(shape, 0.25),
         violation=np.zeros(shape, dtype=bool),
+        misfit=np.full(shape, 0.5),
         valid=np.ones(shape, dtype=bool),
         terminated=np.zeros(patients, dtype=bool),
         parameter_names=parameters,

@@ -63,6 +63,17 @@ def test_metrics_equal_what_the_environment_reports(recording):
     np.testing.assert_allclose(judged.information_true, recording.information_true[:, -1], atol=1e-9)
 
 
+def test_the_alarm_is_recorded_and_rings_where_the_readings_do_not_fit():
+    kwargs = {"episode_s": 6.0, "control": "targets"}
+    honest, misled = (
+        play(jawenv.Player("refined"), patients=4, seed=5, env_kwargs=kwargs | {"reality": reality})
+        for reality in (None, {"fossa_error": 0.2})
+    )
+    assert (np.diff(misled.misfit, axis=1) >= 0.0).all()
+    assert not jawenv.score(honest).rings.any() and jawenv.score(honest).misfit.min() > 0.0
+    assert jawenv.score(misled).rings.mean() >= 0.5 and "do not fit the model" in jawenv.score(misled).alarm
+
+
 def test_given_patients_are_played(recording):
     patients = [jawenv.cohort("severe").draw(np.random.default_rng(seed)) for seed in range(2)]
     played = play(OPEN, patients=patients, seed=0, env_kwargs=SHORT)

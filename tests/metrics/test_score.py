@@ -52,7 +52,7 @@ def test_relabelling_the_patients_changes_nothing_but_their_order():
             field: getattr(recording, field)[order]
             for field in (
                 "belief_mean", "belief_cov", "truth", "bound_sd", "information_claimed", "information_true",
-                "information_bound", "cost", "comfort", "governor", "violation", "valid", "terminated",
+                "information_bound", "cost", "comfort", "governor", "violation", "misfit", "valid", "terminated",
             )
         },
     )  # fmt: skip
@@ -72,6 +72,18 @@ def test_comfort_by_hand():
     assert judged.largest_fraction.tolist() == [0.5, 1.4]
     assert judged.violated.tolist() == [False, True]
     np.testing.assert_allclose(judged.governor, 0.25)
+
+
+def test_the_alarm_is_that_of_the_last_valid_time_and_is_put_into_words():
+    recording = linear_gaussian(patients=4, steps=4)
+    assert score(recording).alarm == "" and score(recording).summary()["ringing_share"] == 0.0
+    misfit, valid = recording.misfit.copy(), recording.valid.copy()
+    misfit[0, 2:], misfit[1, 4], misfit[2] = 1.5, 7.0, np.nan
+    valid[1, 4:] = False
+    judged = score(replace(recording, misfit=misfit, valid=valid))
+    assert judged.rings.tolist() == [True, False, True, False] and judged.misfit[0] == 1.5
+    assert judged.alarm == "the readings of 50 % of the patients do not fit the model"
+    assert judged.summary()["ringing_share"] == 0.5
 
 
 def test_an_episode_that_ended_early_is_judged_where_it_ended():

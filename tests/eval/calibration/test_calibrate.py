@@ -15,6 +15,7 @@ from eval.calibration.filters import OTHERS
 from eval.cli import main
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from tests.metrics.linear_gaussian import linear_gaussian
 
 MANEUVER = "opening_with_swings_and_fore_aft"
 SHORT = ["--patients", "3", "--times", "0.5,1", "--control", "force"]
@@ -129,6 +130,26 @@ def test_a_patient_counts_only_at_times_that_it_reached(recording):
         assert list(table["diverged"]) == [0, 0]
         others = rows[(rows["seed"] != 5) & (rows["time_s"] == 1.0)]
         assert table.loc[1.0, "nees_per_parameter"] == pytest.approx(others["nees"].mean() / 12)
+
+
+def test_a_bias_of_a_known_size_is_found_and_named():
+    """A belief that is exact, and the same with one parameter shifted by half its sd in every patient."""
+    exact = linear_gaussian(patients=200)
+    name = "log_b/temporalis_right"
+    place = exact.parameter_names.index(name)
+    biased = exact.belief_mean.copy()
+    biased[..., place] -= 0.5 * exact.belief_sd[..., place]
+    tables = [
+        summary.summarise(beliefs.rows_of(each, "tension", (10.0,), 0).assign(entry="some"))
+        for each in (exact, replace(exact, belief_mean=biased))
+    ]
+    honest, shifted = (table.iloc[0] for table in tables)
+    assert all(honest[f"mean_z/{each}_low"] <= 0.0 <= honest[f"mean_z/{each}_high"] for each in exact.parameter_names)
+    assert shifted["largest_mean_z_of"] == name
+    assert shifted["largest_mean_z"] == pytest.approx(honest[f"mean_z/{name}"] - 0.5, abs=1e-9)
+    assert shifted["largest_mean_z_low"] <= -0.5 <= shifted["largest_mean_z_high"] < 0.0
+    cell = summary.cells(shifted)[summary.COLUMNS.index("largest mean z")]
+    assert cell.startswith("−0.") and cell.endswith("), b of temporalis right")
 
 
 def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):

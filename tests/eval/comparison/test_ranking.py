@@ -62,6 +62,33 @@ def test_who_crosses_hard_limits_is_not_ranked(made):
     assert GOOD not in {row.entry for row in rank(study, admission=Admission(violation=0.03)).others}
 
 
+def ringing(made, entry, patients):
+    """The study in which the alarm rings for so many patients of an entry."""
+    table = made.patients.copy()
+    table.loc[(table["entry"] == entry) & (table["patient"] < patients), "misfit"] = 3.0
+    return type(made)(table, made.curves, made.about)
+
+
+def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
+    ranking = rank(ringing(made, GOOD, 3))
+    assert [row.entry for row in ranking.rows] == [IDLE, TRAINED, BOASTFUL, GOOD]
+    last = ranking.rows[-1]
+    assert ranking.mark(last) == "c" and last.rings.value == pytest.approx(3 / 40)
+    assert last.excluded == (
+        "the alarm rings in 7.5 % of the episodes, allowed 5 %: their readings do not fit the model"
+    )
+    assert "in that share of the episodes, of good one (7.5 %)" in " ".join(verdict.remarks(ranking))
+    console = Console(file=io.StringIO(), width=120)
+    table.show(ranking, console)
+    assert "c  good one is not ranked: the alarm rings in 7.5 %" in console.file.getvalue()
+
+
+def test_few_may_ring_and_are_named(made):
+    ranking = rank(ringing(made, GOOD, 2))
+    assert ranking.ranked[0].entry == GOOD
+    assert "of good one (5.0 %): do not trust their sds" in " ".join(verdict.remarks(ranking))
+
+
 def test_who_sees_the_truth_is_a_yardstick(made):
     entries = [each | {"clairvoyant": each["label"] == GOOD} for each in made.about["entries"]]
     ranking = rank(type(made)(made.patients, made.curves, made.about | {"entries": entries}))

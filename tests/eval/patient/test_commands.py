@@ -1,6 +1,7 @@
 """``python -m eval patient`` and ``diagnose`` as a user types them."""
 
 import re
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -17,6 +18,7 @@ from eval.patient.verdicts import UNKNOWN, verdicts
 from eval.settings import Settings
 from jawenv import MUSCLE_NAMES, Patient
 from jawenv.anatomy import cohort
+from tests.eval.report.browser import executable
 
 RICH = "opening_with_swings_and_fore_aft"
 SHORT = ["--episode-s", "0.5", "--seed", "5200"]
@@ -134,6 +136,35 @@ def test_the_truth_is_shown_where_it_is_asked_for(three, tmp_path):
     assert text.count("truly stiff") == 3 and text.count("true: 1.80 N") == 3 and text.count("true: 7.00") == 6
 
 
+def test_no_verdict_is_given_where_the_readings_do_not_fit_the_model(tmp_path, capsys):
+    arguments = ["--episode-s", "8", "--seed", "5200", "--control", "targets", "--reality", "fossa_error=0.3"]
+    assert run(tmp_path, "refined", *arguments) == 0
+    text, said = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8")), capsys.readouterr().out
+    assert "No verdict: the readings do not fit the model." in text and "No verdict: the readings" in said
+    assert "The numbers below are not to be trusted." in text
+    assert "probability above" not in text and "most likely" not in text
+    table = pd.read_parquet(tmp_path / "verdicts.parquet")
+    assert set(table["verdict"]) == {"no verdict"} and (table["misfit"] > 1.0).all()
+    assert table["probability"].isna().all()
+
+
+def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
+    _, _, folder = three
+    (entry,) = load_entries([RICH], Settings(1, "wide", 5200, "force", "pose", 8.0).env_kwargs)
+    good = first_treatment(entry, 5200, Patient.load(folder / f"{HEALTHY}.json"))
+    assert not good.rings
+    course = [good, replace(good, misfit=1.2), good]
+    rows = (
+        pd.DataFrame(page.verdict_rows(Person("1", 5200), course, cohort("wide").prior))
+        .groupby("treatment")["verdict"]
+        .first()
+    )
+    assert rows.tolist() == ["normal", "no verdict", "no verdict"]
+    about = {"finished": "today", "command": "python -m eval patient"}
+    text = words_of(page.render(entry, Person("1", 5200), Course(3), course, about, show_truth=False))
+    assert "do not fit the model in treatment 2:" in text
+
+
 def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys):
     original, played, interrupt_at = courses.next_treatment, [], [3]
 
@@ -154,6 +185,33 @@ def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys
     assert run(tmp_path / "whole", *arguments) == 0
     whole = pd.read_parquet(tmp_path / "whole" / "verdicts.parquet")
     pd.testing.assert_frame_equal(rows, whole)
+
+
+def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_exactly(tmp_path):
+    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
+    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1") == 0
+    text = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8"))
+    told = re.findall(r"change: (softer|stiffer) by \d+ % \(−?\d+ … −?\d+\)", text)
+    assert len(told) == 12 and "errors that come of the anatomy are alike in both" in text
+    table = pd.read_parquet(tmp_path / "verdicts.parquet")
+    first, second = (table[table["treatment"] == number] for number in (1, 2))
+    assert second["F_o_change"].between(second["F_o_change_low"], second["F_o_change_high"]).all()
+    assert first["F_o_change"].isna().all() and second["b_change_low"].notna().all()
+    assert run(tmp_path / "exact", *arguments[:-2], "--treatments", "2") == 0
+    exact = pd.read_parquet(tmp_path / "exact" / "verdicts.parquet")
+    assert exact["F_o_change"].isna().all()
+    assert "change:" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
+
+
+def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(tmp_path):
+    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
+    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1", "--show-truth") == 0
+    sheet = tmp_path / "sheet.pdf"
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer", f"--print-to-pdf={sheet}"]
+    subprocess.run(  # noqa: S603
+        [executable(), *flags, (tmp_path / "patient-5200.html").as_uri()], check=True, capture_output=True, timeout=120
+    )
+    assert len(re.findall(rb"/Type\s*/Page[^s]", sheet.read_bytes())) == 1
 
 
 def test_a_damaged_file_says_what_to_do(tmp_path, capsys):

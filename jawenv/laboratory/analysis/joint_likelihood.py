@@ -1,0 +1,110 @@
+"""What an episode has told of the muscles and of the patient's own anatomy together.
+
+The filter integrates everything out but the muscles. Whoever compares two episodes of a patient must not: the anatomy
+is the same in both, and so are the errors that come of it. Here the session's part alone is integrated out (load cell,
+mouthpiece, tilt of the head), and no prior is counted but the session's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.envs.own_anatomy import own_values
+from jawenv.envs.simulation import Simulation
+from jawenv.errors import InputError
+from jawenv.filter.basis import N_NODES, expand_coefficients
+from jawenv.filter.posterior import set_omega
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointLikelihood:
+    """The quadratic log likelihood of x, ``vector @ x - x @ information @ x / 2`` but for a constant.
+
+    x are P natural-log parameters, and behind them Q values of the patient's own anatomy in prior sds, as
+    ``jawenv.envs.own_anatomy.own_values`` has them. It does not depend on where the filter was linearised last.
+
+    Attributes:
+        information: (P + Q, P + Q).
+        vector: (P + Q,).
+    """
+
+    information: Array
+    vector: Array
+
+    def posterior(self, mean: Array, cov: Array) -> tuple[Array, Array]:
+        """Mean (P + Q) and covariance of x after a normal prior with these.
+
+        Args:
+            mean: (P + Q,).
+            cov: (P + Q, P + Q) positive definite.
+        """
+        after = np.linalg.inv(np.linalg.inv(cov) + self.information)
+        after = 0.5 * (after + after.T)
+        return mean + after @ (self.vector - self.information @ mean), after
+
+
+def joint_likelihood(simulation: Simulation, index: int) -> JointLikelihood:
+    """What the filter of world ``index`` has learned so far.
+
+    Raises:
+        InputError: anatomy and device are known exactly.
+    """
+    if simulation.knowledge.exact:
+        raise InputError("knowledge is exact; allowed: knowledge within sds, as imaged")
+    belief = simulation.worlds["known"]["belief"][index]
+    gain_variance = float(simulation.settings[0]["filter"]["gain_variance"])
+    own = np.array([own_values(values) for values in simulation.nuisance_sds])
+    derivative, at_zero, kept = _linearised(belief, own, gain_variance)
+    columns = len(derivative)
+    lower = np.tril(belief["information"][:columns, :columns])
+    information = lower + np.tril(lower, -1).T
+    joint = derivative.T @ information @ derivative
+    vector = derivative.T @ (belief["score"][:columns] - information @ at_zero)
+    # What is not kept has the prior N(0, 1), and is integrated out.
+    rest = joint[kept:, kept:] + np.eye(len(joint) - kept)
+    carried = np.linalg.solve(rest, joint[kept:, :kept])
+    left = joint[:kept, :kept] - joint[:kept, kept:] @ carried
+    return JointLikelihood(0.5 * (left + left.T), vector[:kept] - carried.T @ vector[kept:])
+
+
+def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, Array, int]:
+    """The filter's columns (coefficients, gain error, nuisances), less their present mean, by standard numbers.
+
+    Args:
+        belief: record of ``filter.state.belief_dtype``.
+        own: (nuisances, Q) what one sd of each is in the patient's own values; zeros where it is the session's.
+        gain_variance: of the load cell.
+
+    Returns:
+        Derivative (columns, P + Q + rest), value at zero (columns,), and P + Q. The rest are the linearisation errors
+        of the coefficients (``filter.posterior``), the gain error and the session's nuisances.
+    """
+    mean, cov = belief["mean"], belief["cov"]
+    muscles = len(mean) // 2
+    size, bends = muscles * N_NODES, 3 * muscles
+    coefficients, by_log_twice = np.empty((muscles, N_NODES)), np.empty((muscles, N_NODES, 3))
+    expand_coefficients(belief["basis"], mean, cov, coefficients, by_log_twice)
+    bent = np.zeros((size, bends))
+    for i in range(muscles):
+        bent[i * N_NODES : (i + 1) * N_NODES, 3 * i : 3 * i + 3] = by_log_twice[i]
+    omega = np.empty((bends, bends))
+    set_omega(cov, omega)
+    sizes, axes = np.linalg.eigh(omega)
+    session = np.flatnonzero(~own.any(axis=1))
+    parameters, kept = len(mean), len(mean) + own.shape[1]
+    derivative = np.zeros((size + 1 + len(own), kept + bends + 1 + len(session)))
+    derivative[:size, :parameters] = np.delete(bent, np.s_[2::3], axis=1)
+    derivative[:size, kept : kept + bends] = bent @ axes * np.sqrt(np.maximum(sizes, 0.0))
+    derivative[size, kept + bends] = np.sqrt(gain_variance)
+    derivative[size + 1 :, parameters:kept] = own
+    derivative[size + 1 + session, kept + bends + 1 + np.arange(len(session))] = 1.0
+    at_zero = np.zeros(len(derivative))
+    at_zero[:size] = (coefficients - belief["nominal"]).ravel() - derivative[:size, :parameters] @ mean
+    at_zero[size + 1 :] = -belief["nuisances"]
+    return derivative, at_zero, kept

@@ -1,0 +1,102 @@
+"""The change between two treatments where the anatomy is not known exactly: against algebra, and on patients."""
+
+import numpy as np
+import pytest
+
+from eval.entries import load_entries
+from eval.options import known_within
+from eval.patient.changes import change_in_words
+from eval.patient.shared import at_start, change
+from eval.patient.treatments import first_treatment, next_treatment, population_of
+from eval.settings import Settings
+from jawenv.anatomy import Patient, Prior
+from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
+
+PAIRS, FIRST_SEED, DRIFT = 60, 990_000, 0.1  # seeds of no other use
+
+
+def entry_of(episode_s):
+    settings = Settings(1, "trismus", FIRST_SEED, "targets", "pose", episode_s, knowledge=known_within("imaged"))
+    return load_entries(["refined"], settings.env_kwargs, settings.env)[0]
+
+
+def normal_data(rng, x, count):
+    """The likelihood of ``count`` linear measurements of x with unit noise."""
+    design = rng.normal(size=(count, len(x)))
+    return JointLikelihood(design.T @ design, design.T @ (design @ x + rng.normal(size=count)))
+
+
+def test_the_change_is_that_of_the_whole_normal_posterior(rng):
+    """Two sets of data about (two muscles' numbers, three of the anatomy), against one regression for all seven."""
+    prior, anatomy = Prior(np.array([0.3, -0.2]), np.array([0.5, 0.8])), rng.normal(size=3)
+    then, now = rng.normal(size=2), rng.normal(size=2)
+    first, later = (normal_data(rng, np.concatenate([muscles, anatomy]), 6) for muscles in (then, now))
+    precision, right = np.diag(np.concatenate([1.0 / prior.sd**2, 1.0 / prior.sd**2, np.ones(3)])), np.zeros(7)
+    right[:4] = np.tile(prior.mean / prior.sd**2, 2)
+    for muscles, each in (([0, 1], first), ([2, 3], later)):
+        places = [*muscles, 4, 5, 6]
+        precision[np.ix_(places, places)] += each.information
+        right[places] += each.vector
+    whole, cov = np.linalg.solve(precision, right), np.linalg.inv(precision)
+    by = np.array([[-1, 0, 1, 0, 0, 0, 0], [0, -1, 0, 1, 0, 0, 0]], dtype=float)
+    mean, changed = change(first, later, prior)
+    np.testing.assert_allclose(mean, by @ whole, rtol=1e-8)
+    np.testing.assert_allclose(changed, by @ cov @ by.T, rtol=1e-8)
+
+
+def test_errors_that_are_the_same_in_both_cancel():
+    """Where muscle and anatomy can only be told together, neither is known, but the change is."""
+    together = np.array([[1.0, 1.0]]) * 1e3
+    then, now = (JointLikelihood(together.T @ together, together[0] * 1e3 * value) for value in (0.4, 0.1))
+    mean, cov = change(then, now, Prior(np.zeros(1), np.ones(1) * 10.0))
+    alone = then.posterior(*at_start(Prior(np.zeros(1), np.ones(1) * 10.0), 2))[1][0, 0]
+    assert mean[0] == pytest.approx(-0.3, abs=0.01) and np.sqrt(cov[0, 0]) < 0.01 < 0.9 < np.sqrt(alone)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """First and second treatment of each patient, 8 s each."""
+    entry = entry_of(8.0)
+    played = []
+    for seed in range(FIRST_SEED, FIRST_SEED + PAIRS):
+        first = first_treatment(entry, seed)
+        played.append((first, next_treatment(entry, first, 2, DRIFT, seed)))
+    return population_of(entry).prior, played
+
+
+def test_intervals_of_the_change_cover_it_and_are_narrower_than_of_two_independent_treatments(pairs):
+    prior, played = pairs
+    covered, narrower = [], []
+    for first, second in played:
+        mean, cov = change(first.told, second.told, prior)
+        sd = np.sqrt(np.diagonal(cov))
+        covered.append(np.abs(mean - (second.truth - first.truth)) < 1.96 * sd)
+        start = at_start(prior, len(first.vector))
+        alone = [np.diagonal(each.told.posterior(*start)[1])[:12] for each in (first, second)]
+        narrower.append(sd / np.sqrt(np.sum(alone, axis=0)))
+    assert 0.88 < np.mean(covered) < 0.99
+    assert np.max(narrower) < 1.0 and np.median(narrower) < 0.9
+
+
+def test_what_is_known_after_the_second_is_honest_and_surer(pairs):
+    _, played = pairs
+    sds = np.array([[np.sqrt(np.diagonal(each.cov[-1])) for each in pair] for pair in played])
+    assert np.median(sds[:, 1] / sds[:, 0]) < 0.95
+    nees = np.array([[each.nees for each in pair] for pair in played]).mean(axis=0) / 12
+    assert (nees > 0.8).all() and (nees < 1.4).all(), nees
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [((0.8, 0.73, 0.88), "softer by 20 % (12 … 27)"), ((1.02, 0.99, 1.05), "stiffer by 2 % (−1 … 5)")],
+)
+def test_a_change_is_written_for_people(factor, text):
+    assert change_in_words(*factor) == text
+
+
+def test_a_patients_anatomy_is_kept_in_its_file(tmp_path):
+    muscles = ["masseter_left", "temporalis_left", "medial_pterygoid_left"]
+    muscles += [name.replace("left", "right") for name in muscles]
+    patient = Patient(F_o_N=dict.fromkeys(muscles, 1.0), b=dict.fromkeys(muscles, 7.0), anatomy_seed=5)
+    patient.save(tmp_path / "patient.json")
+    assert Patient.load(tmp_path / "patient.json").anatomy_seed == 5
