@@ -32,7 +32,8 @@ from eval.benchmark.run import Cell
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
 from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, atomic_write, read_model
+from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
+from jawenv.playing.maneuvers import Maneuver
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
@@ -221,16 +222,18 @@ def _copied(spec: str, folder: Path, number: int) -> str:
     root = given if given.is_dir() else given.parent if config is None else config.parent.resolve()
     place = PurePosixPath(AGENTS, str(number), root.name or "root")
     for file in (each.resolve() for each in files):
-        # The maneuver that a run corrects may lie elsewhere.
-        within = file.relative_to(root).as_posix() if file.is_relative_to(root) else BASE_FILE
-        target = folder / place / within
-        content = read_bytes(file)
+        lies_within = file.is_relative_to(root)
+        target = folder / place / (file.relative_to(root).as_posix() if lies_within else BASE_FILE)
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"output {folder}: {error.strerror}") from None
-        with atomic_write(target) as unfinished:
-            unfinished.write_bytes(content)
+        if lies_within:
+            content = read_bytes(file)
+            with atomic_write(target) as unfinished:
+                unfinished.write_bytes(content)
+        else:  # the maneuver that a run corrects, as a run's folder holds it
+            write_json(target, Maneuver.load(file))
     return str(place if given == root else place / given.relative_to(root).as_posix())
 
 

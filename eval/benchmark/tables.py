@@ -14,14 +14,14 @@ from eval.terminal import printed_table
 
 NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
-    "in which no hard limit is crossed: means over the patients, who count as the whole episode where that never happens "
-    "(restricted mean time). Lower is better. In brackets the 95 % interval over the patients (bias-corrected and "
-    "accelerated bootstrap). `–`: trained in another environment."
+    "in which no hard limit is crossed: means over the patients, who count as the whole episode where that never "
+    "happens (restricted mean time). Lower is better. In brackets the 95 % interval over the patients (bias-corrected "
+    "and accelerated bootstrap). `–`: trained in another environment."
 )
 DETAILS_NOTE = (
     "Get there: share of the patients (Wilson's interval). Within 10 %, within 5 %: the score with that share. "
-    "Claimed: the restricted mean of the first time at which no sd that the filter states is above the task's share. Worst sd: "
-    "median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
+    "Claimed: the restricted mean of the first time at which no sd that the filter states is above the task's share. "
+    "Worst sd: median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
 )
 _DIGITS = {"score, s": 2, "get there, %": 0, "worst sd, %": 2, "discomfort, s": 3}
 
