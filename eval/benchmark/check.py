@@ -12,10 +12,11 @@ import pandas as pd
 
 from agents.own import names_own
 from eval.benchmark import submission
-from eval.benchmark.run import COLUMNS, Cell, parts_of_cell, play_parts
+from eval.benchmark.run import Cell, parts_of_cell, play_parts
 from eval.benchmark.scores import by_cell
 from eval.benchmark.submission import PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
+from eval.benchmark.times import COLUMNS
 from eval.kept.parts import Part, Run
 from eval.kept.tables import read_table
 from jawenv.controls import mode_of

@@ -11,6 +11,7 @@ import pandas as pd
 
 from eval.benchmark import times
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
+from eval.benchmark.times import COLUMNS, rows_of
 from eval.comparison import results
 from eval.entries import Entry, env_of_run, load_entries
 from eval.kept.digest import fingerprint
@@ -18,14 +19,6 @@ from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
 from jawenv.errors import InputError
 from jawenv.progress import Progress
-
-LEVELS = (0.10, 0.05)
-"""Relative errors whose times are kept in every task."""
-_OF_THE_COMPARISON = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
-_CLAIMED = tuple(f"time_to_{level:g}_s" for level in LEVELS)
-_FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
-COLUMNS = (*_OF_THE_COMPARISON, *_FOUND, *_CLAIMED, "completed", "score_s")
-"""Of every patient; see docs/benchmark.md."""
 
 
 @dataclass(frozen=True)
@@ -151,13 +144,9 @@ def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None
     cell = cells[part.key]
     entry = cell.load()
     recording = entry.play(part.number, part.first, track_bound=False)
-    rows = results.from_recording(recording, cell.agent, part.first, {}).patients
-    for level, column in zip(LEVELS, _FOUND, strict=True):
-        rows[column] = times.within_for_good(recording, level)
-    rows["completed"] = times.completed(recording)
-    rows["score_s"] = times.restricted(times.within_for_good(recording, cell.task.within), cell.task.episode_s)
+    rows = rows_of(recording, part.first, cell.task.within, cell.task.episode_s)
     for _, path in part.files:
-        write_table(rows[list(COLUMNS)], path, {"task": asdict(cell.task)})
+        write_table(rows, path, {"task": asdict(cell.task)})
 
 
 def _read(path: Path) -> pd.DataFrame:

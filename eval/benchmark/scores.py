@@ -7,7 +7,7 @@ import pandas as pd
 
 from eval import statistics
 from eval.benchmark.tasks import TASKS
-from eval.benchmark.times import restricted
+from eval.benchmark.times import LEVELS, restricted
 from eval.statistics import Interval
 
 
@@ -48,9 +48,8 @@ def figures(task: str, rows: pd.DataFrame) -> dict[str, Interval]:
     return {
         "score, s": score_of(rows),
         "get there, %": _percent(statistics.share(reached)),
-        "within 10 %, s": mean_time("within_0.1_s"),
-        "within 5 %, s": mean_time("within_0.05_s"),
-        "claimed, s": mean_time(f"time_to_{within:g}_s"),
+        **{f"within {100.0 * level:g} %, s": mean_time(f"within_{level:g}_s") for level in LEVELS},
+        "claimed, s": mean_time("claimed_s"),
         "worst sd, %": _percent(statistics.quantile(rows["worst_sd"].to_numpy(dtype=np.float64), 0.5)),
         "discomfort, s": statistics.mean(rows["discomfort_s"].to_numpy(dtype=np.float64)),
         "stopped, %": _percent(stopped),

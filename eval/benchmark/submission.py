@@ -97,12 +97,12 @@ class Submission(InputModel):
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
-        scores = [(score.task, score.agent) for score in self.scores]
+        scores = [f"{score.task}, {score.agent}" for score in self.scores]
         agents = [each.agent for each in self.agents]
         for kind, named in (("scores", scores), ("agents", agents)):
             twice = [each for each in named if named.count(each) > 1]
             if twice:
-                raise ValueError(f"{kind}: {twice[0]} is there twice; allowed: once")
+                raise ValueError(f"{kind}: '{twice[0]}' is there twice; allowed: once")
         return self
 
 

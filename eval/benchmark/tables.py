@@ -19,7 +19,7 @@ NOTE = (
     "and accelerated bootstrap). `–`: trained in another environment."
 )
 DETAILS_NOTE = (
-    "Get there: share of the patients (Wilson's interval). Within 10 %, within 5 %: the score with that share. "
+    "Get there: share of the patients (Wilson's interval). Within 20, 10, 5 %: the score with that share. "
     "Claimed: the restricted mean of the first time at which no sd that the filter states is above the task's share. "
     "Worst sd: median, at the end. Stopped: a hard limit was crossed, or the filter diverged."
 )

@@ -137,7 +137,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 "trismus",
                 "imaged",
                 45_000,
-                0.10,
+                0.20,
                 _MEMORY,
             ),
             Task(

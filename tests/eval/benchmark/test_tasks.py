@@ -17,7 +17,7 @@ def test_the_tasks_are_those_of_their_version():
         "jaw-imaged-memory",
         "bilateral-exact",
     ]
-    assert digest() == "35c2180f85ddefcc", "a task has changed: give the benchmark a new version, and play it anew"
+    assert digest() == "27d77c14e740308c", "a task has changed: give the benchmark a new version, and play it anew"
 
 
 def test_what_every_task_has_in_common():
