@@ -68,7 +68,7 @@ def check(
         parts: list[tuple[Cell, Part]] = []
         for cell, score in zip(cells, given.scores, strict=True):
             every = parts_of_cell(cell, Path(place), score.patients)
-            parts += [(cell, part) for part in _drawn(every, patients, draw)]
+            parts += [(cell, part) for part in drawn(every, patients, draw)]
         again = play_parts(parts, run)
     return _compared(rows, again, cells)
 
@@ -128,8 +128,8 @@ def _spec(agent: SubmittedAgent, folder: Path) -> str:
     return agent.spec if agent.copy_at is None else str(folder / agent.copy_at)
 
 
-def _drawn(parts: Sequence[Part], patients: int | None, draw: np.random.Generator) -> list[Part]:
-    """So many parts that they have as many patients at least."""
+def drawn(parts: Sequence[Part], patients: int | None, draw: np.random.Generator) -> list[Part]:
+    """Parts that have so many patients at least; all of them where none are asked for."""
     if patients is None:
         return list(parts)
     number = min(-(-patients // PATIENTS_IN_A_PART), len(parts))

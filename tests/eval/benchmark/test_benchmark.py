@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from eval.benchmark import submission
-from eval.benchmark.check import check
+from eval.benchmark.check import check, drawn
 from eval.benchmark.run import cells_of, parts_of_cell
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
@@ -220,3 +220,11 @@ def test_patients_are_played_in_tens_so_that_a_part_can_be_checked(tmp_path):
     parts = parts_of_cell(cell, tmp_path, 25)
     assert [(part.first, part.number) for part in parts] == [(40_000, 10), (40_010, 10), (40_020, 5)]
     assert len(parts_of_cell(cell, tmp_path)) == 10
+
+
+def test_a_check_of_some_patients_draws_whole_parts(tmp_path):
+    (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
+    parts = parts_of_cell(cell, tmp_path)
+    draws = [drawn(parts, 15, np.random.default_rng(seed)) for seed in (0, 0, 1)]
+    assert draws[0] == draws[1] != draws[2] and all(len(draw) == 2 for draw in draws)
+    assert drawn(parts, None, np.random.default_rng(0)) == parts == drawn(parts, 500, np.random.default_rng(0))

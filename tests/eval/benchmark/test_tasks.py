@@ -1,7 +1,10 @@
 """The tasks are frozen."""
 
+from pathlib import Path
+
 import pytest
 
+from eval.benchmark.tables import task_row
 from eval.benchmark.tasks import TASKS, VERSION, digest, tasks_named
 from jawenv.errors import InputError
 
@@ -43,3 +46,9 @@ def test_an_unknown_task_is_refused():
         tasks_named(["jaw"])
     with pytest.raises(InputError, match="tasks: none given"):
         tasks_named([])
+
+
+def test_the_page_has_every_task():
+    page = (Path(__file__).parents[3] / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    rows = [line for line in page.splitlines() if line.startswith(("| hinge", "| jaw", "| bilateral"))]
+    assert rows == ["| " + " | ".join(task_row(task)) + " |" for task in TASKS.values()]
