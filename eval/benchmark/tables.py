@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
@@ -80,19 +81,38 @@ def markdown(rows: pd.DataFrame, about: dict[str, Any]) -> str:
     """
     versions, git, machine = about["versions"], about["git"], about["machine"]
     tasks = [task for task in TASKS.values() if task.id in set(rows["task"])]
-    played = {task.id: rows.loc[rows["task"] == task.id, "seed"].nunique() for task in tasks}
-    fewer = [f"{played[task.id]} of {task.patients} in {task.id}" for task in tasks if played[task.id] < task.patients]
     state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
     made = f"Made by `{about['command']}`, {about['finished']}: tasks {VERSION}, digest `{digest()}`"
     made += f". jawenv {versions['jawenv']}{state}; {machine['cores']} cores of {machine['processor']}."
-    how_many = (
-        f"Not all patients were played: {'; '.join(fewer)}." if fewer else "All patients of these tasks were played."
-    )
     all_tasks = words.table(TASK_HEAD, map(task_row, tasks), range(len(TASK_HEAD) - 2))
-    lines = [f"# Benchmark {VERSION}", "", made, "", how_many, "", words.table(*score_table(rows)), "", NOTE, ""]
+    lines = [
+        f"# Benchmark {VERSION}",
+        "",
+        made,
+        "",
+        _how_many(rows, tasks),
+        "",
+        words.table(*score_table(rows)),
+        "",
+        NOTE,
+        "",
+    ]
     lines += ["## Beside the scores", "", words.table(*details_table(rows), (0, 1)), "", DETAILS_NOTE, ""]
     lines += ["## Tasks", "", all_tasks, ""]
     return "\n".join(lines)
+
+
+def _how_many(rows: pd.DataFrame, tasks: Sequence[Task]) -> str:
+    """Whether all patients were played; where fewer were, it is no complete submission."""
+    played = {task.id: rows.loc[rows["task"] == task.id, "seed"].nunique() for task in tasks}
+    fewer = {
+        task.id: f"the first {played[task.id]} of {task.patients}" for task in tasks if played[task.id] < task.patients
+    }
+    if not fewer:
+        return "All patients of these tasks were played."
+    if len(fewer) == len(tasks) and len(set(fewer.values())) == 1:
+        return f"Of each task {next(iter(fewer.values()))} patients were played."
+    return f"Not all patients were played: {'; '.join(f'{many} in {task}' for task, many in fewer.items())}."
 
 
 def show(rows: pd.DataFrame, console: Console) -> None:

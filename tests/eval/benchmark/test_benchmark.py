@@ -72,7 +72,7 @@ def test_a_submission_has_scores_patients_and_the_agents_files(played):
         assert score.score_s == times.mean() and 0.0 < score.score_s < 30.0
         assert np.array_equal(times, rows.loc[rows["agent"] == score.agent, "within_0.05_s"])
     page = (played / "benchmark.md").read_text()
-    assert "Not all patients were played: 2 of 100 in hinge-exact." in page and "| slow opening | " in page
+    assert "Of each task the first 2 of 100 patients were played." in page and "| slow opening | " in page
 
 
 def test_only_what_is_missing_is_played(tmp_path, plays, capsys):
