@@ -79,10 +79,10 @@ class Task:
         )
 
     def frozen(self) -> dict[str, Any]:
-        """All that makes the task, with the numbers behind the names; effects that are off are left out."""
+        """All that makes the task, with the numbers behind the names; no words, no effects that are off."""
         device = asdict(device_of(dict(self.device)))
-        return asdict(self) | {
-            "cohort": cohort(self.cohort).to_dict(),
+        return {name: value for name, value in asdict(self).items() if name != "description"} | {
+            "cohort": {"name": self.cohort, "groups": cohort(self.cohort).to_dict()["groups"]},
             "knowledge": self.known_within,
             "device": {name: value for name, value in device.items() if value},
         }
@@ -105,7 +105,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task("jaw-exact", "Every closing muscle of both sides", "jawenv/Jaw-v2", "trismus", "exact", 41_000, 0.05),
             Task(
                 "jaw-wide-exact",
-                "Patients who differ widely, from soft to severe",
+                "The medians of trismus, twice its spread",
                 "jawenv/Jaw-v2",
                 "wide",
                 "exact",
@@ -114,7 +114,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             ),
             Task(
                 "jaw-one-sided-exact",
-                "One side is stiff, and which one is not told",
+                "All closers of one side are stiff, and it is not told which side",
                 "jawenv/Jaw-v2",
                 "one_sided",
                 "exact",
