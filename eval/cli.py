@@ -9,6 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from eval import options
+from eval.benchmark.commands import benchmark_command
 from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
 from eval.patient.commands import diagnose_command, patient_command
@@ -40,6 +41,7 @@ app.command("report")(report_command)
 app.command("card")(card_command)
 app.command("replay")(replay_command)
 app.command("calibrate")(calibrate_command)
+app.command("benchmark")(benchmark_command)
 
 
 @app.command("play")

@@ -96,7 +96,7 @@ def env_of_runs(specs: Iterable[str]) -> str:
     Raises:
         InputError: a run's configuration is damaged.
     """
-    trained_in = (_env_of_run(spec) for spec in specs)
+    trained_in = (env_of_run(spec) for spec in specs)
     return next((own.id for own in trained_in if own is not None), DEFAULT_ENV)
 
 
@@ -124,7 +124,7 @@ def load_entries(
 
 
 def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> Entry:
-    run = _env_of_run(spec)
+    run = env_of_run(spec)
     if run is not None and run.id != env_id:
         raise InputError(
             f"{spec} was trained in {run.id}, but this comparison is in {env_id}: "
@@ -161,10 +161,13 @@ def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:
     return _DEFAULTS | {"control_hz": mode_of(env_kwargs).steps_per_s} | env_kwargs
 
 
-def _env_of_run(spec: str) -> EnvConfig | None:
+def env_of_run(spec: str) -> EnvConfig | None:
     """The environment that a run or an exported policy was trained in; None if `spec` is none of them.
 
     A checkpoint of a run counts as the run.
+
+    Raises:
+        InputError: a run's configuration, or a policy's card, is damaged.
     """
     if (place := exported_place(spec)) is not None:
         from training.run.config import EnvConfig

@@ -9,6 +9,7 @@ MOST = 8
 FOLDERS = ("jawenv", "agents", "training", "eval", "examples", "tests", "docs")
 # Of commands each parameter is an option of the command line.
 COMMANDS = {
+    "benchmark_command",
     "calibrate_command",
     "compare_command",
     "design",

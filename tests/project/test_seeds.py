@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from eval.benchmark.tasks import TASKS
 from eval.settings import Settings
-from jawenv.seeds import REPORTS, TRAINING, TUNING, VALIDATION
+from jawenv.seeds import BENCHMARK, REPORTS, TRAINING, TUNING, VALIDATION
 from training.run.config import DEFAULT_CONFIG, TrainingConfig
 from training.run.train import world_seed
 
@@ -36,7 +37,7 @@ def within(seeds: range, purpose: range) -> bool:
 
 
 def test_purposes_share_no_seed() -> None:
-    for one, other in combinations([*REPORTS, TUNING, VALIDATION, TRAINING], 2):
+    for one, other in combinations([*REPORTS, TUNING, VALIDATION, BENCHMARK, TRAINING], 2):
         assert one.stop <= other.start or other.stop <= one.start
 
 
@@ -51,7 +52,7 @@ def test_what_a_paragraph_names() -> None:
 def test_documented_results_are_of_patients_on_whom_nothing_was_chosen(page: Path) -> None:
     for paragraph in re.split(r"\n\s*\n", page.read_text(encoding="utf-8")):
         for seeds in documented(paragraph):
-            reported = any(within(seeds, purpose) for purpose in REPORTS)
+            reported = any(within(seeds, purpose) for purpose in (*REPORTS, BENCHMARK))
             # Choices may be documented too, with the patients on whom they were made.
             own = within(seeds, TUNING) or within(seeds, VALIDATION)
             chosen = own and re.search(r"\bcho(ices|sen)\b", paragraph)
@@ -61,6 +62,13 @@ def test_documented_results_are_of_patients_on_whom_nothing_was_chosen(page: Pat
 def test_the_pages_are_read() -> None:
     named = [seeds for page in PAGES for seeds in documented(page.read_text(encoding="utf-8"))]
     assert {range(500, 564), range(20000, 20200), range(6000, 6064)} <= set(named)
+
+
+def test_every_task_of_the_benchmark_has_patients_of_its_own() -> None:
+    seeds = [task.seeds for task in TASKS.values()]
+    assert all(within(each, BENCHMARK) for each in seeds)
+    for one, other in combinations(seeds, 2):
+        assert one.stop <= other.start or other.stop <= one.start
 
 
 def test_commands_keep_to_their_seeds() -> None:

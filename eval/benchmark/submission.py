@@ -1,0 +1,248 @@
+"""A submission: a folder with scores, patients, and the agents' files, so that anyone can play it again.
+
+::
+
+    FOLDER/submission.json     versions, digest of the tasks, agents with their fingerprints, scores
+           benchmark.md        the scores as tables
+           benchmark.parquet   one row per task, agent and patient
+           agents/             files of the agents that do not come with jawenv
+           parts/              what is kept, to go on after an interrupt
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Iterable, Sequence
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any, Self
+
+import pandas as pd
+from pydantic import Field, JsonValue, model_validator
+
+from agents import registry
+from agents.card import policy_names
+from agents.excitation import EXCITATIONS
+from agents.own import names_own
+from agents.planners import PLANNERS
+from agents.policies import config_of_run
+from agents.residual import BASE_FILE
+from eval.benchmark.run import Cell
+from eval.benchmark.scores import by_cell, score_of
+from eval.benchmark.tasks import VERSION, digest
+from jawenv.errors import InputError, shown
+from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.reading import read_bytes
+
+FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
+Text = Annotated[str, Field(min_length=1)]
+
+
+class SubmittedAgent(InputModel):
+    """Who was played.
+
+    Attributes:
+        agent: its label.
+        spec: what was typed.
+        copy_at: where the folder of the submission holds it, from there; None if it comes with jawenv, or is a module.
+        fingerprint: SHA-256 of its files' names and contents; None if it has none.
+    """
+
+    agent: Text
+    spec: Text
+    copy_at: Text | None = None
+    fingerprint: Text | None = None
+
+
+class SubmittedScore(InputModel):
+    """The score of one agent in one task.
+
+    Attributes:
+        task: its id.
+        agent: label of the agent.
+        patients: how many, from the first one on.
+        score_s: the score, s.
+        low_s: lower end of its 95 % interval; None of one patient.
+        high_s: its upper end.
+        note: in which settings the agent differs from the task's; empty if in none.
+    """
+
+    task: Text
+    agent: Text
+    patients: Annotated[int, Field(ge=1, strict=True)]
+    score_s: Number
+    low_s: Number | None
+    high_s: Number | None
+    note: str = ""
+
+
+class Submission(InputModel):
+    """All that ``submission.json`` holds.
+
+    Attributes:
+        benchmark: version of the tasks.
+        tasks_digest: of all that makes them.
+        agents: who was played.
+        scores: of each task and agent.
+        made_with: command, versions, commit, machine and time.
+    """
+
+    benchmark: Text
+    tasks_digest: Text
+    agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1)]
+    scores: Annotated[tuple[SubmittedScore, ...], Field(min_length=1)]
+    made_with: dict[str, JsonValue]
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        scores = [f"{score.task}, {score.agent}" for score in self.scores]
+        agents = [each.agent for each in self.agents]
+        for kind, named in (("scores", scores), ("agents", agents)):
+            twice = [each for each in named if named.count(each) > 1]
+            if twice:
+                raise ValueError(f"{kind}: '{twice[0]}' is there twice; allowed: once")
+        return self
+
+
+def read(folder: Path) -> Submission:
+    """Read ``submission.json`` of a folder.
+
+    Raises:
+        InputError: it is missing or damaged, is of other tasks, or names a file outside of the folder.
+    """
+    submission = read_model(folder / FILE, Submission)
+    if (submission.benchmark, submission.tasks_digest) != (VERSION, digest()):
+        raise InputError(
+            f"{folder / FILE}: is of tasks {shown(submission.benchmark)}, digest {shown(submission.tasks_digest)}; "
+            f"this jawenv plays {VERSION}, digest {digest()}"
+        )
+    for each in submission.agents:
+        _check_origin(each, folder / FILE)
+    return submission
+
+
+def make(
+    cells: Sequence[Cell], rows: pd.DataFrame, agents: Sequence[SubmittedAgent], about: dict[str, Any]
+) -> Submission:
+    """The submission of what was played.
+
+    Args:
+        cells: what was played.
+        rows: of `eval.benchmark.run.play_cells`.
+        agents: of `keep_agents`.
+        about: of `eval.kept.tables.made_with`.
+    """
+    notes = {(cell.task.id, cell.agent): cell.note for cell in cells}
+    scores = tuple(scored(task, agent, of_cell, notes[task, agent]) for (task, agent), of_cell in by_cell(rows).items())
+    return Submission(
+        benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=json_of(about)
+    )
+
+
+def scored(task: str, agent: str, rows: pd.DataFrame, note: str = "") -> SubmittedScore:
+    """The score of the patients' rows of one cell."""
+    score = score_of(rows)
+    low, high = (score.low, score.high) if score.known else (None, None)
+    return SubmittedScore(
+        task=task, agent=agent, patients=len(rows), score_s=score.value, low_s=low, high_s=high, note=note
+    )
+
+
+def json_of(about: dict[str, Any]) -> dict[str, Any]:
+    """What JSON makes of a mapping."""
+    plain: dict[str, Any] = json.loads(json.dumps(about))
+    return plain
+
+
+def keep_agents(cells: Iterable[Cell], folder: Path) -> tuple[SubmittedAgent, ...]:
+    """Copy the files of every agent that does not come with jawenv into the folder.
+
+    A module of one's own is not copied: whoever checks the submission has it importable.
+
+    Args:
+        cells: what was played.
+        folder: of the submission; what its ``agents`` held before goes.
+
+    Raises:
+        InputError: a file cannot be read or written.
+    """
+    agents = dict.fromkeys((cell.agent, cell.spec) for cell in cells)
+    if (folder / AGENTS).exists():
+        shutil.rmtree(folder / AGENTS)
+    kept = []
+    for number, (agent, spec) in enumerate(agents):
+        copies = _comes_with_jawenv(spec) or names_own(spec)
+        copy_at = None if copies else _copied(spec, folder, number)
+        held = spec if copy_at is None else str(folder / copy_at)
+        kept.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
+    return tuple(kept)
+
+
+def refuse_copies(specs: Iterable[str], folder: Path) -> None:
+    """Make sure that no agent lies where a submission is written.
+
+    Raises:
+        InputError: one does.
+    """
+    place = (folder / AGENTS).resolve()
+    for spec in specs:
+        if not names_own(spec) and Path(spec).resolve().is_relative_to(place):
+            raise InputError(f"{spec} lies in the output's own {AGENTS}, which is written anew: name another output")
+
+
+def fingerprint_of(spec: str) -> str | None:
+    """SHA-256 of the names and contents of an agent's files; None if it has none.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    files = registry.files_of(spec)
+    if not files:
+        return None
+    content = hashlib.sha256()
+    for file in sorted(files, key=lambda path: path.name):
+        content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
+    return content.hexdigest()
+
+
+def _comes_with_jawenv(spec: str) -> bool:
+    return spec in (*registry.names(), *policy_names(), *EXCITATIONS, *PLANNERS)
+
+
+def _copied(spec: str, folder: Path, number: int) -> str:
+    """Copy the files of a spec below ``agents/NUMBER``, as they lie together.
+
+    Returns:
+        What the copy is loaded by, from the folder on.
+    """
+    given, files = Path(spec).resolve(), registry.files_of(spec)
+    config = config_of_run(given)
+    root = given if given.is_dir() else given.parent if config is None else config.parent.resolve()
+    place = PurePosixPath(AGENTS, str(number), root.name or "root")
+    for file in (each.resolve() for each in files):
+        lies_within = file.is_relative_to(root)
+        target = folder / place / (file.relative_to(root).as_posix() if lies_within else BASE_FILE)
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"output {folder}: {error.strerror}") from None
+        if lies_within:
+            content = read_bytes(file)
+            with atomic_write(target) as unfinished:
+                unfinished.write_bytes(content)
+        else:  # the maneuver that a run corrects, as a run's folder holds it
+            write_json(target, Maneuver.load(file))
+    return str(place if given == root else place / given.relative_to(root).as_posix())
+
+
+def _check_origin(agent: SubmittedAgent, file: Path) -> None:
+    """A submission names what lies in its folder, comes with jawenv, or is a module; nothing else on this machine."""
+    if agent.copy_at is None:
+        if not (_comes_with_jawenv(agent.spec) or names_own(agent.spec)):
+            raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
+        return
+    copy_at = PurePosixPath(agent.copy_at)
+    if copy_at.is_absolute() or ".." in copy_at.parts or "\\" in agent.copy_at or copy_at.parts[0] != AGENTS:
+        raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}, allowed is a path within {AGENTS}/")

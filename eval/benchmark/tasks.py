@@ -1,0 +1,176 @@
+"""The tasks, which are frozen: whoever changes what a task is gives the benchmark a new version."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from eval.settings import Settings
+from jawenv.anatomy import cohort
+from jawenv.anatomy.knowledge import knowledge
+from jawenv.device.device import device_of
+from jawenv.errors import InputError, shown
+
+VERSION = "jawenv-1"
+"""What a paper cites, with the ids of the tasks."""
+PATIENTS_IN_A_PART = 10
+"""Patients that are played together. An agent that draws at random draws anew for each part."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One task: on whom and how agents are played, and what the score asks for.
+
+    Attributes:
+        id: its name.
+        description: what it asks, in a sentence.
+        env: id of the environment.
+        cohort: name of the population.
+        knowledge: `exact` or `imaged`, what the filter knows beside the muscles.
+        first_seed: of the first patient; patient i has ``first_seed + i``.
+        within: largest relative error of every parameter, 0.05 is 5 %.
+        device: fields of the device with other values, which the filter knows.
+        control: of agents that have no other.
+        episode_s: length of every episode.
+        patients: how many.
+    """
+
+    id: str
+    description: str
+    env: str
+    cohort: str
+    knowledge: str
+    first_seed: int
+    within: float
+    device: Mapping[str, float] = field(default_factory=dict)
+    control: str = "targets"
+    episode_s: float = 30.0
+    patients: int = 100
+
+    @property
+    def seeds(self) -> range:
+        """Of all patients."""
+        return range(self.first_seed, self.first_seed + self.patients)
+
+    @property
+    def known_within(self) -> dict[str, float]:
+        """The sds of what is known, those above 0."""
+        return {name: value for name, value in asdict(knowledge(self.knowledge)).items() if value > 0.0}
+
+    def settings(self, patients: int | None = None) -> Settings:
+        """How it is played.
+
+        Args:
+            patients: the first ones only; all by default.
+        """
+        return Settings(
+            patients or self.patients,
+            self.cohort,
+            self.first_seed,
+            self.control,
+            episode_s=self.episode_s,
+            env=self.env,
+            device=dict(self.device),
+            knowledge=self.known_within,
+        )
+
+    def frozen(self) -> dict[str, Any]:
+        """All that makes the task, with the numbers behind the names; no words, no effects that are off."""
+        device = asdict(device_of(dict(self.device)))
+        return {name: value for name, value in asdict(self).items() if name != "description"} | {
+            "cohort": {"name": self.cohort, "groups": cohort(self.cohort).to_dict()["groups"]},
+            "knowledge": self.known_within,
+            "device": {name: value for name, value in device.items() if value},
+        }
+
+
+_MEMORY = {"unmodelled_time_s": 0.5}
+TASKS: Mapping[str, Task] = MappingProxyType(
+    {
+        task.id: task
+        for task in (
+            Task(
+                "hinge-exact",
+                "The closers of a hinge, 2 parameters",
+                "jawenv/JawHinge-v2",
+                "trismus",
+                "exact",
+                40_000,
+                0.05,
+            ),
+            Task("jaw-exact", "Every closing muscle of both sides", "jawenv/Jaw-v2", "trismus", "exact", 41_000, 0.05),
+            Task(
+                "jaw-wide-exact",
+                "The medians of trismus, twice its spread",
+                "jawenv/Jaw-v2",
+                "wide",
+                "exact",
+                42_000,
+                0.05,
+            ),
+            Task(
+                "jaw-one-sided-exact",
+                "All closers of one side are stiff, and it is not told which side",
+                "jawenv/Jaw-v2",
+                "one_sided",
+                "exact",
+                43_000,
+                0.05,
+            ),
+            Task(
+                "jaw-imaged",
+                "Anatomy, mass and fit of the device are known within sds",
+                "jawenv/Jaw-v2",
+                "trismus",
+                "imaged",
+                44_000,
+                0.10,
+            ),
+            Task(
+                "jaw-imaged-memory",
+                "As jaw-imaged, and the unmodelled wrench has a memory of 0.5 s, of which the filter is told",
+                "jawenv/Jaw-v2",
+                "trismus",
+                "imaged",
+                45_000,
+                0.20,
+                _MEMORY,
+            ),
+            Task(
+                "bilateral-exact",
+                "Two condyles that press, slide and lift off",
+                "jawenv/JawBilateral-v2",
+                "trismus",
+                "exact",
+                46_000,
+                0.10,
+            ),
+        )
+    }
+)
+"""Every task of this version by its id."""
+
+
+def tasks_named(names: Iterable[str] | None = None) -> tuple[Task, ...]:
+    """Tasks by their ids, in the order of `TASKS`; all by default.
+
+    Raises:
+        InputError: there is no such task.
+    """
+    wanted = list(TASKS if names is None else names)
+    for name in wanted:
+        if name not in TASKS:
+            raise InputError(f"tasks: {shown(name)} given, allowed are {', '.join(TASKS)}")
+    if not wanted:
+        raise InputError(f"tasks: none given, allowed are {', '.join(TASKS)}")
+    return tuple(task for name, task in TASKS.items() if name in wanted)
+
+
+def digest() -> str:
+    """16 hexadecimal digits for the version, all tasks and the size of a part."""
+    content = [VERSION, PATIENTS_IN_A_PART, [task.frozen() for task in TASKS.values()]]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]

@@ -1,0 +1,75 @@
+"""When the truth is found: the score of a patient, and what is kept of one."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from eval.comparison import results
+from jawenv.errors import InputError
+from jawenv.metrics import time_to
+from jawenv.playing.rollout import Recording
+
+Array = npt.NDArray[np.float64]
+LEVELS = (0.20, 0.10, 0.05)
+"""Relative errors whose times are kept in every task."""
+_OF_THE_COMPARISON = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
+_FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
+COLUMNS = (*_OF_THE_COMPARISON, *_FOUND, "claimed_s", "completed", "score_s")
+"""What is kept of every patient; see docs/benchmark.md."""
+
+
+def within_for_good(recording: Recording, within: float) -> Array:
+    """First time from which on no estimate is further from the truth than a share of it, to the end of the episode.
+
+    Args:
+        recording: of N patients.
+        within: largest relative error of every parameter, > 0 (0.05 is 5 %).
+
+    Returns:
+        (N,) in s; infinite where it never happens, and where the episode ends early: a hard limit was crossed, or the
+        filter diverged.
+
+    Raises:
+        InputError: `within` is not positive.
+    """
+    if not within > 0.0:
+        raise InputError(f"within: {within} given, allowed is a share above 0")
+    relative = np.abs(np.expm1(recording.belief_mean - recording.truth[:, None]))
+    outside = relative.max(axis=-1) > within
+    steps = outside.shape[1]
+    first = steps - np.argmax(outside[:, ::-1], axis=1)  # the step after the last one outside
+    first = np.where(outside.any(axis=1), first, 0)
+    reached = (first < steps) & completed(recording)
+    return np.where(reached, recording.time[np.minimum(first, steps - 1)], np.inf)
+
+
+def completed(recording: Recording) -> npt.NDArray[np.bool_]:
+    """(N,) whose episode reached its time limit, and crossed no hard limit of comfort."""
+    crossed = (recording.violation & recording.valid).any(axis=1)
+    return np.asarray(~(recording.terminated | crossed))
+
+
+def restricted(time: Array, episode_s: float) -> Array:
+    """Times (N,) in s, those who never get there counted as the length of the episode."""
+    return np.minimum(time, episode_s)
+
+
+def rows_of(recording: Recording, seed: int, within: float, episode_s: float) -> pd.DataFrame:
+    """One row per patient, with `COLUMNS`.
+
+    Args:
+        recording: of all patients.
+        seed: of the first one.
+        within: largest relative error that the task allows.
+        episode_s: length of its episodes.
+    """
+    rows = results.from_recording(recording, "", seed, {}).patients
+    for level, column in zip(LEVELS, _FOUND, strict=True):
+        rows[column] = within_for_good(recording, level)
+    claimed = time_to(recording.belief_sd, recording.time, within, recording.valid)
+    rows["claimed_s"] = restricted(claimed, episode_s)
+    rows["completed"] = completed(recording)
+    rows["score_s"] = restricted(within_for_good(recording, within), episode_s)
+    return rows[list(COLUMNS)]

@@ -1,0 +1,54 @@
+"""The tasks are frozen."""
+
+from pathlib import Path
+
+import pytest
+
+from eval.benchmark.tables import task_row
+from eval.benchmark.tasks import TASKS, VERSION, digest, tasks_named
+from jawenv.errors import InputError
+
+
+def test_the_tasks_are_those_of_their_version():
+    assert VERSION == "jawenv-1"
+    assert list(TASKS) == [
+        "hinge-exact",
+        "jaw-exact",
+        "jaw-wide-exact",
+        "jaw-one-sided-exact",
+        "jaw-imaged",
+        "jaw-imaged-memory",
+        "bilateral-exact",
+    ]
+    assert digest() == "ba7397e5d7d639a1", "a task has changed: give the benchmark a new version, and play it anew"
+
+
+def test_what_every_task_has_in_common():
+    for name, task in TASKS.items():
+        assert task.id == name
+        assert (task.control, task.episode_s, task.patients) == ("targets", 30.0, 100)
+
+
+def test_a_task_has_the_numbers_behind_its_names():
+    settings = TASKS["jaw-imaged-memory"].settings(3)
+    assert settings.patients == 3 and settings.seed == 45_000
+    assert settings.knowledge["attachments"] == 0.1
+    assert settings.device == {"unmodelled_time_s": 0.5}
+    frozen = TASKS["jaw-imaged-memory"].frozen()
+    assert frozen["device"]["unmodelled_time_s"] == 0.5 and frozen["device"]["slew_N_s"] == 12.0
+    assert frozen["cohort"]["groups"]
+    assert "unmodelled_time_s" not in TASKS["jaw-imaged"].frozen()["device"]
+
+
+def test_an_unknown_task_is_refused():
+    assert [task.id for task in tasks_named(["jaw-imaged", "jaw-exact"])] == ["jaw-exact", "jaw-imaged"]
+    with pytest.raises(InputError, match="tasks: 'jaw' given, allowed are hinge-exact, jaw-exact"):
+        tasks_named(["jaw"])
+    with pytest.raises(InputError, match="tasks: none given"):
+        tasks_named([])
+
+
+def test_the_page_has_every_task():
+    page = (Path(__file__).parents[3] / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    rows = [line for line in page.splitlines() if line.startswith(("| hinge", "| jaw", "| bilateral"))]
+    assert rows == ["| " + " | ".join(task_row(task)) + " |" for task in TASKS.values()]
