@@ -32,7 +32,10 @@ def bound_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype
 @njit
 def prior_covariance(settings, covariance):
     """The joint prior over motion, log-parameters and gain, from the filter's ``settings``."""
-    first, parameters = settings.start_sd.shape[0], settings.prior_sd.shape[0]
+    parameters = settings.prior_sd.shape[0]
+    first = (
+        covariance.shape[0] - parameters - 1
+    )  # states of the motion: a disturbance with memory is none of the bound's
     covariance[:, :] = 0.0
     for i in range(first):
         covariance[i, i] = settings.start_sd[i] * settings.start_sd[i]

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
+from jawenv.errors import InputError
 from jawenv.filter.disturbance import set_total
 from jawenv.playing.maneuvers import Player
 
@@ -74,6 +75,18 @@ def test_told_of_it_the_filter_is_honest(time):
     assert 0.7 < np.mean(info["nees"]) / 12 < 1.35
     assert np.max(info["nees"]) / 12 < 4.0
     assert np.mean(info["misfit"] > 1.0) < 0.04
+
+
+def test_the_bound_takes_it_for_white_and_a_record_of_it_is_refused():
+    device = {"unmodelled_time_s": 1.0}
+    bounds = []
+    for given in (device, {}):
+        _, info, _ = play("refined", 2, 2, 977_000, device=given, track_bound=True)
+        bounds.append(info["information_bound"])
+    assert np.isfinite(bounds).all()
+    np.testing.assert_allclose(*bounds, rtol=0.05)
+    with pytest.raises(InputError, match="unmodelled_time_s 0"):
+        gym.make("jawenv/Jaw-v2", device=device, record=True)
 
 
 def test_untold_the_alarm_rings():
