@@ -18,7 +18,9 @@ from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
 from jawenv.filter.encoders import N_MEASUREMENTS
+from jawenv.filter.initial_motion import start_sd
 from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.known_within import write_nuisances
 from jawenv.filter.learn import learn
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import (
@@ -27,6 +29,7 @@ from jawenv.filter.tick import (
     filter_scratch_dtype,
     filter_settings_dtype,
     filter_tick,
+    set_prior,
     tick_dtype,
 )
 from jawenv.kernels.compiled import njit
@@ -35,6 +38,7 @@ from jawenv.laboratory.record_filter import FilterRun
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.unknowns import directions
 
 Array = NDArray[np.float64]
 
@@ -97,6 +101,8 @@ class OnlineFilter:
         sensors: ``"pose"``, or ``"point"`` for place and velocity of the mouthpiece alone.
         knowledge: What is known of anatomy and mounting within sds.
         head_tilt_deg: Pitch of the head, positive looking down.
+        jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
+            sds of mass and inertia are relative to the default mandible's.
         every: Ticks from one belief to the next; 5 as in the environments at 20 Hz.
 
     Attributes:
@@ -119,6 +125,7 @@ class OnlineFilter:
         sensors: Sensors = "pose",
         knowledge: str | Knowledge | Source | None = None,
         head_tilt_deg: float = 0.0,
+        jaw: Any | None = None,
         every: int = 5,
     ) -> None:
         """Check the arguments, allocate and compile."""
@@ -130,11 +137,17 @@ class OnlineFilter:
         configuration = Configuration(
             model=model, cohort=cohort, device=device, sensors=sensors, knowledge=knowledge, episode_s=1.0
         )
+        own = defaults.geometry(model, tilt)
+        if jaw is not None:
+            if (len(jaw["l_o"]), jaw["condyles"]) != (len(own["l_o"]), own["condyles"]) or tilt != 0.0:
+                raise InputError(
+                    f"jaw has {len(jaw['l_o'])} lines and {jaw['condyles']} condyles, head_tilt_deg is {tilt:g}; "
+                    f"allowed with model {model!r}: {len(own['l_o'])} lines, {own['condyles']} condyles, tilt 0"
+                )
+            own = jaw
         simulation = Simulation(1, configuration)
         self._start: tuple[Array, Array] | None = None
-        self._prepare(
-            defaults.geometry(model, tilt), simulation.settings["filter"][0], simulation.parameter_names, every
-        )
+        self._prepare(own, _settings_of(simulation, own), simulation.parameter_names, every)
 
     @classmethod
     def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
@@ -280,6 +293,30 @@ class OnlineFilter:
             int(belief["gated"]),
             left_out,
         )
+
+
+def _settings_of(simulation: Simulation, jaw: Any) -> Any:
+    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``.
+
+    ``changed_jaw`` varies the default mandible's mass with the head upright, so the sds are taken about these.
+    """
+    theirs, muscles = simulation.settings["filter"][0], simulation.cohort.muscles
+    disturbance, prior = len(theirs["disturbance_variance"]), simulation.cohort.prior
+    states = len(theirs["start_sd"]) - disturbance
+    upright, default = jaw.copy(), defaults.geometry(simulation.model.name)
+    for name in ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity"):
+        upright[name] = default[name]
+    sds = directions(simulation.knowledge, muscles, upright, prior.mean)
+    settings = record_zeros(1, filter_settings_dtype(len(muscles), states, len(muscles.muscle), len(sds), disturbance))[
+        0
+    ]
+    for name in settings.dtype.names:
+        if name != "nuisances":
+            settings[name] = theirs[name]
+    settings["start_sd"][:states] = start_sd(jaw, int(jaw["condyles"]))
+    set_prior(settings, jaw, prior)
+    write_nuisances(settings["nuisances"], upright, simulation.knowledge, muscles, sds)
+    return settings
 
 
 def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:

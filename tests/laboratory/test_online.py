@@ -14,9 +14,11 @@ from scipy.stats import lognorm
 
 import jawenv
 from agents import load_agent
+from jawenv.anatomy import default_mandible
 from jawenv.laboratory.online import Belief, OnlineFilter
 from jawenv.laboratory.record_filter import TensionFilter
 from jawenv.laboratory.recordings import defaults
+from jawenv.mechanics import build_jaw
 
 FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
 NOTHING = np.full(12, np.nan)
@@ -71,6 +73,28 @@ def test_knowledge_within_sds_gives_the_environments_belief_to_the_bit():
     beliefs = fed(online, rows["measured"][:201], rows["samples"][1:201])
     same(beliefs, [info["belief_mean"] for info in infos], [info["belief_cov"] for info in infos], 20)
     assert beliefs[-1].misfit == infos[-1]["misfit"] > 0.0
+
+
+def test_a_geometry_of_ones_own():
+    """Heavier, and tilted: the belief is that of a record that says so, and another where it is known within sds."""
+    record = played().records[0]
+    own = build_jaw(mandible=replace(default_mandible(), mass_kg=0.4), head_tilt_deg=5.0)
+    beliefs = []
+    for jaw in (own, record.jaw):
+        online = OnlineFilter(jaw=jaw)
+        online.reset(record.start_mean)
+        beliefs.append(fed(online, record.measured, record.samples)[-1].log_mean)
+        np.testing.assert_array_equal(beliefs[-1], TensionFilter().estimate(replace(record, jaw=jaw)).mean[-1])
+    assert np.abs(beliefs[0] - beliefs[1]).max() > 0.01
+    imaged = [OnlineFilter(knowledge="imaged", **more) for more in ({}, {"jaw": record.jaw}, {"jaw": own})]
+    for online in imaged:
+        online.reset(record.start_mean)
+    last = [fed(online, record.measured, record.samples)[-1] for online in imaged]
+    np.testing.assert_array_equal(last[0].log_mean, last[1].log_mean)
+    assert np.abs(last[0].log_mean - last[2].log_mean).max() > 1e-3
+    default, ours = (online._settings["nuisances"] for online in imaged[1:])
+    for name in ("mass", "first_moment", "inertia", "gravity", "fossa_drop", "offset"):  # an sd is as large
+        np.testing.assert_array_equal(ours[name], default[name], err_msg=name)
 
 
 def test_a_start_that_is_not_told_follows_from_the_first_reading():
@@ -205,6 +229,11 @@ def test_what_a_reset_refuses(online, arguments, message):
         ({"head_tilt_deg": np.nan}, "^head_tilt_deg is nan; allowed: -90 to 90$"),
         ({"head_tilt_deg": 91}, "^head_tilt_deg is 91"),
         ({"model": "shark"}, "shark"),
+        (
+            {"jaw": build_jaw(condyles=2)},
+            "^jaw has 6 lines and 2 condyles, head_tilt_deg is 0; allowed with model 'jaw': 6 lines, 1 condyles,",
+        ),
+        ({"jaw": build_jaw(), "head_tilt_deg": 3}, "^jaw has 6 lines and 1 condyles, head_tilt_deg is 3; allowed"),
         ({"cohort": "fish"}, "fish"),
         ({"sensors": "smell"}, "^sensors is 'smell'; allowed: pose, point$"),
         ({"knowledge": "vague"}, "^knowledge is 'vague'"),
