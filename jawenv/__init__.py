@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
     from jawenv.laboratory.analysis.identifiability import identifiability
+    from jawenv.laboratory.online import OnlineFilter
     from jawenv.mechanics.acceleration import acceleration
     from jawenv.metrics.score import score
     from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
@@ -34,6 +35,7 @@ _HOMES = {
     "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
     "Maneuver": "jawenv.playing.maneuvers",
+    "OnlineFilter": "jawenv.laboratory.online",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
     "Player": "jawenv.playing.maneuvers",
@@ -66,6 +68,7 @@ __all__ = [
     "InputError",
     "Knowledge",
     "Maneuver",
+    "OnlineFilter",
     "Patient",
     "Player",
     "Simulations",

@@ -104,3 +104,23 @@ def test_importance_posterior() -> None:
 def test_importance_posterior_names_what_is_not_allowed(refusal) -> None:
     assert refusal("importance_posterior.py", "--samples", "1") == "error: samples is 1; allowed: 50 or more\n"
     assert "n is" not in refusal("importance_posterior.py", "--patients", "0")
+
+
+def test_real_time(tmp_path: Path) -> None:
+    done = run("examples/real_time.py")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert [line.split(" s: all known to ")[0].strip() for line in lines[:5]] == ["1", "2", "3", "4", "5"]
+    assert all("misfit" in line for line in lines[:5])
+    assert lines[5].startswith("501 updates: median ") and lines[6].startswith("a reading was taken ")
+
+    file = tmp_path / "recording.csv"
+    assert run("examples/estimate_from_a_recording.py", "--make", str(file), "--seconds", "2").returncode == 0
+    fast = run("examples/real_time.py", str(file), "--fast", "--seconds", "1")
+    assert fast.returncode == 0, fast.stderr
+    assert len(fast.stdout.splitlines()) == 2 and "101 updates" in fast.stdout
+
+
+def test_real_time_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("real_time.py", "--seconds", "nan") == "error: seconds is nan; allowed: more than 0\n"
+    assert refusal("real_time.py", "no_such_file.csv") == "error: no_such_file.csv: no such file\n"
