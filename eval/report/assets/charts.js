@@ -61,7 +61,8 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     const rows = shownRows();
     const { ticktext } = layout.yaxis;
     const yaxis = { ...layout.yaxis, tickvals: rows.map((_, k) => k), ticktext: rows.map((i) => ticktext[i]), range: [Math.max(rows.length, 1) - 0.4, -0.6] };
-    return { ...layout, yaxis, height: layout.height - rowPx * (report.data.entries.length - rows.length) };
+    const { range, ...free } = layout.xaxis; // of all entries: those that are hidden need no room
+    return { ...layout, xaxis: report.hidden.size ? free : layout.xaxis, yaxis, height: layout.height - rowPx * (report.data.entries.length - rows.length) };
   }
 
   const traces = (chart) =>
