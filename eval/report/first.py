@@ -121,14 +121,15 @@ def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:
     """
     seconds, worst, allowed = row.time_to[KNOWN].value, row.worst_sd_median.value, ranking.admission
     over = row.violated.value > allowed.violation
-    spared = 1.0 - row.discomfort_rate / allowed.discomfort_s if allowed.discomfort_s else float(not row.discomfort_rate)
-    cost = f"{words.number(row.discomfort_rate, 2)} s"
+    cost, most = row.discomfort_rate, allowed.discomfort_s
+    spared = 1.0 - cost / most if most else float(not cost)
+    spent = f"{words.number(cost, 2)} s"
     if row.violated.value:
-        cost += f", hard limit in {words.percent(row.violated.value, 0)} %"
+        spent += f", hard limit in {words.percent(row.violated.value, 0)} %"
     return Bars(
         Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
         Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
-        Bar(cost, 0.0 if over else _within(spared)),
+        Bar(spent, 0.0 if over else _within(spared)),
     )
 
 

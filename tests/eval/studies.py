@@ -60,7 +60,9 @@ def many_entries() -> Results:
     made = study(patients=4)
     labels = [*(f"no_{k}" for k in range(1, 12)), "my_own"]
     parts = [
-        results.Results(*(table[table["entry"] == GOOD].assign(entry=label) for table in (made.patients, made.curves)), {})
+        results.Results(
+            *(table[table["entry"] == GOOD].assign(entry=label) for table in (made.patients, made.curves)), {}
+        )
         for label in labels
     ]
     entries = [about(label) | {"spec": label if label == "my_own" else "chirp"} for label in labels]
