@@ -37,6 +37,7 @@ class Progress:
         self._console = console
         self._notes: dict[str, str] = {}
         self._last_line_s = time.monotonic()
+        self._waiting = True  # for the first piece of work
         self._restart(done)
         self._bar: Bar | None = None
         if console.is_terminal:
@@ -118,7 +119,7 @@ class Progress:
         """Measure the speed from here on."""
         self._done = done
         self._begun = (time.monotonic(), done)
-        self._waiting: bool = True
+        self._waiting = True
         self._history: deque[tuple[float, float]] = deque([self._begun])
 
     def _show(self, now: float) -> None:

@@ -119,6 +119,19 @@ def test_the_rest_of_many_entries_is_behind_a_click(tmp_path):
         assert page.complaints == []
 
 
+def test_a_long_name_without_spaces_makes_no_page_wider(tmp_path):
+    executable()
+    made, name = many_entries(), "runs/a/rather/long/folder/whose/name/has/no/space.yaml"
+    long = [table.replace({"entry": {"my_own": name}}) for table in (made.patients, made.curves)]
+    entries = [
+        each | ({"label": name, "spec": name} if each["label"] == "my_own" else {}) for each in made.about["entries"]
+    ]
+    whole = type(made)(*long, made.about | {"entries": entries})
+    with opened(write(whole, rank(whole), tmp_path / "report.html"), 480) as page:
+        assert page.locator("#answer .bars").first.bounding_box()["width"] <= 452
+        assert page.evaluate("document.documentElement.scrollWidth") <= 480
+
+
 def test_no_element_breaks_an_accessibility_rule_seriously(page):
     from axe_playwright_python.sync_playwright import Axe
 
