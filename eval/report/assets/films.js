@@ -12,6 +12,7 @@
   const clock = document.getElementById("films-clock");
   const films = [...section.querySelectorAll("figure")].map((box) => ({ box, motion: motions[box.dataset.entry] }));
   let [now, playing, last] = [Math.min(START_S, end), false, 0];
+  let begun = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   function draw() {
     for (const { box, motion } of films) {
@@ -38,6 +39,7 @@
     playing = on;
     play.textContent = on ? "Pause" : "Play";
     if (!on) return;
+    begun = true;
     if (now >= end) now = 0;
     last = performance.now();
     requestAnimationFrame(step);
@@ -45,8 +47,11 @@
 
   play.addEventListener("click", () => set(!playing));
   new ResizeObserver(draw).observe(section);
-  new IntersectionObserver(([seen]) => { if (!seen.isIntersecting) set(false); }).observe(section);
+  // Begins when it first comes into view, and pauses when it leaves it.
+  new IntersectionObserver(([seen]) => {
+    if (!seen.isIntersecting) set(false);
+    else if (!begun) { now = 0; set(true); }
+  }).observe(section);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   draw();
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) { now = 0; set(true); }
 })();
