@@ -1,5 +1,7 @@
 """From what a user types to an agent."""
 
+import difflib
+import os
 from pathlib import Path
 
 from agents.card import CARD, WEIGHTS, exported_place, policy_names
@@ -24,6 +26,11 @@ from jawenv.playing.rollout import DEFAULT_ENV
 def names() -> tuple[str, ...]:
     """The maneuvers that come with the project, in alphabetical order."""
     return maneuver_names()
+
+
+def shipped_names() -> tuple[str, ...]:
+    """Every name that `load_agent` knows: maneuvers, policies, excitations and planners of the project."""
+    return (*names(), *policy_names(), *EXCITATIONS, *PLANNERS)
 
 
 def load_agent(
@@ -73,11 +80,7 @@ def load_agent(
         own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
         control_of(own, {"control": control})
         return own
-    known = ", ".join((*names(), *policy_names(), *EXCITATIONS, *PLANNERS))
-    raise InputError(
-        f"agent '{spec}': unknown; allowed: {known}, a maneuver file ({', '.join(SUFFIXES)}), "
-        "a run folder, a checkpoint .zip, an exported policy's folder, or package.module:Name of an agent of your own"
-    )
+    raise InputError(_unknown(str(spec)))
 
 
 def files_of(spec: str | Path) -> tuple[Path, ...]:
@@ -100,6 +103,19 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
         return files_of_run(path)
     own = source_of(str(spec))
     return () if own is None else (own,)
+
+
+def _unknown(spec: str) -> str:
+    """Why nothing is found by a spec: a folder that is not there, or a name, with those that are near it first."""
+    if "/" in spec or os.sep in spec:
+        return f"agent '{spec}': no such file or folder"
+    near = difflib.get_close_matches(spec, shipped_names(), n=3)
+    meant = f"did you mean {' or '.join(near)}? " if near else ""
+    return (
+        f"agent '{spec}': unknown; {meant}allowed: {', '.join(shipped_names())}, a maneuver file "
+        f"({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
+        "package.module:Name of an agent of your own"
+    )
 
 
 def _steps_per_s(control: Control, control_hz: float | None) -> float:

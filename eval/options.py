@@ -32,6 +32,7 @@ Control = Annotated[str, typer.Option(help="force, trajectory or targets; a trai
 Sensors = Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")]
 Output = Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")]
+Details = Annotated[bool, typer.Option("--details", help="Print all entries, and all tables of them.")]
 Trust = Annotated[
     bool,
     typer.Option("--trust", help="Unpickle checkpoints that lie in no run's folder: they can run code as they load."),

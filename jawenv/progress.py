@@ -37,6 +37,7 @@ class Progress:
         self._console = console
         self._notes: dict[str, str] = {}
         self._last_line_s = time.monotonic()
+        self._waiting = True  # for the first piece of work
         self._restart(done)
         self._bar: Bar | None = None
         if console.is_terminal:
@@ -73,7 +74,11 @@ class Progress:
         if item:
             self._notes["item"] = item
         self._done = done
-        self._history.append((now, done))
+        if self._waiting:
+            self._restart(done)
+            self._waiting = False
+        else:
+            self._history.append((now, done))
         while now - self._history[0][0] > RATE_WINDOW_S and len(self._history) > 2:
             self._history.popleft()
         self._show(now)
@@ -97,7 +102,10 @@ class Progress:
         self._console.print(text, soft_wrap=True)
 
     def describe(self) -> str:
-        """Speed of late, time left at the speed of all so far, since some work is slower than other, and notes."""
+        """Speed of late, time left at the speed of all so far, since some work is slower than other, and notes.
+
+        Both are measured from the first piece of work on: until that is done, kernels are compiled.
+        """
         parts = []
         now_s, done = self._history[-1]
         recent, whole = (_rate(since, (now_s, done)) for since in (self._history[0], self._begun))
@@ -111,6 +119,7 @@ class Progress:
         """Measure the speed from here on."""
         self._done = done
         self._begun = (time.monotonic(), done)
+        self._waiting = True
         self._history: deque[tuple[float, float]] = deque([self._begun])
 
     def _show(self, now: float) -> None:

@@ -41,6 +41,7 @@ def test_plain_line_every_ten_seconds(clock: Clock) -> None:
 def test_bar_on_a_terminal(clock: Clock) -> None:
     out = io.StringIO()
     with Progress(1000, "steps", Console(file=out, force_terminal=True, width=140)) as progress:
+        progress.advance_to(0)
         clock.now += 2.0
         progress.advance_to(500)
         progress.note("activity", "evaluating")
@@ -51,9 +52,23 @@ def test_what_an_earlier_run_has_done_says_nothing_about_the_speed(clock: Clock)
     progress = Progress(100, "draws", Console(quiet=True))
     progress.skip(40)
     assert progress.done == 40 and progress.describe() == ""
-    clock.now += 20.0
+    clock.now += 40.0
+    progress.advance_to(41)
+    assert progress.describe() == "", "the first piece of work includes compiling"
+    clock.now += 18.0
     progress.advance_to(50)
     assert progress.describe() == "1:40 left"
+
+
+def test_compiling_says_nothing_about_the_speed(clock: Clock) -> None:
+    progress = Progress(150, "steps", Console(quiet=True))
+    clock.now += 60.0
+    progress.advance_to(1)
+    assert progress.describe() == ""
+    for done in range(2, 52):
+        clock.now += 1.0
+        progress.advance_to(done)
+    assert progress.describe() == "1:39 left"
 
 
 def test_slow_work_at_times_is_not_taken_for_the_speed_of_all(clock: Clock) -> None:

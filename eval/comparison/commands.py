@@ -53,6 +53,7 @@ def compare_command(
     output: options.Output = Path("runs/compare"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
+    details: options.Details = False,
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
@@ -80,7 +81,7 @@ def compare_command(
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
-    _present(study, output, reference, admission, console)
+    _present(study, output, reference, admission, console, details)
 
 
 def report_command(
@@ -88,13 +89,14 @@ def report_command(
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
     largest_violation: options.LargestViolation = 0.01,
+    details: options.Details = False,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
     from eval.comparison.admission import Admission
 
     admission = Admission(largest_discomfort_s, largest_violation)
-    _present(results.load(folder), folder, reference, admission, terminal())
+    _present(results.load(folder), folder, reference, admission, terminal(), details)
 
 
 def card_command(
@@ -143,19 +145,22 @@ def replay_command(
     print(f"maneuver: {output}")
 
 
-def _present(study: Results, output: Path, reference: str | None, admission: Admission, console: Console) -> None:
+def _present(
+    study: Results, output: Path, reference: str | None, admission: Admission, console: Console, details: bool
+) -> None:
     from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
     from eval.report import page, table
 
     ranking = rank(study, reference, admission)
-    table.show(ranking, console)
+    table.show(ranking, console, details=details)
     table.show_adaptations(adaptations(study), console)
     if not console.is_terminal:
         console.print("drawing the report")
     with alone(output), console.status("drawing the report"):
         written = page.write(study, ranking, output / "report.html")
+    table.show_verdict(ranking, console)
     console.print(
-        f"report:  {written}\nresults: {output / 'patients.parquet'}, {output / 'curves.parquet'}",
+        f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
         soft_wrap=True,
     )

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from agents.registry import shipped_names
 from eval import statistics
 from eval.comparison.admission import PER_S, Admission, does_not_fit, false_sd
 from eval.comparison.results import Results
@@ -45,6 +46,7 @@ class Row:
     Attributes:
         entry: its label.
         trained: whether it comes from a training run.
+        own: whether it does not come with the project, and is no replay of another entry.
         control: its control mode.
         note: in which settings it differs from those asked for.
         description: what it does.
@@ -79,6 +81,7 @@ class Row:
 
     entry: str
     trained: bool
+    own: bool
     control: str
     note: str
     description: str
@@ -247,6 +250,7 @@ def _row(study: Results, entry: str, admission: Admission) -> Row:
     return Row(
         entry=entry,
         trained=about.get("trained", False),
+        own=about.get("spec", entry) not in shipped_names() and not about.get("replay_of"),
         control=about.get("env_kwargs", {}).get("control", "?"),
         note=about.get("note", ""),
         description=about.get("description", ""),

@@ -15,12 +15,14 @@ import numpy.typing as npt
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.report import drawing, words
+from eval.report.first import firsts
 from eval.statistics import Interval
 
 Array = npt.NDArray[np.float64]
 Chart = dict[str, Any]
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+SYMBOLS = ("circle", "square", "triangle-up", "cross", "star", "hexagon")
 _ROW_PX, _MARGIN_PX = 34, 70
 _BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _POINTS = 120
@@ -30,19 +32,22 @@ _SD_TICKS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
 
 def entries(ranking: Ranking) -> list[dict[str, Any]]:
-    """Name, place, colour and dash of every row, in their order; no two share both colour and dash."""
-    colour = drawing.colours(ranking)
+    """Name, place and look of every row, in their order; those that share a colour differ in dash and in marker."""
+    colour, before, first = drawing.colours(ranking), drawing.repeats(ranking), {row.entry for row in firsts(ranking)}
+    palette = list(dict.fromkeys(colour.values()))
     return [
         {
             "label": row.entry,
             "name": words.label(row.entry),
             "place": ranking.mark(row),
             "colour": colour[row.entry],
-            "dash": DASHES[number % len(DASHES)],
+            "dash": DASHES[(palette.index(colour[row.entry]) + before[row.entry]) % len(DASHES)],
+            "symbol": SYMBOLS[before[row.entry] % len(SYMBOLS)],
+            "first": row.entry in first,
             "width": 3.0 if row.trained else 1.8,
             "ranked": not row.excluded,
         }
-        for number, row in enumerate(ranking.rows)
+        for row in ranking.rows
     ]
 
 
@@ -167,7 +172,7 @@ def discomfort(ranking: Ranking) -> Chart:
             f"{words.label(row.entry)}<br>discomfort {row.discomfort_rate:.3g} s per 30 s<br>"
             f"hard limit crossed in {words.percent(row.violated.value)} % of the episodes"
         )
-        marker = {"size": 11, "opacity": 0.8, "color": drawing.colours(ranking)[row.entry]}
+        marker = {"size": 11, "opacity": 0.8} | _look(ranking, i)
         traces.append(_marks(i, x, row.information_true.value, marker, hover))
     highest = max(row.discomfort_rate for row in ranking.rows)
     ticks = [_LEAST_DISCOMFORT, 0.01, 0.1, 1.0, 10.0, 100.0]
@@ -230,7 +235,13 @@ def _down(ranking: Ranking, traces: list[Chart], axis: Chart) -> Chart:
         "height": _MARGIN_PX + _ROW_PX * number,
         "hovermode": "closest",
     }
-    return {"data": traces, "layout": layout, "labels": False}
+    return {"data": traces, "layout": layout, "labels": False, "row_px": _ROW_PX}
+
+
+def _look(ranking: Ranking, i: int) -> Chart:
+    """Colour and symbol of an entry's markers."""
+    entry = entries(ranking)[i]
+    return {"color": entry["colour"], "symbol": entry["symbol"]}
 
 
 def _over_time(traces: list[Chart], axis: Chart, height: int) -> Chart:
@@ -271,7 +282,7 @@ def _thin(study: Results, entry: str, quantity: str) -> dict[str, Array]:
 def _point(ranking: Ranking, i: int, x: float, y: float, interval: Interval, hover: str) -> Chart:
     """A dot with its interval."""
     colour = drawing.colours(ranking)[ranking.rows[i].entry]
-    point = _marks(i, x, y, {"size": 11, "color": colour}, hover)
+    point = _marks(i, x, y, {"size": 11} | _look(ranking, i), hover)
     known = interval.known and math.isfinite(interval.high)
     high, low = (max(interval.high - x, 0.0), max(x - interval.low, 0.0)) if known else (0.0, 0.0)
     error = {"type": "data", "array": [high], "arrayminus": [low], "symmetric": False, "color": colour}
@@ -286,13 +297,13 @@ def _marks(i: int, x: float, y: float, marker: Chart, hover: str) -> Chart:
 def _cloud(ranking: Ranking, i: int, values: Array, seeds: Array, unit: str) -> Chart:
     """A small dot per patient, spread across the upper part of the row so that none hides another."""
     across = i + np.random.default_rng(0).uniform(-0.36, 0.04, len(values))
-    name, colour = words.label(ranking.rows[i].entry), drawing.colours(ranking)[ranking.rows[i].entry]
+    name = words.label(ranking.rows[i].entry)
     return {
         "x": _plain(values),
         "y": _plain(across),
         "mode": "markers",
         "meta": i,
-        "marker": {"size": 5, "color": colour, "opacity": 0.45},
+        "marker": {"size": 5, "opacity": 0.45} | _look(ranking, i),
         "customdata": [int(seed) for seed in seeds],
         "hovertemplate": f"{name}<br>patient of seed %{{customdata}}: {unit}<extra></extra>",
     }

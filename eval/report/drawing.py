@@ -22,7 +22,7 @@ REFERENCE = "#8a9099"
 _TRAINED = ("#d6336c", "#a61e4d", "#f783ac")
 _OTHERS = ("#1f77c4", "#d55e00", "#009e73", "#7f6bd0", "#a67c00", "#2a93b0", "#8a6a4f", "#b0528a", "#7b8794")
 _LEGEND_COLUMNS = 3
-_DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)))
+_DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (9, 2)))
 
 _STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -73,12 +73,17 @@ def colours(ranking: Ranking) -> dict[str, str]:
 
 def dashes(ranking: Ranking) -> dict[str, Any]:
     """A line style per entry, which tells those apart that share a colour."""
+    return {entry: _DASHES[before % len(_DASHES)] for entry, before in repeats(ranking).items()}
+
+
+def repeats(ranking: Ranking) -> dict[str, int]:
+    """How many entries before each have its colour."""
     seen: dict[str, int] = {}
-    styles: dict[str, Any] = {}
+    found: dict[str, int] = {}
     for entry, colour in colours(ranking).items():
-        styles[entry] = _DASHES[seen.get(colour, 0) % len(_DASHES)]
-        seen[colour] = seen.get(colour, 0) + 1
-    return styles
+        found[entry] = seen.get(colour, 0)
+        seen[colour] = found[entry] + 1
+    return found
 
 
 def names(ranking: Ranking) -> dict[str, str]:

@@ -17,9 +17,10 @@ from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
-from eval.report import charts, panels, template, verdict, words
+from eval.report import charts, first, panels, template, verdict, words
 from eval.report.learning import learning_charts
 from eval.report.playback import playback
+from eval.report.terms import TERMS
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 
@@ -68,6 +69,14 @@ def render(study: Results, ranking: Ranking) -> str:
         early_s=EARLY_S,
         sigmas=SIGMAS,
         about=study.about,
+        answer=first.answer(ranking),
+        belief=first.belief(ranking),
+        bars=first.all_bars(ranking, _episode_s(study), first.firsts(ranking)),
+        bars_of_rest=first.all_bars(ranking, _episode_s(study), first.rest(ranking)),
+        rest=first.rest(ranking),
+        films=first.films(study, ranking),
+        least_sure=first.LEAST_SURE,
+        terms=TERMS,
         headline=verdict.headline(ranking),
         remarks=verdict.remarks(ranking),
         effects=verdict.effects(ranking),
@@ -94,6 +103,11 @@ def render(study: Results, ranking: Ranking) -> str:
         plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
         assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704
     )
+
+
+def _episode_s(study: Results) -> float:
+    """Length of the longest episode."""
+    return float(study.patients["duration_s"].max())
 
 
 def _entries_in(found: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:

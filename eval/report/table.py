@@ -11,7 +11,7 @@ from rich.text import Text
 from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S
-from eval.report import verdict, words
+from eval.report import first, verdict, words
 from eval.statistics import Interval
 from eval.terminal import printed_table
 
@@ -19,14 +19,34 @@ _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
 _MEANING = {"honest": "honest", "overconfident": "too small", "cautious": "too large"}
 
 
-def show(ranking: Ranking, console: Console) -> None:
-    """Print how well the parameters are known, how soon, how honestly, and at what discomfort.
+def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
+    """Print the best entries in one short table; in detail all of them, how honestly, and at what discomfort.
 
     Args:
         ranking: see `eval.comparison.ranking.rank`.
         console: where to print.
+        details: whether to print all tables of all entries.
     """
-    console.print(Text(verdict.headline(ranking), style="bold"))
+    if details:
+        _show_all(ranking, console)
+        return
+    console.print(_short(ranking))
+    if hidden := first.rest(ranking):
+        console.print(Text(f"{len(hidden)} more entries, and more about each: --details", style="dim"))
+
+
+def show_verdict(ranking: Ranking, console: Console) -> None:
+    """Print which entry is best and whether that can be believed."""
+    believed = first.belief(ranking)
+    answer = first.answer(ranking)
+    console.print(Text(answer[0].upper() + answer[1:], style="bold"), soft_wrap=True)
+    console.print(
+        Text(f"Can it be believed? {'Yes' if believed.yes else 'No'}, because {believed.because}"), soft_wrap=True
+    )
+
+
+def _show_all(ranking: Ranking, console: Console) -> None:
+    console.print(Text(verdict.headline(ranking)))
     for table in (_speed(ranking), _precision(ranking), _trust(ranking)):
         console.print(table)
     for row in ranking.others:
@@ -100,6 +120,34 @@ def _precision(ranking: Ranking) -> Table:
             Text(_MEANING[kind], style=_COLOUR[kind]),
         )
     return table
+
+
+def _short(ranking: Ranking) -> Table:
+    table = _table(
+        f"How soon all {ranking.n_parameters} parameters are known, in half of {ranking.patients} patients",
+        *(f"to {100.0 * target:g} %\ns" for target in (first.NEARLY_KNOWN, KNOWN)),
+        "worst sd\n%",
+        "discomfort\ns per 30 s",
+        "so the sd\nare",
+    )
+    for row in first.firsts(ranking):
+        kind = ranking.calibration(row)
+        name = Text(words.label(row.entry), style="bold magenta" if row.trained else "")
+        if row.excluded:
+            name.append(f"\nnot ranked: {row.excluded}", style="dim")
+        table.add_row(
+            ranking.mark(row),
+            name,
+            *(_time_to(row, target) for target in (first.NEARLY_KNOWN, KNOWN)),
+            words.percent(row.worst_sd_median.value),
+            words.number(row.discomfort_rate, 2),
+            Text(_MEANING[kind], style=_COLOUR[kind]),
+        )
+    return table
+
+
+def _time_to(row: Row, target: float) -> str:
+    return words.number(row.time_to[target].value) if target in row.time_to else words.NOTHING
 
 
 def _speed(ranking: Ranking) -> Table:

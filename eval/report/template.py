@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from eval.report import svg, words
+from eval.report import svg, terms, words
 from jawenv.files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -30,6 +30,8 @@ def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
         "interval": words.interval,
         "label": words.label,
         "raw": words.raw,
+        "term": terms.term,
+        "explained": terms.explained,
         "in_percent": lambda estimate: words.scaled(estimate, 100.0),
     }
     return environment.get_template(name).render(**values)

@@ -78,7 +78,7 @@ def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | No
     folder = folder_for(output, "draws")
     parts = {item.key: parts_of_item(item, settings, folder) for item in items}
     every = list(dict.fromkeys(part for of_item in parts.values() for part in of_item))
-    kept = finish(every, partial(draw_part, settings=settings), rows_in, "draws", run)
+    kept = finish(every, partial(draw_part, settings=settings), rows_in, "draws of all results", run)
     return {
         key: pd.concat([kept[path] for part in of_item for _, path in part.files], ignore_index=True)
         for key, of_item in parts.items()

@@ -57,3 +57,13 @@ def test_importing_agents_loads_no_torch() -> None:
 
     code = "import sys, agents; sys.exit('torch' in sys.modules or 'matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=Path(agents.__file__).parents[1]).returncode == 0
+
+
+def test_a_name_that_is_nearly_right_is_suggested_first() -> None:
+    with pytest.raises(InputError, match=r"^agent 'chrip': unknown; did you mean chirp\? allowed: "):
+        agents.load_agent("chrip")
+
+
+def test_a_folder_that_is_not_there_is_no_unknown_name() -> None:
+    with pytest.raises(InputError, match=r"^agent 'runs/nothing': no such file or folder$"):
+        agents.load_agent("runs/nothing")

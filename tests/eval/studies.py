@@ -53,3 +53,17 @@ def study(patients: int = 40, env: str = DEFAULT_ENV) -> Results:
             "finished": "2030-01-01 00:00 UTC",
         },
     )
+
+
+def many_entries() -> Results:
+    """Twelve entries, the last of which does not come with the project; all others bear a shipped maneuver's spec."""
+    made = study(patients=4)
+    labels = [*(f"no_{k}" for k in range(1, 12)), "my_own"]
+    parts = [
+        results.Results(
+            *(table[table["entry"] == GOOD].assign(entry=label) for table in (made.patients, made.curves)), {}
+        )
+        for label in labels
+    ]
+    entries = [about(label) | {"spec": label if label == "my_own" else "chirp"} for label in labels]
+    return results.join(parts, made.about | {"entries": entries})

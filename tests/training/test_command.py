@@ -19,6 +19,7 @@ from stable_baselines3 import PPO
 from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt
+from training.run.evaluations import Score
 from training.run.train import world_seed
 
 ROOT = Path(__file__).parents[2]
@@ -331,3 +332,17 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     error = capsys.readouterr().err
     assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")
     assert error.count("\n") == 1
+
+
+def test_an_unknown_control_mode_is_refused_before_worlds_are_made(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train("demo", "--control", "position", "--output", tmp_path / "run") == 2
+    told = capsys.readouterr()
+    assert "control is 'position'; allowed: force, trajectory, targets" in told.err
+    assert "preparing" not in told.out + told.err and not (tmp_path / "run").exists()
+
+
+def test_discomfort_of_the_best_policy_is_not_written_as_negative() -> None:
+    assert Score(False, -0.04).said() == "discomfort 0.04 s"
+    assert Score(True, -1.5).said() == "mean return -1.5"

@@ -42,6 +42,10 @@ class Score(NamedTuple):
     comfortable: bool
     value: float
 
+    def said(self) -> str:
+        """The figure in words."""
+        return f"mean return {self.value:.4g}" if self.comfortable else f"discomfort {abs(self.value):.4g} s"
+
 
 class Evaluations(BaseCallback):
     """Tries the policy on the validation cohort every so many steps, and saves the best model.
@@ -143,7 +147,7 @@ class Evaluations(BaseCallback):
 
     def _show_best(self) -> None:
         if self.best is not None:
-            self._progress.note("best", f"best evaluation {self.best[0].value:.4g} at {self.best[1]:,}")
+            self._progress.note("best", f"best evaluation: {self.best[0].said()} at {self.best[1]:,}")
 
 
 def _append(run: RunFolder, steps: int, row: dict[str, float]) -> None:

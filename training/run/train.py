@@ -143,6 +143,8 @@ class Session:
         self._from_step = from_step
         self.world_seed = world_seed(config.seed, from_step)
         torch.set_num_threads(config.torch_threads)
+        if config.env.id.startswith("jawenv/"):
+            mode_of(config.env.kwargs)  # refuses an unknown control mode before worlds are made
         console.print(f"preparing {config.n_envs} worlds of {config.env.id}")
         env = make_worlds(config.env, config.n_envs)
         self.env_spec = _spec_json(env, config.env)
@@ -248,10 +250,9 @@ class Session:
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
         score, best_steps = evaluations.best
-        kind = "mean return" if score.comfortable else "negative discomfort"
         self._console.print(
-            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best {kind} on "
-            f"{self.config.evaluation.patients} validation patients {score.value:.4g} "
+            f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
+            f"{self.config.evaluation.patients} validation patients: {score.said()} "
             f"after {best_steps:,} steps: {run.best_model}",
             soft_wrap=True,
         )

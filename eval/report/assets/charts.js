@@ -10,6 +10,16 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
   const root = document.documentElement;
   const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
   const dark = matchMedia("(prefers-color-scheme: dark)");
+  const rest = report.data.entries.flatMap((entry, i) => (entry.first ? [] : [i]));
+  // The signs that plotly draws, in the middle of a chip's line.
+  const marks = {
+    circle: "M11 5a4 4 0 1 0 8 0a4 4 0 1 0-8 0",
+    square: "M11.4 1.4h7.2v7.2h-7.2z",
+    "triangle-up": "M15 0l5 9h-10z",
+    cross: "M13.3 0h3.4v3.3h3.3v3.4h-3.3v3.3h-3.4v-3.3h-3.3v-3.4h3.3z",
+    star: "M15 0l1.3 3.5h3.7l-2.9 2.3 1.1 3.7-3.2-2.2-3.2 2.2 1.1-3.7-2.9-2.3h3.7z",
+    hexagon: "M15 0l4.4 2.5v5l-4.4 2.5-4.4-2.5v-5z",
+  };
   const dashes = { solid: "", dash: "7 4", dot: "2 3", dashdot: "7 3 2 3", longdash: "12 4", longdashdot: "12 3 2 3" };
 
   // The words in lines of at most so many characters.
@@ -22,15 +32,16 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
   }
 
   function layoutOf(chart, width) {
+    const given = chart.row_px ? closedUp(chart.layout, chart.row_px) : chart.layout;
     const narrow = width < NARROW_PX;
-    const top = chart.layout.heading || !narrow ? TOOLBAR_PX : LEAST_MARGIN_PX;
+    const top = given.heading || !narrow ? TOOLBAR_PX : LEAST_MARGIN_PX;
     const room = !chart.labels ? 12 : narrow ? 26 : 175;
     return {
-      ...chart.layout,
-      height: chart.layout.height + top - LEAST_MARGIN_PX,
-      xaxis: axis(chart.layout.xaxis, width / 9),
-      yaxis: axis(chart.layout.yaxis, 60),
-      title: { text: chart.layout.heading ?? "", font: { size: 12.5 }, x: 0, xref: "paper", y: 0.97, yanchor: "top" },
+      ...given,
+      height: given.height + top - LEAST_MARGIN_PX,
+      xaxis: axis(given.xaxis, width / 9),
+      yaxis: axis(given.yaxis, 60),
+      title: { text: given.heading ?? "", font: { size: 12.5 }, x: 0, xref: "paper", y: 0.97, yanchor: "top" },
       margin: { l: 8, r: room, t: top, b: 8 },
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
@@ -39,13 +50,25 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
       showlegend: false,
       dragmode: narrow ? false : "zoom",
       width,
-      shapes: (chart.layout.shapes ?? []).map((shape) => (shape.type === "line" ? { ...shape, line: { ...shape.line, color: colour("--muted"), width: 1.5 } } : shape)),
+      shapes: (given.shapes ?? []).map((shape) => (shape.type === "line" ? { ...shape, line: { ...shape.line, color: colour("--muted"), width: 1.5 } } : shape)),
     };
+  }
+
+  // Where entries stand one below the other: the rows of those that are shown, without gaps for the others.
+  const shownRows = () => report.data.entries.map((_, i) => i).filter((i) => !report.hidden.has(i));
+
+  function closedUp(layout, rowPx) {
+    const rows = shownRows();
+    const { ticktext } = layout.yaxis;
+    const yaxis = { ...layout.yaxis, tickvals: rows.map((_, k) => k), ticktext: rows.map((i) => ticktext[i]), range: [Math.max(rows.length, 1) - 0.4, -0.6] };
+    const { range, ...free } = layout.xaxis; // of all entries: those that are hidden need no room
+    return { ...layout, xaxis: report.hidden.size ? free : layout.xaxis, yaxis, height: layout.height - rowPx * (report.data.entries.length - rows.length) };
   }
 
   const traces = (chart) =>
     chart.data.map((trace) => {
       const shown = { ...trace, visible: !report.hidden.has(trace.meta) };
+      if (chart.row_px && shown.visible) shown.y = trace.y.map((y) => y - trace.meta + shownRows().indexOf(trace.meta));
       if (trace.mode === "markers+text") shown.textfont = { size: 12, color: colour("--text") };
       if (trace.marker && !trace.marker.color) shown.marker = { ...trace.marker, color: colour("--muted") };
       if (chart.places) shown.marker = { ...trace.marker, line: { width: 1, color: colour("--panel") } };
@@ -152,12 +175,16 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
 
   function chips() {
     for (const box of document.querySelectorAll(".entries")) {
+      const all = document.createElement("button");
+      all.type = "button";
+      all.className = "all";
+      all.addEventListener("click", () => hide(report.hidden.size ? [] : rest));
+      if (rest.length) box.append(all);
       report.data.entries.forEach((entry, i) => {
         const button = document.createElement("button");
         button.type = "button";
         button.dataset.entry = i;
-        button.setAttribute("aria-pressed", "true");
-        const line = `<line x1="1" y1="5" x2="29" y2="5" stroke="${entry.colour}" stroke-width="2.6" stroke-dasharray="${dashes[entry.dash]}"/>`;
+        const line = `<line x1="1" y1="5" x2="29" y2="5" stroke="${entry.colour}" stroke-width="2.6" stroke-dasharray="${dashes[entry.dash]}"/><path d="${marks[entry.symbol]}" fill="${entry.colour}"/>`;
         button.innerHTML = `<svg viewBox="0 0 30 10" aria-hidden="true">${line}</svg><span></span>`;
         button.lastChild.textContent = `${entry.place} ${entry.name}`;
         button.addEventListener("click", () => toggle(i));
@@ -168,8 +195,20 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
 
   function toggle(i) {
     if (!report.hidden.delete(i)) report.hidden.add(i);
-    for (const button of document.querySelectorAll(`.entries button[data-entry="${i}"]`)) button.setAttribute("aria-pressed", String(!report.hidden.has(i)));
+    press();
     drawAll();
+  }
+
+  function hide(entries) {
+    report.hidden = new Set(entries);
+    press();
+    drawAll();
+  }
+
+  // The buttons as the charts are.
+  function press() {
+    for (const button of document.querySelectorAll(".entries button[data-entry]")) button.setAttribute("aria-pressed", String(!report.hidden.has(Number(button.dataset.entry))));
+    for (const button of document.querySelectorAll(".entries .all")) button.textContent = report.hidden.size ? `Show all ${report.data.entries.length}` : "Show the best only";
   }
 
   for (const [id, chart] of Object.entries(report.data.charts)) report.charts.set(id, chart);
@@ -180,7 +219,9 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     document.getElementById("focus-note").hidden = !focus.value;
     report.data.parameters.forEach((_, k) => draw(`parameter-${k}`));
   });
+  report.hidden = new Set(rest);
   chips();
+  press();
   drawAll();
   dark.addEventListener("change", drawAll);
   let before = document.body.clientWidth;

@@ -180,5 +180,26 @@ const jaw = (() => {
     view.text(name === "side" ? "from the right" : "from the front", 6, 16, "left", true);
   }
 
-  return { draw, css };
+  const smooth = new Set(["contact", "turn", "moved"]);
+
+  // The frame at a time: motions by a cubic through four frames, all else straight between two, commands held.
+  function frameAt(motion, time) {
+    const { frames } = motion;
+    const times = frames.time_s;
+    let i = times.findIndex((t) => t > time) - 1;
+    if (i < 0) i = time < times[0] ? 0 : times.length - 1;
+    const j = Math.min(i + 1, times.length - 1);
+    const share = j > i ? (time - times[i]) / (times[j] - times[i]) : 0;
+    const [h, k] = [Math.max(i - 1, 0), Math.min(j + 1, times.length - 1)];
+    const between = (name, c) => {
+      const [p, a, b, n] = [h, i, j, k].map((index) => frames[name][index][c]);
+      if (!smooth.has(name)) return a + share * (b - a);
+      return a + 0.5 * share * (b - p + share * (2 * p - 5 * a + 4 * b - n + share * (3 * (a - b) + n - p)));
+    };
+    const frame = { time_s: times[i], command: frames.command[i] };
+    for (const name of ["contact", "turn", "moved", "tension", "force", "sd"]) frame[name] = frames[name][0].map((_, c) => between(name, c));
+    return frame;
+  }
+
+  return { draw, frameAt, css };
 })();

@@ -9,28 +9,8 @@
   const clock = document.getElementById("clock");
   const inks = ["#1f77c4", "#d55e00", "#009e73", "#b0528a"];
   const dashes = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
-  const smooth = new Set(["contact", "turn", "moved"]);
   const stages = [...section.querySelectorAll(".stage")].map((box) => ({ box, select: box.querySelector("select") }));
   let [now, playing, last] = [0, false, 0];
-
-  // The frame at a time: motions by a cubic through four frames, all else straight between two, commands held.
-  function frameAt(motion, time) {
-    const { frames } = motion;
-    const times = frames.time_s;
-    let i = times.findIndex((t) => t > time) - 1;
-    if (i < 0) i = time < times[0] ? 0 : times.length - 1;
-    const j = Math.min(i + 1, times.length - 1);
-    const share = j > i ? (time - times[i]) / (times[j] - times[i]) : 0;
-    const [h, k] = [Math.max(i - 1, 0), Math.min(j + 1, times.length - 1)];
-    const between = (name, c) => {
-      const [p, a, b, n] = [h, i, j, k].map((index) => frames[name][index][c]);
-      if (!smooth.has(name)) return a + share * (b - a);
-      return a + 0.5 * share * (b - p + share * (2 * p - 5 * a + 4 * b - n + share * (3 * (a - b) + n - p)));
-    };
-    const frame = { time_s: times[i], command: frames.command[i] };
-    for (const name of ["contact", "turn", "moved", "tension", "force", "sd"]) frame[name] = frames[name][0].map((_, c) => between(name, c));
-    return frame;
-  }
 
   function strips(canvas, motion) {
     const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -105,7 +85,7 @@
   function draw() {
     for (const { box, select } of stages) {
       const motion = motions[select.value];
-      const frame = frameAt(motion, now);
+      const frame = jaw.frameAt(motion, now);
       for (const canvas of box.querySelectorAll(".views canvas")) jaw.draw(canvas, canvas.dataset.view, motion, frame);
       box.querySelector(".cursor").style.left = `${box.querySelector(".strips").across(now)}px`;
       box.querySelector(".now").textContent = describe(motion, frame);

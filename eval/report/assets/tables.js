@@ -42,6 +42,8 @@
   const count = document.getElementById("count");
   search?.addEventListener("input", () => {
     const wanted = search.value.trim().toLowerCase();
+    const more = document.querySelector(".folded:has(#ranking-table) details");
+    if (more && wanted) more.open = true;
     const rows = [...document.querySelectorAll("#ranking-table tbody tr")];
     for (const row of rows) row.hidden = !row.querySelector("td.text").textContent.toLowerCase().includes(wanted);
     const shown = rows.filter((row) => !row.hidden).length;

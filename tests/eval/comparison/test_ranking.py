@@ -79,7 +79,7 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
     )
     assert "in that share of the episodes, of good one (7.5 %)" in " ".join(verdict.remarks(ranking))
     console = Console(file=io.StringIO(), width=120)
-    table.show(ranking, console)
+    table.show(ranking, console, details=True)
     assert "c  good one is not ranked: the alarm rings in 7.5 %" in console.file.getvalue()
 
 
@@ -195,7 +195,7 @@ def test_few_patients_are_said_to_be_few():
 
 def test_the_terminal_shows_calibration_beside_every_sd(ranking):
     console = Console(file=io.StringIO(), width=120)
-    table.show(ranking, console)
+    table.show(ranking, console, details=True)
     lines = console.file.getvalue().splitlines()
     assert any("boastful" in line and "too small" in line for line in lines)
     assert next(line for line in lines if "ppo-seed0" in line).split()[0] == "a"

@@ -5,7 +5,10 @@ import itertools
 import pytest
 
 from eval.cli import main
+from eval.comparison.ranking import rank
+from eval.report.page import write
 from tests.eval.report.browser import executable, opened
+from tests.eval.studies import many_entries
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +57,79 @@ def test_no_mark_hides_another(path, width, scheme):
             assert beside or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
         marks = page.evaluate("report.data.charts.information.data.filter(t => t.marker.symbol === 'diamond-open')")
         assert all(abs(mark["y"][0] - mark["meta"]) > 0.2 for mark in marks) and len(marks) == len(boxes)
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
+def test_the_first_screen_has_the_answer_its_reason_the_bars_and_two_films(path, width, scheme):
+    with opened(path, width, scheme) as page:
+        best = page.evaluate("report.data.entries[0].name")
+        answer = page.locator("#answer .answer")
+        assert best in answer.inner_text().lower() and "3 patients" in answer.inner_text()
+        assert answer.bounding_box()["y"] + answer.bounding_box()["height"] < 450
+        assert "NEES" in page.inner_text("#answer .belief") and "alarm" in page.inner_text("#answer .belief")
+        assert page.locator("#answer .bars tbody tr").count() == 3
+        bars = page.locator("#answer .bars .bar")
+        assert bars.count() == 9 and all(bar.bounding_box()["width"] > 30 for bar in bars.all())
+        assert page.locator("#films figure b").all_text_contents() == [best, "slow opening"]
+        assert page.complaints == []
+
+
+def test_the_films_play_pause_and_stop_where_nobody_looks(path):
+    with opened(path) as page:
+        page.emulate_media(reduced_motion="reduce")
+        page.reload()
+        assert page.inner_text("#films-play") == "Play", "still where a reader wants no motion"
+        before = page.locator("#films canvas").first.evaluate(PIXELS)
+        page.click("#films-play")
+        page.wait_for_function(f"({PIXELS})(document.querySelector('#films canvas')) !== {before}")
+        page.evaluate("document.getElementById('settings').scrollIntoView()")
+        page.wait_for_function("document.getElementById('films-play').textContent === 'Play'")
+        assert page.complaints == []
+
+
+@pytest.mark.parametrize("width", [1400, 480])
+def test_the_navigation_stays_and_hides_no_heading(path, width):
+    with opened(path, width) as page:
+        for link in page.locator("nav a").all():
+            target = link.get_attribute("href")
+            page.evaluate("address => { location.hash = address; }", target)
+            page.wait_for_timeout(50)
+            bar, heading = page.locator("nav").bounding_box(), page.locator(target).bounding_box()
+            assert bar["y"] == 0
+            assert heading["y"] >= bar["y"] + bar["height"] - 1 or target == "#answer"
+
+
+def test_the_rest_of_many_entries_is_behind_a_click(tmp_path):
+    executable()
+    whole = many_entries()
+    with opened(write(whole, rank(whole), tmp_path / "report.html")) as page:
+        assert page.locator("#answer .bars tbody tr:visible").count() == 6
+        page.click("#answer details summary")
+        assert page.locator("#answer .bars tbody tr:visible").count() == 12
+        assert page.locator("#ranking-table tbody tr:visible").count() == 6
+        assert page.locator("#nees .scatterlayer .trace").count() == 6
+        rows = page.locator("#nees .ytick text").all_text_contents()
+        assert len(rows) == 6 and rows[-1].endswith("my own")
+        page.locator(".entries .all").first.click()
+        assert page.locator("#nees .scatterlayer .trace").count() == 12
+        page.fill("#filter", "no 9")
+        assert page.locator("#ranking-table tbody tr:visible .name").all_inner_texts() == ["no 9"]
+        page.fill("#filter", "")
+        assert page.locator("#ranking-table tbody tr:visible").count() == 12
+        assert page.complaints == []
+
+
+def test_a_long_name_without_spaces_makes_no_page_wider(tmp_path):
+    executable()
+    made, name = many_entries(), "runs/a/rather/long/folder/whose/name/has/no/space.yaml"
+    long = [table.replace({"entry": {"my_own": name}}) for table in (made.patients, made.curves)]
+    entries = [
+        each | ({"label": name, "spec": name} if each["label"] == "my_own" else {}) for each in made.about["entries"]
+    ]
+    whole = type(made)(*long, made.about | {"entries": entries})
+    with opened(write(whole, rank(whole), tmp_path / "report.html"), 480) as page:
+        assert page.locator("#answer .bars").first.bounding_box()["width"] <= 452
+        assert page.evaluate("document.documentElement.scrollWidth") <= 480
 
 
 def test_no_element_breaks_an_accessibility_rule_seriously(page):

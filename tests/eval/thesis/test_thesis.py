@@ -34,7 +34,7 @@ def test_the_command_draws_judges_and_reports(tmp_path, capsys):
     assert page.count("<svg") == 2 and "http" not in page.replace("http://www.w3.org", "")
 
     assert main([*arguments, "--draws", "3"]) == 0
-    assert "6 of 6 draws kept from an earlier run" in capsys.readouterr().out
+    assert "6 of 6 draws of all results kept from an earlier run" in capsys.readouterr().out
 
 
 def test_bad_input_is_refused_in_one_line(tmp_path, capsys):

@@ -1,0 +1,146 @@
+"""What a newcomer sees first: the answer, whether it can be believed, three bars per entry, and two films."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from eval.comparison.admission import LARGEST_RINGING
+from eval.comparison.ranking import KNOWN, Ranking, Row
+from eval.comparison.results import Results
+from eval.report import words
+
+N_BEST = 5
+BESIDE = "slow_opening"
+"""Whose film stands beside that of the best: what is played in practice."""
+NEARLY_KNOWN = 0.1
+"""The coarser of the two targets of the worst sd that the answer names."""
+LEAST_SURE = 0.1
+"""Worst sd at the end at which the bar of sureness is empty."""
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A figure and how good it is.
+
+    Attributes:
+        said: the figure with its unit.
+        full: 0, as bad as the scale goes, to 1, the best possible.
+    """
+
+    said: str
+    full: float
+
+
+@dataclass(frozen=True)
+class Bars:
+    """An entry in three bars, see `bars`."""
+
+    soon: Bar
+    sure: Bar
+    comfortable: Bar
+
+
+@dataclass(frozen=True)
+class Belief:
+    """Whether the sds of the best entry can be believed, and why."""
+
+    yes: bool
+    because: str
+
+
+def firsts(ranking: Ranking) -> tuple[Row, ...]:
+    """The best five, and all entries that do not come with the project, in the order of the rows."""
+    best = ranking.rows[:N_BEST]
+    return tuple(row for row in ranking.rows if row in best or row.own)
+
+
+def rest(ranking: Ranking) -> tuple[Row, ...]:
+    """All other rows."""
+    shown = firsts(ranking)
+    return tuple(row for row in ranking.rows if row not in shown)
+
+
+def films(study: Results, ranking: Ranking) -> tuple[Row, ...]:
+    """The best entry whose motion was kept, and that of ``BESIDE``."""
+    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
+    return tuple(row for row in kept if row is kept[0] or row.entry == BESIDE)
+
+
+def answer(ranking: Ranking) -> str:
+    """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence."""
+    number, patients = ranking.n_parameters, _counted(ranking.patients, "patient")
+    if not ranking.believed:
+        return f"No maneuver identifies the {number} parameters of these {patients}: the stated precision is false."
+    if not ranking.ranked:
+        return f"No maneuver can be ranked on these {patients}: the table below says why."
+    best = ranking.ranked[0]
+    said = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
+    which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
+    half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
+    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are known {said}."
+
+
+def _reached(row: Row, target: float) -> str:
+    """`to 5 % after 9.3 s`, as the median over the patients."""
+    to = f"to {100.0 * target:g} %"
+    if math.isfinite(row.time_to[target].value):
+        return f"{to} after {words.number(row.time_to[target].value)} s"
+    share = row.share_to[target].value
+    return f"{to} only in {words.percent(share, 0)} % of all" if share else f"{to} in none"
+
+
+def belief(ranking: Ranking) -> Belief:
+    """Whether the stated precision of the best entry can be believed: its NEES against the band, and its alarm."""
+    row = (ranking.ranked or ranking.rows)[0]
+    low, high = ranking.band
+    kind = ranking.calibration(row)
+    honest = f"honest sds give {words.number(low)} to {words.number(high)}"
+    found = f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, {honest}"
+    reasons = {
+        "honest": found,
+        "cautious": f"{found}: the errors are smaller than stated",
+        "overconfident": f"{found}: the errors are larger than stated",
+    }
+    alarm = f"the alarm rings in {words.percent(row.rings.value, 0)} % of the episodes"
+    rings = row.rings.value > LARGEST_RINGING
+    if rings:
+        alarm += f", allowed {words.percent(LARGEST_RINGING, 0)} %"
+    yes = kind != "overconfident" and not rings and not row.false_sd
+    return Belief(yes, f"{reasons[kind]}; {alarm}.")
+
+
+def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:
+    """How soon, how sure and how comfortable; a fuller bar is better.
+
+    Args:
+        ranking: of the study.
+        row: whose.
+        episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
+    """
+    seconds, worst, allowed = row.time_to[KNOWN].value, row.worst_sd_median.value, ranking.admission
+    over = row.violated.value > allowed.violation
+    cost, most = row.discomfort_rate, allowed.discomfort_s
+    spared = 1.0 - cost / most if most else float(not cost)
+    spent = f"{words.number(cost, 2)} s"
+    if row.violated.value:
+        spent += f", hard limit in {words.percent(row.violated.value, 0)} %"
+    return Bars(
+        Bar(f"{words.number(seconds)}{' s' if math.isfinite(seconds) else ''}", _within(1.0 - seconds / episode_s)),
+        Bar(f"{words.percent(worst)} %", 0.0 if row.false_sd else _within(1.0 - worst / LEAST_SURE)),
+        Bar(spent, 0.0 if over else _within(spared)),
+    )
+
+
+def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[Row]) -> list[tuple[Row, Bars]]:
+    """Rows with their bars."""
+    return [(row, bars(ranking, row, episode_s)) for row in rows]
+
+
+def _within(share: float) -> float:
+    return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,95 @@
+"""What a newcomer sees first."""
+
+import io
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from eval.comparison.admission import Admission
+from eval.comparison.ranking import rank
+from eval.report import first, table, terms
+from eval.report.charts import entries
+from tests.eval.studies import BOASTFUL, GOOD, IDLE, many_entries, study
+
+
+@pytest.fixture(scope="module")
+def made():
+    return study(patients=12)
+
+
+def test_the_best_five_and_those_of_ones_own_come_first():
+    ranking = rank(many_entries())
+    assert [row.entry for row in first.firsts(ranking)] == ["no_1", "no_2", "no_3", "no_4", "no_5", "my_own"]
+    assert [row.entry for row in first.rest(ranking)] == [f"no_{k}" for k in range(6, 12)]
+
+
+def test_a_replay_is_not_ones_own():
+    made = many_entries()
+    about = made.about | {"entries": [each | {"replay_of": "x"} for each in made.about["entries"]]}
+    assert not any(row.own for row in rank(type(made)(made.patients, made.curves, about)).rows)
+
+
+def test_the_answer_names_the_best_both_targets_and_the_patients(made):
+    said = first.answer(rank(made))
+    assert said.startswith(
+        "good one is the best maneuver: in half of the 12 patients, all 12 parameters are known to 10 %"
+    )
+    assert " s, to 5 % after " in said
+
+
+def test_the_answer_of_who_never_gets_there_and_of_nobody_ranked(made):
+    never = made.patients.assign(time_to_0=np.inf, **{"time_to_0.05_s": np.inf})
+    assert first.answer(rank(type(made)(never, made.curves, made.about))).endswith("to 5 % in none.")
+    none = rank(type(made)(made.patients.assign(violated=1.0), made.curves, made.about))
+    assert first.answer(none) == "No maneuver can be ranked on these 12 patients: the table below says why."
+
+
+def test_the_best_is_believed_by_its_nees_and_its_alarm(made):
+    belief = first.belief(rank(made))
+    assert belief.yes and "the NEES of good one is" in belief.because and "rings in 0 %" in belief.because
+    only = made.patients[made.patients["entry"] == BOASTFUL]
+    boastful = first.belief(rank(type(made)(only, made.curves, made.about)))
+    assert not boastful.yes and "the errors are larger than stated" in boastful.because
+    ringing = first.belief(rank(type(made)(made.patients.assign(misfit=3.0), made.curves, made.about)))
+    assert not ringing.yes and ringing.because.endswith("the alarm rings in 100 % of the episodes, allowed 5 %.")
+
+
+def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
+    ranking = rank(made)
+    rows = {row.entry: first.bars(ranking, row, 20.0) for row in ranking.rows}
+    assert rows[GOOD].comfortable == first.Bar("0.00 s", 1.0)
+    assert rows[IDLE].soon == first.Bar("never", 0.0)
+    assert rows[BOASTFUL].sure.full == 0.0, "sds that are false are not sure"
+    assert rows["ppo-seed0"].comfortable.full == 0.0
+    assert 0.0 < rows[GOOD].soon.full < 1.0
+    strict = rank(made, admission=Admission(discomfort_s=0.0))
+    assert first.bars(strict, strict.rows[0], 20.0).comfortable.full == 1.0
+
+
+def test_the_terminal_shows_one_short_table_and_the_verdict():
+    ranking, console = rank(many_entries()), Console(file=io.StringIO(), width=100)
+    table.show(ranking, console)
+    table.show_verdict(ranking, console)
+    lines = [line.rstrip() for line in console.file.getvalue().splitlines()]
+    assert len(lines) < 20
+    assert any("my own" in line for line in lines) and not any("no 6" in line for line in lines)
+    assert "6 more entries, and more about each: --details" in lines
+    assert lines[-2].startswith("No 1 is the best maneuver: ")
+    assert lines[-1].startswith("Can it be believed? Yes, because the NEES of no 1 is ")
+    whole = Console(file=io.StringIO(), width=120)
+    table.show(ranking, whole, details=True)
+    assert "no 6" in whole.file.getvalue()
+
+
+def test_entries_of_one_colour_differ_in_dash_and_in_marker():
+    looks = entries(rank(many_entries()))
+    assert looks[0]["colour"] == looks[9]["colour"]
+    assert looks[0]["dash"] != looks[9]["dash"] and looks[0]["symbol"] != looks[9]["symbol"]
+    assert len({(each["colour"], each["dash"]) for each in looks}) == len(looks)
+
+
+def test_terms_are_explained_once_and_texts_are_escaped():
+    html = terms.explained("The NEES of <b> is 12; its NEES, sd_x and --sd stay.")
+    assert html.count("<abbr") == 1 + html.count(">sd<")
+    assert html.startswith('The <abbr title="Normalised') and "&lt;b&gt;" in html and "sd_x" in html
