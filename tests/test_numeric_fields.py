@@ -28,7 +28,7 @@ def test_all_of_a_record_is_filled() -> None:
             *("point", "direction", "thrust_continuous", "thrust_peak", "no_load_speed"),
             *("lost_below", "frozen_above"),
         }
-    assert all(np.any(Device().records()[name]) for name in DEVICE.names or ())
+    assert all(np.any(Device(unmodelled_time_s=0.5).records()[name]) for name in DEVICE.names or ())
 
 
 @KINDS

@@ -98,7 +98,9 @@ def labels(folder: Path) -> None:
 def treatment(folder: Path) -> None:
     """A treatment at five times."""
     rng = np.random.default_rng(0)
-    held = Treatment(np.arange(5.0), rng.normal(size=(5, 4)), rng.normal(size=(5, 4, 4)), np.ones(4), violated=False)
+    held = Treatment(
+        np.arange(5.0), rng.normal(size=(5, 4)), rng.normal(size=(5, 4, 4)), np.ones(4), violated=False, misfit=0.3
+    )
     save_treatment(held, folder / "a.npz")
 
 

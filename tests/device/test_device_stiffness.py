@@ -25,7 +25,7 @@ class Tick:
         simulation = env.simulation
         self.world, self.device, self.settings = simulation.worlds[0], simulation.device[0], simulation.settings[0]
         self.scratch, self.trajectory = simulation._scratches[0], np.uint8(control == "trajectory")
-        self.scratch["effective"], self.scratch["unmodelled"] = self.world["truth"]["muscles"], 0.0
+        self.scratch["effective"] = self.world["truth"]["muscles"]
         self.world["known"]["motors"]["cap"] = 50.0
 
     def wrench(self, state, since=0.0):
