@@ -59,24 +59,16 @@ def coast(start, dt, after):
 
 
 @njit
-def begin_instrument(scratch):
-    """The motion at the start of the tick."""
-    for i in range(scratch.instrument.motion.shape[0]):
-        scratch.instrument.motion[i] = scratch.start_motion[i]
-
-
-@njit
 def hold_reading(jaw, belief, dt, scratch):
-    """The motion at the end of the tick under the smoothed reading, and its derivative."""
+    """The motion at the end of the tick under the smoothed reading, finite or not, and its derivative."""
     instrument = scratch.instrument
     for i in range(N_SAMPLES):
         for k in range(N_WRENCH):
             instrument.held[i, k] = belief.smoothed[k]
     add_disturbance(belief, instrument.motion.shape[0], instrument.held, instrument.held)
-    begin_instrument(scratch)
+    for i in range(instrument.motion.shape[0]):
+        instrument.motion[i] = scratch.start_motion[i]
     move(jaw, instrument.motion, instrument.held, dt, scratch.step)
-    if not all_finite(instrument.motion):
-        begin_instrument(scratch)
     instrument.total[:, :] = scratch.step.total
     belief.predicted[:] = instrument.motion
 

@@ -59,8 +59,10 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     predict_from_past(jaw, belief, dt, scratch)
     add_disturbance(belief, scratch.instrument.motion.shape[0], samples, scratch.driven)
     move(jaw, belief.motion, scratch.driven, dt, scratch.step)
-    if not all_finite(belief.motion):
+    if not (all_finite(belief.motion) and all_finite(scratch.instrument.motion)):
         belief.motion[:] = scratch.start_motion
+        for i in range(belief.predicted.shape[0]):
+            belief.predicted[i] = scratch.start_motion[i]
         lose_motion(belief, start_sd)
         return
     set_total(jacobian_of_tick(belief, scratch), settings.disturbance_decay, scratch.total)

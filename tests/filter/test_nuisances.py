@@ -172,6 +172,18 @@ def test_what_is_derived_holds_nothing_of_the_ticks_own_readings(rng):
         np.testing.assert_array_equal(first, second, err_msg=name)
 
 
+def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
+    """The motion under this tick's readings may be finite where that under the ticks' before is not."""
+    envs, _ = play("imaged", 1, 2, 989_000)
+    simulation = envs.unwrapped.simulation
+    rows, belief = simulation.ticks[0], simulation.worlds["known"]["belief"][:1].copy()
+    belief["smoothed"] = 1e200
+    settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]
+    read_tick(simulation.models[0], belief[0], rows[100]["measured"], rows[100]["samples"], settings, scratch)
+    for name in ("motion", "motion_cov", "by_tension", "information", "score"):
+        assert np.isfinite(belief[name]).all(), name
+
+
 def test_the_same_readings_without_knowing_better_are_misjudged_and_the_alarm_rings():
     _, untold = play("exact", 24, 6, 987_000, reality={"fossa_error": 0.1, "cell_bias_N": 0.1})
     assert np.median(untold["nees"]) / 12 > 5.0

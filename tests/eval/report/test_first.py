@@ -8,7 +8,7 @@ from rich.console import Console
 
 from eval.comparison.admission import Admission
 from eval.comparison.ranking import rank
-from eval.report import first, table, terms
+from eval.report import first, table, terms, verdict
 from eval.report.charts import entries
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, many_entries, study
 
@@ -53,6 +53,15 @@ def test_the_best_is_believed_by_its_nees_and_its_alarm(made):
     assert not boastful.yes and "the errors are larger than stated" in boastful.because
     ringing = first.belief(rank(type(made)(made.patients.assign(misfit=3.0), made.curves, made.about)))
     assert not ringing.yes and ringing.because.endswith("the alarm rings in 100 % of the episodes, allowed 5 %.")
+
+
+@pytest.mark.parametrize(("ringing", "said"), [(1, "no more than it may"), (40, "do not trust their sds")])
+def test_an_alarm_that_honest_episodes_may_give_is_not_held_against_an_entry(ringing, said):
+    made = study(patients=40)
+    misfit = np.where(made.patients["seed"] < made.patients["seed"].min() + ringing, 3.0, 0.5)
+    rung = type(made)(made.patients.assign(misfit=misfit), made.curves, made.about)
+    (alarm,) = [line for line in verdict.remarks(rank(rung)) if line.startswith(("The alarm", "The readings"))]
+    assert said in alarm
 
 
 def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
