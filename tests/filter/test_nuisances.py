@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
+from jawenv.filter.measurement_update import EXPECTED
 from jawenv.filter.nuisances import add_readings, copy_jaw, move_jaw, set_wrenches
 from jawenv.filter.tick import take_readings
 from jawenv.kernels.compiled import njit
@@ -177,11 +178,12 @@ def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
     envs, _ = play("imaged", 1, 2, 989_000)
     simulation = envs.unwrapped.simulation
     rows, belief = simulation.ticks[0], simulation.worlds["known"]["belief"][:1].copy()
-    belief["smoothed"] = 1e200
+    belief["smoothed"] = np.nan
     settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]
     read_tick(simulation.models[0], belief[0], rows[100]["measured"], rows[100]["samples"], settings, scratch)
     for name in ("motion", "motion_cov", "by_tension", "information", "score"):
         assert np.isfinite(belief[name]).all(), name
+    assert scratch["verdict"] == EXPECTED, "and the tick's readings are used"
 
 
 def test_the_same_readings_without_knowing_better_are_misjudged_and_the_alarm_rings():
