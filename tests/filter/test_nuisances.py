@@ -180,7 +180,7 @@ def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
     rows, belief = simulation.ticks[0], simulation.worlds["known"]["belief"][:1].copy()
     belief["smoothed"] = np.nan
     settings, scratch = simulation.settings[0]["filter"], simulation._scratches[0]["filter"]
-    read_tick(simulation.models[0], belief[0], rows[100]["measured"], rows[100]["samples"], settings, scratch)
+    read_tick(simulation.models[0], belief[0], rows[200]["measured"], rows[200]["samples"], settings, scratch)
     for name in ("motion", "motion_cov", "by_tension", "information", "score"):
         assert np.isfinite(belief[name]).all(), name
     assert scratch["verdict"] == EXPECTED, "and the tick's readings are used"
