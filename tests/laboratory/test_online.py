@@ -63,12 +63,13 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
     same(fed(online, record.measured, record.samples), run.belief_mean[0], run.belief_cov[0], 10)
 
 
-def test_knowledge_within_sds_gives_the_environments_belief_to_the_bit():
-    env = gym.make("jawenv/Jaw-v2", knowledge="imaged", episode_s=2.0).unwrapped
+@pytest.mark.parametrize("told", [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}])
+def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the_bit(told):
+    env = gym.make("jawenv/Jaw-v2", **told, episode_s=2.0).unwrapped
     _, info = env.reset(seed=5000)
     infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(10)]
     rows = env.simulation.ticks[0]
-    online = OnlineFilter(knowledge="imaged", every=20)
+    online = OnlineFilter(**told, every=20)
     online.reset(rows["believed"][0])
     beliefs = fed(online, rows["measured"][:201], rows["samples"][1:201])
     same(beliefs, [info["belief_mean"] for info in infos], [info["belief_cov"] for info in infos], 20)
