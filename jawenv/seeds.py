@@ -13,7 +13,9 @@ VALIDATION = range(30_000, 40_000)
 """Choices made during a training: which of an agent's policies is the best."""
 REPLAYS = range(35_000, 40_000)
 """The part of ``VALIDATION`` over which an agent's targets are averaged, to be replayed on others."""
-BENCHMARK = range(40_000, 50_000)
+FILTER_TUNING = range(40_000, 50_000)
+"""Choices of the filter: which of its forms is the more honest."""
+BENCHMARK = range(50_000, 60_000)
 """The tasks of the benchmark: nothing else is played on these."""
 TRAINING = range(2**31, 2**32)
 """Patients that agents learn on."""

@@ -8,7 +8,7 @@ import pytest
 
 from eval.benchmark.tasks import TASKS
 from eval.settings import Settings
-from jawenv.seeds import BENCHMARK, REPORTS, TRAINING, TUNING, VALIDATION
+from jawenv.seeds import BENCHMARK, FILTER_TUNING, REPORTS, TRAINING, TUNING, VALIDATION
 from training.run.config import DEFAULT_CONFIG, TrainingConfig
 from training.run.train import world_seed
 
@@ -37,7 +37,7 @@ def within(seeds: range, purpose: range) -> bool:
 
 
 def test_purposes_share_no_seed() -> None:
-    for one, other in combinations([*REPORTS, TUNING, VALIDATION, BENCHMARK, TRAINING], 2):
+    for one, other in combinations([*REPORTS, TUNING, VALIDATION, FILTER_TUNING, BENCHMARK, TRAINING], 2):
         assert one.stop <= other.start or other.stop <= one.start
 
 
@@ -54,7 +54,7 @@ def test_documented_results_are_of_patients_on_whom_nothing_was_chosen(page: Pat
         for seeds in documented(paragraph):
             reported = any(within(seeds, purpose) for purpose in (*REPORTS, BENCHMARK))
             # Choices may be documented too, with the patients on whom they were made.
-            own = within(seeds, TUNING) or within(seeds, VALIDATION)
+            own = any(within(seeds, purpose) for purpose in (TUNING, VALIDATION, FILTER_TUNING))
             chosen = own and re.search(r"\bcho(ices|sen)\b", paragraph)
             assert reported or chosen, f"{page.name}: seeds {seeds[0]} to {seeds[-1]} are for other things"
 

@@ -66,7 +66,7 @@ def test_a_submission_has_scores_patients_and_the_agents_files(played):
     assert (named.copy_at, named.fingerprint) == (None, None)
     assert (played / file.copy_at).read_bytes() == Path(CIRCLES).read_bytes() and len(file.fingerprint) == 64
     rows = pd.read_parquet(played / PATIENTS)
-    assert list(rows["seed"]) == [40_000, 40_001] * 2
+    assert list(rows["seed"]) == [50_000, 50_001] * 2
     for score in given.scores:
         times = rows.loc[rows["agent"] == score.agent, "score_s"]
         assert score.score_s == times.mean() and 0.0 < score.score_s < 30.0
@@ -113,7 +113,7 @@ def test_a_score_that_was_changed_with_its_patients_is_found_by_playing(copied, 
     changed(copied, lambda data: data.update(scores=scores))
     found = check(copied, run=ONE)
     assert (found.played, found.equal, len(found.faults)) == (4, 0, 2) and len(plays.names) == 2
-    assert "2 patients differ, as seed 40000" in found.faults[0]
+    assert "2 patients differ, as seed 50000" in found.faults[0]
 
 
 def test_a_difference_of_one_control_step_is_that_of_another_processor(copied):
@@ -136,7 +136,7 @@ def test_a_changed_file_of_an_agent_is_found(copied):
 
 def test_missing_and_other_patients_are_found(copied):
     changed_rows(copied, lambda rows: rows.update({"seed": rows["seed"] + 1}))
-    assert "the patients are not those of seeds 40000 to 40001" in check(copied, run=ONE).faults[0]
+    assert "the patients are not those of seeds 50000 to 50001" in check(copied, run=ONE).faults[0]
     changed(copied, lambda data: data["scores"].pop())
     assert check(copied, run=ONE).faults[0] == "hinge-exact, opening_with_circles: patients without a score"
 
@@ -218,7 +218,7 @@ def test_an_agent_within_the_output_is_refused(tmp_path):
 def test_patients_are_played_in_tens_so_that_a_part_can_be_checked(tmp_path):
     (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
     parts = parts_of_cell(cell, tmp_path, 25)
-    assert [(part.first, part.number) for part in parts] == [(40_000, 10), (40_010, 10), (40_020, 5)]
+    assert [(part.first, part.number) for part in parts] == [(50_000, 10), (50_010, 10), (50_020, 5)]
     assert len(parts_of_cell(cell, tmp_path)) == 10
 
 

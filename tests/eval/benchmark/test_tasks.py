@@ -20,7 +20,7 @@ def test_the_tasks_are_those_of_their_version():
         "jaw-imaged-memory",
         "bilateral-exact",
     ]
-    assert digest() == "ba7397e5d7d639a1", "a task has changed: give the benchmark a new version, and play it anew"
+    assert digest() == "1acbaa7f72945ce8", "a task has changed: give the benchmark a new version, and play it anew"
 
 
 def test_what_every_task_has_in_common():
@@ -31,7 +31,7 @@ def test_what_every_task_has_in_common():
 
 def test_a_task_has_the_numbers_behind_its_names():
     settings = TASKS["jaw-imaged-memory"].settings(3)
-    assert settings.patients == 3 and settings.seed == 45_000
+    assert settings.patients == 3 and settings.seed == 55_000
     assert settings.knowledge["attachments"] == 0.1
     assert settings.device == {"unmodelled_time_s": 0.5}
     frozen = TASKS["jaw-imaged-memory"].frozen()
