@@ -13,11 +13,15 @@ export PYTHON
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo notebooks docs tables test lint bench sbom clean
+.PHONY: help live demo notebooks docs tables test lint bench sbom clean
 .NOTPARALLEL:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s  %s\n", $$1, $$2 }' Makefile
+
+live: ## a page on which you move the jaw of a patient
+	@.ci/setup live
+	$(BIN)/jawenv live --open
 
 demo: ## train a correction of a maneuver for a few minutes, compare it with every maneuver: runs/demo/report.html
 	@.ci/setup train eval
