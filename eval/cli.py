@@ -21,6 +21,7 @@ from jawenv.seeds import REPORTS
 
 INTERRUPTED = 130
 QUICK_DRAWS = 4
+MOST_FILMED = 2
 
 app = typer.Typer(
     cls=Commands,
@@ -46,7 +47,7 @@ app.command("benchmark")(benchmark_command)
 
 @app.command("play")
 def play_command(
-    entry: options.Entry,
+    entries: options.OneOrTwo,
     video: Annotated[
         Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
     ] = None,
@@ -64,8 +65,12 @@ def play_command(
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
     trust: options.Trust = False,
 ) -> None:
-    """Show one episode in a window, or write it as a film."""
+    """Show one episode in a window, or write it as a film; two are shown beside each other, on the same patient."""
+    if len(entries) > MOST_FILMED:
+        raise InputError(f"{len(entries)} entries given, a film shows one, or two beside each other")
     if video is None:
+        if len(entries) > 1:
+            raise InputError("two beside each other are shown as a film: use --video FILE")
         from jawenv.rendering.display import check_display
 
         check_display("a window", "use --video FILE, which writes a film")
@@ -73,10 +78,10 @@ def play_command(
     from eval.entries import env_of_runs, load_entries
     from eval.settings import Settings
 
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs([entry]))
-    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
-    wanted, console = film.Film(loaded, seed, patient, start_s, width, every), terminal()
-    said = film.show(wanted, console) if video is None else film.write(wanted, video, console)
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs(entries))
+    loaded, console = load_entries(entries, settings.env_kwargs, settings.env, trust=trust), terminal()
+    films = [film.Film(each, seed, patient, start_s, width, every) for each in loaded]
+    said = film.show(films[0], console) if video is None else film.write(films, video, console)
     console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,19 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from eval.gif import write_gif
 from eval.report import words
+from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
 from jawenv.playing.protocol import checked_decision
 from jawenv.progress import Progress
+from jawenv.rendering.pair import PairRenderer
 
 if TYPE_CHECKING:
     from eval.entries import Entry
+    from jawenv.rendering import Scene
 
 FORMATS = (".mp4", ".gif")
 FULL_WIDTH, FULL_HEIGHT = 1280, 720
+_OVER = object()
 
 
 @dataclass(frozen=True)
@@ -70,6 +76,7 @@ class Episode:
         console: where progress is shown.
 
     Attributes:
+        name: who plays, in words.
         title: above every picture.
         rate: pictures per second.
         outcome: what the episode came to, in a sentence; empty before its end.
@@ -80,16 +87,16 @@ class Episode:
         made: Any = gym.make(film.entry.env_id, render_mode=mode, **film.entry.env_kwargs)
         self._env = made.unwrapped
         self._steps_per_s: float = self._env.configuration.steps_per_s
+        self.name = words.label(film.entry.label)
         self.title = self._env.picture_title = _title(film)
         self.rate = self._steps_per_s / film.every
         self.outcome = ""
         if film.start_s >= film.entry.env_kwargs["episode_s"]:
             raise InputError(f"start_s: {film.start_s:g} given, allowed is a time within the episode")
 
-    def pictures(self) -> Iterator[NDArray[np.uint8]]:
-        """The pictures of the steps that are shown, in mode "rgb_array"; none in a window, which shows every step."""
+    def steps(self) -> Iterator[None]:
+        """Play; comes back at the steps that are shown, the last among them, where `picture` and `scene` are of."""
         film, env, agent = self._film, self._env, self._film.entry.agent
-        drawn = env.render_mode == "rgb_array"
         try:
             options = None if film.patient is None else {"patient": film.patient}
             observation, info = env.reset(seed=film.seed, options=options)
@@ -97,17 +104,26 @@ class Episode:
             state, start, ended, step = None, np.ones(1, dtype=bool), False, 0
             with Progress(env.configuration.steps, "steps", self._console) as progress:
                 while not ended:
-                    if drawn and step >= film.start_s * self._steps_per_s and step % film.every == 0:
-                        yield env.render()
+                    if step >= film.start_s * self._steps_per_s and step % film.every == 0:
+                        yield
                     action, state = checked_decision(agent.predict(observation[None], state, start), agent)
                     observation, _, terminated, truncated, info = env.step(action[0])
                     start, ended, step = np.zeros(1, dtype=bool), terminated or truncated, step + 1
                     progress.advance_to(step)
-            if drawn:
-                yield env.render()
+            yield
             self.outcome = _sentence(film.entry.label, info, env.unwrapped.parameter_names)
         finally:
             env.close()
+
+    def picture(self) -> NDArray[np.uint8]:
+        """The picture of this step, in mode "rgb_array"."""
+        picture: NDArray[np.uint8] = self._env.render()
+        return picture
+
+    def scene(self, title: str) -> Scene:
+        """This step as the renderer takes it."""
+        scene: Scene = build_scene(self._env.simulation, title)
+        return scene
 
 
 def show(film: Film, console: Console) -> str:
@@ -120,56 +136,70 @@ def show(film: Film, console: Console) -> str:
         InputError: there is no display, or the environment or the patient is refused.
     """
     episode = Episode(film, "human", console)
-    list(episode.pictures())
+    for _ in episode.steps():
+        pass
     return episode.outcome
 
 
-def write(film: Film, path: Path, console: Console) -> str:
-    """Write the episode as a film, in real time.
+def write(films: Sequence[Film], path: Path, console: Console) -> str:
+    """Write an episode as a film, or two beside each other, in real time.
 
     Args:
-        film: what is shown.
+        films: what is shown; of two, the same but for who plays.
         path: .mp4 or .gif.
         console: where progress is shown.
 
     Returns:
-        What the episode came to, in a sentence.
+        What each episode came to, in a sentence.
 
     Raises:
-        InputError: another ending, a folder that cannot be written to, a file in use, or what the environment refuses.
+        InputError: another ending, a folder that cannot be written to, a file in use, two that do not take equally long
+            steps, or what the environment refuses.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"video: {path} given, allowed is a file that ends in {' or '.join(FORMATS)}")
     if not path.parent.is_dir():
         raise InputError(f"video: {path} given, allowed is a file in a folder that exists")
-    episode = Episode(film, "rgb_array", console)
+    episodes = [Episode(film, "rgb_array", console) for film in films]
+    if len({episode.rate for episode in episodes}) > 1:
+        raise InputError("two beside each other must have the same control steps per second")
+    pictures = _pictures(episodes[0]) if len(episodes) == 1 else _pairs(*episodes)
+    scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
         with alone(path), atomic_write(path) as unfinished:
-            (_write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, episode, film.width)
+            (write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, scaled, episodes[0].rate)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
-    return episode.outcome
+    return "\n".join(episode.outcome for episode in episodes)
 
 
-def _write_mp4(path: Path, episode: Episode, width: int) -> None:
+def _pictures(episode: Episode) -> Iterator[NDArray[np.uint8]]:
+    for _ in episode.steps():
+        yield episode.picture()
+
+
+def _pairs(left: Episode, right: Episode) -> Iterator[NDArray[np.uint8]]:
+    """Two episodes in step; one that ends earlier stays as it was."""
+    renderer, shown = PairRenderer(), {}
+    for steps in zip_longest(left.steps(), right.steps(), fillvalue=_OVER):
+        for episode, step in zip((left, right), steps, strict=True):
+            if step is not _OVER:
+                shown[episode] = episode.scene(episode.name)
+        yield renderer.draw(shown[left], shown[right])
+
+
+def _write_mp4(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float) -> None:
     import imageio.v2 as imageio
 
     own = path.with_name(path.name + ".mp4")  # the writer goes by the ending
     try:
         writer: Any
-        with imageio.get_writer(own, fps=episode.rate, macro_block_size=2) as writer:
-            for picture in episode.pictures():
-                writer.append_data(_scaled(picture, width))
+        with imageio.get_writer(own, fps=rate, macro_block_size=2) as writer:
+            for picture in pictures:
+                writer.append_data(picture)
         own.replace(path)
     finally:
         own.unlink(missing_ok=True)
-
-
-def _write_gif(path: Path, episode: Episode, width: int) -> None:
-    """All pictures have the colours of the whole film: most come with knowledge, of which the first shows none."""
-    from eval.gif import write_gif
-
-    write_gif(path, (_scaled(picture, width) for picture in episode.pictures()), episode.rate)
 
 
 def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:

@@ -13,6 +13,10 @@ from jawenv.errors import InputError
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
 
 Entry = Annotated[str, typer.Argument(metavar="MANEUVER|FILE|RUN", help="A name, a maneuver file or a training run.")]
+OneOrTwo = Annotated[
+    list[str],
+    typer.Argument(metavar="MANEUVER|FILE|RUN ...", help="A name, a maneuver file or a training run; or two of these."),
+]
 Environment = Annotated[
     str | None,
     typer.Option(

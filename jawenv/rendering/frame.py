@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
 import pygame
 
 from jawenv.rendering import palette
 from jawenv.rendering.canvas import Box, Canvas
-from jawenv.rendering.muscles import draw_muscle, muscle_width
+from jawenv.rendering.legends import draw_colour_legend, draw_width_legend
 from jawenv.rendering.palette import FAINT_INK, INK, SOFT_INK
 from jawenv.rendering.panels import draw_comfort, draw_figures
 from jawenv.rendering.posterior import draw_posterior, draw_posterior_background
@@ -67,6 +64,11 @@ def _view(card: Box) -> Box:
     return (x + 2, y + _HEADING, width - 4, height - _HEADING - _LEGEND)
 
 
+def _legend(card: Box) -> tuple[float, float]:
+    """Where the legend below the picture of the jaw begins."""
+    return card[0] + 16, card[1] + card[3] - 24
+
+
 def _draw_background(canvas: Canvas, scene: Scene) -> None:
     canvas.text("jawenv", (1264, 30), 15, FAINT_INK, bold=True, anchor="right")
     lines = len(scene.muscle_names)
@@ -87,32 +89,7 @@ def _draw_background(canvas: Canvas, scene: Scene) -> None:
     draw_front_background(canvas, front_camera(_view(_FRONT)), _view(_FRONT))
     draw_posterior_background(canvas, _POSTERIOR, scene)
     draw_trace_legend(canvas, _TRACE, scene)
-    _draw_colour_legend(canvas, _SIDE, float(scene.prior_sd.max()))
-    _draw_width_legend(canvas, _FRONT)
+    draw_colour_legend(canvas, _legend(_SIDE), _SIDE[0] + _SIDE[2] - 24)
+    draw_width_legend(canvas, _legend(_FRONT))
     for words, x in (("R", _FRONT[0] + 18), ("L", _FRONT[0] + _FRONT[2] - 18)):
         canvas.text(words, (x, _FRONT[1] + 250), 13, FAINT_INK, bold=True, anchor="centre")
-
-
-def _draw_colour_legend(canvas: Canvas, card: Box, prior_sd: float) -> None:
-    x, y = card[0] + 16, card[1] + card[3] - 24
-    canvas.text("Muscle colour: sd", (x, y), 10.5, SOFT_INK)
-    left, right = x + 112, card[0] + card[2] - 24
-    span = math.log(palette.UNKNOWN_SD / palette.KNOWN_SD)
-    pieces = 80
-    for i in range(pieces):
-        sd = palette.UNKNOWN_SD * math.exp(-span * (i + 0.5) / pieces)
-        width = (right - left) / pieces
-        canvas.rect((left + i * width, y - 5, width + 0.6, 8), palette.knowledge(sd))
-    for sd in (0.5, 0.2, 0.1, 0.05, 0.02, 0.01):
-        at = left + math.log(palette.UNKNOWN_SD / sd) / span * (right - left)
-        canvas.line([(at, y - 5), (at, y + 5)], palette.CARD if 0.01 < sd < 0.5 else palette.BORDER, 1.0)
-        canvas.text(f"{100 * sd:.0f} %", (at, y + 12), 10, SOFT_INK, anchor="centre")
-
-
-def _draw_width_legend(canvas: Canvas, card: Box) -> None:
-    x, y = card[0] + 16, card[1] + card[3] - 24
-    canvas.text("Muscle width: tension", (x, y), 10.5, SOFT_INK)
-    for i, tension in enumerate((1.0, 5.0, 20.0)):
-        left = x + 134 + i * 78
-        draw_muscle(canvas, np.array([left, y]), np.array([left + 34.0, y]), muscle_width(tension), FAINT_INK)
-        canvas.text(f"{tension:g} N", (left + 42, y), 10.5, SOFT_INK)

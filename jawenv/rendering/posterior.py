@@ -9,10 +9,10 @@ from jawenv.rendering.canvas import Box, Canvas
 from jawenv.rendering.joint import draw_joint, draw_truth_ring
 from jawenv.rendering.muscles import symbol
 from jawenv.rendering.palette import FAINT_INK, GRID, INK, SOFT_INK, TRACK
-from jawenv.rendering.posterior_layout import Block, Columns, Layout, Row, lay_out
+from jawenv.rendering.posterior_layout import Block, Columns, Layout, Row, SdScale, lay_out
 from jawenv.rendering.scene import Scene
 
-_SD_LINES = (0.10, 0.05, 0.02)
+SD_LINES = (0.10, 0.05, 0.02)
 _LABEL_ROOM = 16.0
 _PARAMETERS = ("log_F_o", "log_b")
 
@@ -29,10 +29,10 @@ def draw_posterior_background(canvas: Canvas, box: Box, scene: Scene) -> None:
         room = columns.value_width + columns.number_width - used - 4
         canvas.text(quantity, (left + used + 6, heading), 10.5, SOFT_INK, fit=room)
     tag = 20 if layout.headed else 16
-    canvas.text("sd, %" if layout.headed else "sd", (columns.sd_left - tag, heading), 12, INK, bold=True)
+    canvas.text("sd, %" if layout.headed else "sd", (columns.sd.left - tag, heading), 12, INK, bold=True)
     labelled = -math.inf
-    for sd in _SD_LINES:
-        x = columns.sd_x(sd, worst)
+    for sd in SD_LINES:
+        x = columns.sd.x(sd, worst)
         canvas.line([(x, columns.top - 12), (x, end)], palette.mix(GRID, FAINT_INK, 0.22), 0.8)
         if x - labelled > _LABEL_ROOM:
             canvas.text(f"{100 * sd:.0f}", (x, heading), 10.5, SOFT_INK, anchor="centre")
@@ -86,7 +86,8 @@ def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, i
     for column, parameter in enumerate(_PARAMETERS):
         i = index[f"{parameter}/{row.muscle}"]
         _draw_value(canvas, columns, scene, i, column, row)
-        _draw_sd(canvas, columns, scene, i, parameter, row.sd[column])
+        symbol(canvas, parameter, (columns.sd.left - 18, row.sd[column]), 10, SOFT_INK)
+        draw_sd(canvas, columns.sd, float(scene.belief_sd[i]), float(scene.prior_sd.max()), row.sd[column])
 
 
 def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: Row) -> None:
@@ -123,17 +124,13 @@ def _draw_truth(canvas: Canvas, x: float, y: float) -> None:
     canvas.line([(x, y - 7), (x, y - 4.5)], INK, 1.2)
 
 
-def _draw_sd(canvas: Canvas, columns: Columns, scene: Scene, i: int, parameter: str, y: float) -> None:
-    """Bar that grows to the right as the standard deviation shrinks."""
-    worst, sd = float(scene.prior_sd.max()), float(scene.belief_sd[i])
-    symbol(canvas, parameter, (columns.sd_left - 18, y), 10, SOFT_INK)
-    canvas.rect((columns.sd_left, y - 3.5, columns.sd_width, 7), TRACK, radius=3.5)
-    end = columns.sd_x(sd, worst)
-    length = max(end - columns.sd_left, 4.0)
-    canvas.rect((columns.sd_left, y - 3.5, length, 7), palette.knowledge(sd), radius=3.5)
-    for line in _SD_LINES:
-        x = columns.sd_x(line, worst)
+def draw_sd(canvas: Canvas, scale: SdScale, sd: float, worst: float, y: float, bold: bool = False) -> None:
+    """Bar of one standard deviation, which grows to the right as it shrinks; ``worst`` leaves it empty."""
+    canvas.rect((scale.left, y - 3.5, scale.width, 7), TRACK, radius=3.5)
+    length = max(scale.x(sd, worst) - scale.left, 4.0)
+    canvas.rect((scale.left, y - 3.5, length, 7), palette.knowledge(sd), radius=3.5)
+    for line in SD_LINES:
+        x = scale.x(line, worst)
         canvas.line([(x, y - 3.5), (x, y + 3.5)], palette.CARD, 1.0)
-    right = columns.sd_left + columns.sd_width + 38
     words = f"{100 * sd:.1f} %" if sd < 0.0995 else f"{100 * sd:.0f} %"
-    canvas.text(words, (right, y), 10.5, INK, anchor="right")
+    canvas.text(words, (scale.left + scale.width + 38, y), 10.5, INK, bold=bold, anchor="right")

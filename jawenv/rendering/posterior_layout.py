@@ -17,6 +17,19 @@ _HEADER = 20.0
 
 
 @dataclass(frozen=True)
+class SdScale:
+    """Where the bars of standard deviations begin, and how long the longest is."""
+
+    left: float
+    width: float
+
+    def x(self, sd: float, worst: float) -> float:
+        """Place of a standard deviation on a log scale from the worst prior to the best known."""
+        share = math.log(worst / sd) / math.log(worst / BEST_SD)
+        return self.left + min(max(share, 0.0), 1.0) * self.width
+
+
+@dataclass(frozen=True)
 class Columns:
     """Left edges and widths of the panel's columns; top and bottom of its rows.
 
@@ -26,8 +39,7 @@ class Columns:
     value_left: tuple[float, float]
     value_width: float
     number_width: float
-    sd_left: float
-    sd_width: float
+    sd: SdScale
     top: float
     bottom: float
 
@@ -35,11 +47,6 @@ class Columns:
         """Place of a value in prior standard deviations from the prior mean; the scale's ends hold it."""
         share = 0.5 + min(max(prior_sds, -SHOWN_SD), SHOWN_SD) / (2 * SHOWN_SD)
         return self.value_left[column] + share * self.value_width
-
-    def sd_x(self, sd: float, worst: float) -> float:
-        """Place of a standard deviation on a log scale from the worst prior to the best known."""
-        share = math.log(worst / sd) / math.log(worst / BEST_SD)
-        return self.sd_left + min(max(share, 0.0), 1.0) * self.sd_width
 
 
 @dataclass(frozen=True)
@@ -116,4 +123,4 @@ def _columns(box: Box, headed: bool) -> Columns:
     second = first + value + beside + gap
     sd_left = second + value + beside + gap + tag
     sd_width = right - number - sd_left
-    return Columns((first, second), value, beside, sd_left, sd_width, y + 74, y + height - 40)
+    return Columns((first, second), value, beside, SdScale(sd_left, sd_width), y + 74, y + height - 40)

@@ -70,6 +70,19 @@ def test_a_films_muscles_turn_blue(tmp_path):
     assert blue[1] > 400 > 4 * blue[0], blue  # the scale of colours is always there
 
 
+def test_two_are_filmed_beside_each_other(tmp_path, capsys):
+    path = tmp_path / "film.gif"
+    assert main(["play", "hold_still", "refined", *SHORT, "--video", str(path), "--width", "640"]) == 0
+    said = capsys.readouterr().out
+    assert said.index("hold_still: after 1 s ") < said.index("refined: after 1 s ")
+    with Image.open(path) as film:
+        assert film.n_frames == 6
+        film.seek(5)
+        picture = np.asarray(film.convert("RGB")).astype(int)
+    blue = (np.abs(picture - knowledge(0.05)).max(axis=-1) < 40)[220:325]  # the bars
+    assert blue[:, 320:].sum() > 100 + blue[:, :320].sum()
+
+
 def test_pictures_name_maneuver_patient_and_control(tmp_path):
     entry = load_entries(
         ["chirp"], Settings(1, "severe", 5000, "force", "pose", 1.0, "Jaw").env_kwargs, "jawenv/Jaw-v2"
@@ -80,7 +93,10 @@ def test_pictures_name_maneuver_patient_and_control(tmp_path):
     named = Episode(Film(entry, seed=5000, patient=Path("aunt.json")), "rgb_array", console)
     assert named.title == "chirp: Jaw, patient aunt, seed 5000, force control"
     other = Episode(Film(entry, seed=5001), "rgb_array", console)
-    pictures = [next(episode.pictures()) for episode in (own, other)]
+    pictures = []
+    for episode in (own, other):
+        next(episode.steps())
+        pictures.append(episode.picture())
     assert (pictures[0][:50] != pictures[1][:50]).any()
 
 
@@ -102,3 +118,12 @@ def test_what_cannot_be_filmed_is_named(tmp_path, monkeypatch, capsys, options, 
     error = capsys.readouterr().err.strip().splitlines()[-1]
     assert error.startswith("error: ") and said in error
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [(["chirp"] * 3, "3 entries given, a film shows one, or two"), (["chirp", "prbs"], "use --video FILE")],
+)
+def test_a_window_shows_one_entry_and_a_film_two_at_most(capsys, entries, said):
+    assert main(["play", *entries, *SHORT]) == 2
+    assert said in capsys.readouterr().err

@@ -63,7 +63,7 @@ def test_every_parameter_has_a_row_inside_the_panel(model):
     tops = sorted(row.middle - row.height / 2 for row in rows)
     assert tops[0] >= box[1] + 60 and tops[-1] + rows[0].height <= box[1] + box[3] - 30
     assert np.diff(tops).min(initial=np.inf) >= rows[0].height - 1e-9
-    assert layout.columns.sd_left + layout.columns.sd_width < box[0] + box[2] - 40
+    assert layout.columns.sd.left + layout.columns.sd.width < box[0] + box[2] - 40
 
 
 @models
