@@ -14,6 +14,7 @@ from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
 from jawenv.controls import DEFAULT_CONTROL, mode_of
 from jawenv.errors import InputError
+from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV, Recording, play
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
 _STUDYS_OWN = ("cohort", "episode_s")
+_ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
+"""Environments whose actions and observations mean the same."""
 _DEFAULTS: dict[str, Any] = {
     "control": DEFAULT_CONTROL,
     "sensors": "pose",
@@ -100,6 +103,11 @@ def env_of_runs(specs: Iterable[str]) -> str:
     return next((own.id for own in trained_in if own is not None), DEFAULT_ENV)
 
 
+def fits(trained_in: str, env_id: str) -> bool:
+    """Whether what was trained in the environment of one id can be played in that of another."""
+    return trained_in == env_id or {trained_in, env_id} <= _ALIKE
+
+
 def load_entries(
     specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV, *, trust: bool = False
 ) -> list[Entry]:
@@ -125,7 +133,7 @@ def load_entries(
 
 def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> Entry:
     run = env_of_run(spec)
-    if run is not None and run.id != env_id:
+    if run is not None and not fits(run.id, env_id):
         raise InputError(
             f"{spec} was trained in {run.id}, but this comparison is in {env_id}: "
             "entries of one comparison have one environment"
@@ -141,6 +149,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
     agent = registry.load_agent(
         spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
     )
+    notes += [] if run is None or run.id == env_id else [f"trained in {run.id}"]
     maneuver = getattr(agent, "maneuver", None)
     return Entry(
         label=agent.name,

@@ -11,7 +11,7 @@ from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
-from jawenv.ladder import model_of_env
+from jawenv.ladder import env_id_of, model_of_env
 from jawenv.playing.rollout import DEFAULT_ENV, LARGEST_SEED
 from jawenv.reality import check_reality
 from jawenv.seeds import REPORTS
@@ -58,7 +58,7 @@ class Settings:
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
         model = model_of_env(self.env)
-        object.__setattr__(self, "env", model.env_id)
+        object.__setattr__(self, "env", env_id_of(self.env))
         if self.patients < 1:
             raise InputError(f"patients: {self.patients} given, allowed is 1 or more")
         if not 0 <= self.seed <= LARGEST_SEED:

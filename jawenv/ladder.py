@@ -140,14 +140,35 @@ def model_named(name: str) -> Model:
     return MODELS[name]
 
 
+KNOWN_WITHIN_SDS = "jawenv/JawImaged-v1"
+"""The whole jaw with other arguments: known within sds, and disturbed by what lasts."""
+
+
 def model_of_env(env: str) -> Model:
     """The model that an environment runs, by its id, its id without namespace and version, or the model's own name.
 
     Raises:
         InputError: none of these; the message lists the ids.
     """
+    if env in (KNOWN_WITHIN_SDS, title_of_env(KNOWN_WITHIN_SDS)):
+        return MODELS["jaw"]
     for model in MODELS.values():
         if env in (model.env_id, f"jawenv/{model.title}-v1", model.title, model.name):
             return model
-    ids = ", ".join(model.env_id for model in MODELS.values())
+    ids = ", ".join((*(model.env_id for model in MODELS.values()), KNOWN_WITHIN_SDS))
     raise InputError(f"env {shown(env)}: unknown; allowed: {ids}, also as JawSides or sides")
+
+
+def env_id_of(env: str) -> str:
+    """The id of an environment that is named as `model_of_env` takes it; the present version.
+
+    Raises:
+        InputError: unknown; the message lists the ids.
+    """
+    model = model_of_env(env)
+    return KNOWN_WITHIN_SDS if env in (KNOWN_WITHIN_SDS, title_of_env(KNOWN_WITHIN_SDS)) else model.env_id
+
+
+def title_of_env(env_id: str) -> str:
+    """An id without namespace and version."""
+    return env_id.removeprefix("jawenv/").rpartition("-v")[0]

@@ -74,7 +74,7 @@ def configured(config: str | None, env: str | None, residual_on: str | None) -> 
     Raises:
         InputError: none is named, or it is not what it should be.
     """
-    from jawenv.ladder import model_of_env
+    from jawenv.ladder import env_id_of, title_of_env
     from training.run.config import TrainingConfig, config_file
 
     if config is None:
@@ -82,8 +82,8 @@ def configured(config: str | None, env: str | None, residual_on: str | None) -> 
     source = config_file(config)
     wanted, stem = TrainingConfig.load(source), source.stem
     if env is not None:
-        model = model_of_env(env)
-        wanted, stem = wanted.in_env(model.env_id), f"{stem}-{model.title}"
+        env_id = env_id_of(env)
+        wanted, stem = wanted.in_env(env_id), f"{stem}-{title_of_env(env_id)}"
     if residual_on is not None:
         wanted = wanted.on_maneuver(residual_on)
     return wanted, stem

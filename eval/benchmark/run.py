@@ -13,7 +13,7 @@ from eval.benchmark import times
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.benchmark.times import COLUMNS, rows_of
 from eval.comparison import results
-from eval.entries import Entry, env_of_run, load_entries
+from eval.entries import Entry, env_of_run, fits, load_entries
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
@@ -74,7 +74,7 @@ def cells_of(specs: Sequence[str], tasks: Sequence[Task], *, trust: bool = False
 
 def _cells_of_one(spec: str, tasks: Sequence[Task], trust: bool) -> list[Cell]:
     trained_in = env_of_run(spec)
-    fitting = [task for task in tasks if trained_in is None or trained_in.id == task.settings().env]
+    fitting = [task for task in tasks if trained_in is None or fits(trained_in.id, task.settings().env)]
     if trained_in is not None and not fitting:
         raise InputError(f"{spec} was trained in {trained_in.id}, where none of these tasks is played")
     cells = []

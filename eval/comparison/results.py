@@ -2,7 +2,7 @@
 
 `patients` has one row per patient and entry: entry, patient, seed, and every metric of `jawenv.metrics.Score` at
 the end of the episode, with `truth/`, `error/`, `sd/` and `bound_sd/` of every parameter, `used/` (largest used
-fraction) and `beyond/..._s` (time beyond it) of every soft comfort limit, and `early_worst_sd` after `EARLY_S`.
+fraction) and `beyond/..._s` (time beyond it) of every soft comfort limit, and `EARLY_METRICS` after `EARLY_S`.
 `curves` has one row per entry, time and quantity: entry, time_s, quantity, and over the patients `low` (10 %),
 `centre` (median) and `high` (90 %); `bound` is the median of the posterior Cramer-Rao bound. Quantities are
 `sd/<parameter>`, `worst_sd`, and as means over the patients (no low or high) `nees`, `information_claimed` and
@@ -21,13 +21,14 @@ import pandas as pd
 
 from eval.comparison import motion
 from eval.kept.tables import read_table, write_table
-from jawenv.metrics import claimed_information, nees, score, true_information, worst_sd
+from jawenv.metrics import claimed_information, nees, rmse, score, true_information, worst_sd
 from jawenv.playing.rollout import DEFAULT_ENV, Recording
 
 Array = npt.NDArray[np.float64]
 _CURVE_INTERVAL_S = 0.1
 EARLY_S = 10.0
-"""When the worst sd is kept besides at the end; in shorter episodes it is NaN."""
+"""When `EARLY_METRICS` are kept besides those at the end; in shorter episodes they are NaN."""
+EARLY_METRICS = ("early_worst_sd", "early_information_true", "early_nees", "early_rmse")
 
 PATIENT_METRICS = (
     "worst_sd",
@@ -107,7 +108,7 @@ def from_recording(recording: Recording, entry: str, seed: int, about: dict[str,
         "seed": seed + np.arange(number),
     }
     columns |= {name: getattr(judged, name) for name in PATIENT_METRICS}
-    columns["early_worst_sd"] = _early_worst_sd(recording)
+    columns |= _early(recording)
     columns |= _use_of_limits(recording)
     columns |= {f"time_to_{target:g}_s": seconds for target, seconds in judged.time_to_s.items()}
     columns |= {f"inside_{sigmas}_sigma": share for sigmas, share in judged.inside.items()}
@@ -132,11 +133,16 @@ def _use_of_limits(recording: Recording) -> dict[str, Array]:
     return found
 
 
-def _early_worst_sd(recording: Recording) -> Array:
-    """(N,) worst sd after ``EARLY_S``; NaN where all episodes are shorter."""
+def _early(recording: Recording) -> dict[str, Array]:
+    """(N,) of each of `EARLY_METRICS`; NaN where all episodes are shorter."""
     if recording.time[-1] < EARLY_S - 1e-9:
-        return np.full(recording.num_worlds, np.nan)
-    return worst_sd(recording.belief_sd[:, np.argmin(np.abs(recording.time - EARLY_S))])
+        return {name: np.full(recording.num_worlds, np.nan) for name in EARLY_METRICS}
+    early = int(np.argmin(np.abs(recording.time - EARLY_S)))
+    mean, cov = recording.belief_mean[:, early], recording.belief_cov[:, early]
+    error, priors = mean - recording.truth, (recording.prior_mean, recording.prior_sd)
+    information = true_information(recording.truth, mean, cov, *priors)
+    worst = worst_sd(recording.belief_sd[:, early])
+    return dict(zip(EARLY_METRICS, (worst, information, nees(error, cov), rmse(error)), strict=True))
 
 
 def _curves(recording: Recording, entry: str) -> pd.DataFrame:

@@ -116,7 +116,8 @@ def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[L
 
 def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
     rates = design.control_hz or (None,)
-    settings = product(design.cohorts, design.controls, design.sensors, design.reality, rates)
+    controls = environment.controls or design.controls
+    settings = product(design.cohorts, controls, design.sensors, design.reality, rates)
     for cohort_name, control, sensors, reality, hz in settings:
         fields: dict[str, Any] = {
             "cohort": cohort_name,

@@ -14,7 +14,7 @@ from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES, InputModel, Number, read_model
-from jawenv.ladder import Estimator, model_of_env
+from jawenv.ladder import Estimator, env_id_of, title_of_env
 from jawenv.playing.rollout import LARGEST_SEED
 from jawenv.reality import check_reality
 
@@ -55,15 +55,17 @@ class Environment(InputModel):
     Attributes:
         env: its id, or as `jawenv.ladder.model_of_env` takes it.
         estimator: mechanics that the filter believes in; the environment's own by default.
+        controls: control modes that it is played in; all of the study's by default.
     """
 
     env: str
     estimator: Estimator | None = None
+    controls: tuple[Control, ...] | None = None
 
     @field_validator("env")
     @classmethod
     def _spelt_out(cls, given: str) -> str:
-        return model_of_env(given).title
+        return title_of_env(env_id_of(given))
 
     @property
     def name(self) -> str:
@@ -157,17 +159,14 @@ class Design(InputModel):
         return given
 
     @model_validator(mode="after")
-    def _entries_fit(self) -> Design:
-        for entry in self.entries:
-            for name, own, allowed in (
-                ("controls", entry.controls, self.controls),
-                ("cohorts", entry.cohorts, self.cohorts),
-            ):
-                if outside := set(own or ()) - set(allowed):
-                    which = ", ".join(sorted(outside))
-                    raise ValueError(
-                        f"entry {entry.agent!r}: {name} {which}; allowed: the study's, {', '.join(allowed)}"
-                    )
+    def _parts_of_it(self) -> Design:
+        asked = [(f"entry {entry.agent!r}", "controls", entry.controls, self.controls) for entry in self.entries]
+        asked += [(f"entry {entry.agent!r}", "cohorts", entry.cohorts, self.cohorts) for entry in self.entries]
+        asked += [(f"environment {env.name!r}", "controls", env.controls, self.controls) for env in self.environments]
+        for whose, name, own, allowed in asked:
+            if outside := set(own or ()) - set(allowed):
+                which = ", ".join(sorted(outside))
+                raise ValueError(f"{whose}: {name} {which}; allowed: the study's, {', '.join(allowed)}")
         return self
 
     @field_validator("reality")

@@ -70,6 +70,11 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "early_worst_sd_p90": Metric(
             "worst sd after 10 s, p90, %", _column("early_worst_sd"), "lower", "p90", 100.0, 2
         ),
+        "early_information_true": Metric(
+            "true information after 10 s, nats", _column("early_information_true"), "higher"
+        ),
+        "early_nees_per_parameter": Metric("NEES / p after 10 s", _per_parameter("early_nees"), None, digits=2),
+        "early_rmse": Metric("RMSE after 10 s, %", _column("early_rmse"), "lower", scale=100.0),
         "worst_bound_sd": Metric("worst sd of the bound, %", _column("worst_bound_sd"), "lower", "median", 100.0, 2),
         "rmse": Metric("RMSE, %", _column("rmse"), "lower", scale=100.0),
         "identified": Metric("parameters known", _column("identified"), "higher"),

@@ -1,5 +1,6 @@
 """The muscle sets of the ladder of models, their cohorts and patients."""
 
+import gymnasium as gym
 import numpy as np
 import pytest
 
@@ -14,7 +15,7 @@ from jawenv.anatomy import (
     muscle_set,
     two_sides,
 )
-from jawenv.ladder import MODELS, model_of_env
+from jawenv.ladder import KNOWN_WITHIN_SDS, MODELS, env_id_of, model_of_env, title_of_env
 
 SETS = known_muscle_sets()
 
@@ -28,6 +29,14 @@ def test_every_model_has_its_thesis_parameters() -> None:
 def test_an_environment_is_known_by_id_title_and_model(name: str) -> None:
     model = MODELS[name]
     assert [model_of_env(env) for env in (model.env_id, model.title, name)] == [model] * 3
+    assert {env_id_of(env) for env in (model.env_id, model.title, name)} == {model.env_id}
+    assert title_of_env(model.env_id) == model.title
+
+
+def test_the_jaw_known_within_sds_is_an_environment_of_the_whole_jaw() -> None:
+    assert KNOWN_WITHIN_SDS in gym.registry
+    for env in (KNOWN_WITHIN_SDS, "JawImaged"):
+        assert (model_of_env(env), env_id_of(env)) == (MODELS["jaw"], KNOWN_WITHIN_SDS)
 
 
 def test_midplane_lines_are_what_a_pair_does_together() -> None:

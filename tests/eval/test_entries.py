@@ -93,6 +93,14 @@ def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
         load_entries([str(folder)], Settings().env_kwargs)
 
 
+def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_path: Path) -> None:
+    folder = exported(tmp_path / "shared")
+    (entry,) = load_entries([str(folder)], Settings().env_kwargs, "jawenv/JawImaged-v1")
+    assert entry.env_id == "jawenv/JawImaged-v1" and "trained in jawenv/Jaw-v2" in entry.note
+    (entry,) = load_entries(["ppo_trismus"], Settings().env_kwargs, "jawenv/Jaw-v2")
+    assert not entry.note
+
+
 def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_path: Path, own: Path) -> None:
     specs = [str(exported(tmp_path / "shared")), str(tmp_path / "shared" / CARD), "entry_of_mine:Mine"]
     before = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]

@@ -59,6 +59,14 @@ def test_a_candidate_is_judged_as_it_is_played_alone(control):
     assert second.discomfort_s == pytest.approx(jawenv.score(played).discomfort_s.mean(), abs=1e-9)
 
 
+def test_a_candidate_is_played_in_the_environment_that_is_asked_for():
+    candidate = Sines().maneuver(numbers_of(START, 1.0), CANDIDATE)
+    exact, imaged = (Judge(Design(**SHORT, env=env))([candidate])[0] for env in ("Jaw", "JawImaged"))
+    assert imaged.worst_sd > 1.1 * exact.worst_sd
+    with pytest.raises(InputError, match="env 'knee': unknown"):
+        Design(**SHORT, env="knee")
+
+
 def test_what_breaks_the_constraint_ranks_behind_all_that_keeps_it():
     judge = Judge(Design(**SHORT))
     zero, known = np.zeros(2), np.array([-3.0, -3.1])

@@ -26,6 +26,7 @@ from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
+from jawenv.ladder import env_id_of, model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import Targets
 from jawenv.seeds import TUNING
@@ -66,6 +67,7 @@ class Design(SearchSettings):
         refine: name or file of the maneuver that is refined; empty: two sines on each channel are searched.
         then: name or file of the maneuver that follows a refined one after the horizon; empty: it goes on itself.
         seed: of the search.
+        env: the environment, as `jawenv.ladder.model_of_env` takes it.
     """
 
     cohort: str = "trismus"
@@ -80,6 +82,7 @@ class Design(SearchSettings):
     refine: str = ""
     then: str = ""
     seed: int = 0
+    env: str = "Jaw"
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -94,7 +97,7 @@ class Design(SearchSettings):
             raise InputError(f"{given}; allowed: {MOST_WORLDS:,} worlds, population times patients, at most")
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
-        configure(self.env_kwargs)
+        configure(self.env_kwargs | {"model": model_of_env(self.env).name})
         self.form()
 
     @property
@@ -176,7 +179,7 @@ class Judge:
         patients = 1 if design.over == "nominal" else design.patients
         worlds = patients * len(candidates)
         if self._env is None or self._env.num_envs != worlds:
-            self._env = gym.make_vec("jawenv/Jaw-v2", worlds, autoreset_mode="disabled", **design.env_kwargs)
+            self._env = gym.make_vec(env_id_of(design.env), worlds, autoreset_mode="disabled", **design.env_kwargs)
         configuration = self._env.configuration
         seeds = [TUNING.start + i for i in range(patients)] * len(candidates)
         options = {"patients": [nominal_patient(design.cohort)] * worlds} if design.over == "nominal" else None

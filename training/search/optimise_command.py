@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jawenv.controls import DEFAULT_CONTROL
+from jawenv.ladder import env_id_of, title_of_env
 from jawenv.progress import Progress
 from training.search.session import Anew, ManeuverFile, check_output, named, search_maneuver, write_found
 
@@ -37,6 +38,7 @@ def optimise(
     refine: Annotated[str, typer.Option(help="Maneuver (name or file) whose targets are varied.", metavar="M")] = "",
     then: Annotated[str, typer.Option(help="Maneuver that follows a refined one after the horizon.", metavar="M")] = "",
     seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
+    env: Annotated[str, typer.Option(help="Environment: Jaw, JawImaged, ...", metavar="NAME")] = "Jaw",
     overwrite: Anew = False,
 ) -> int:
     """Search the open-loop maneuver after which the parameters are known best, within comfort.
@@ -87,5 +89,6 @@ def _description(design: Design) -> str:
         f"{searched} by CMA-ES for {CRITERIA[design.criterion]} "
         f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
         f"the start, within comfort, in {design.control} control."
+        + (f" Played in {title_of_env(env_id_of(design.env))}." if design.env != "Jaw" else "")
         + (f" Then {Path(design.then).stem!r}." if design.then else "")
     )

@@ -5,6 +5,7 @@ import pytest
 from eval.comparison import results
 from jawenv.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, study
+from tests.metrics.linear_gaussian import linear_gaussian
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +26,14 @@ def test_a_row_per_patient_and_entry(made):
     assert made.of(GOOD)["seed"].tolist() == [7, 8, 9, 10, 11, 12]
     assert made.array(GOOD, "truth").shape == (6, 12)
     np.testing.assert_array_equal(made.array(GOOD, "truth"), made.array(BOASTFUL, "truth"))
+
+
+def test_what_is_known_early_is_what_an_episode_that_ends_then_has(made):
+    lasts_10_s = results.from_recording(linear_gaussian(3, steps=20), GOOD, 7, {}).patients
+    for name in results.EARLY_METRICS:
+        np.testing.assert_allclose(lasts_10_s[name], lasts_10_s[name.removeprefix("early_")], rtol=1e-9)
+        assert results.from_recording(linear_gaussian(3, steps=19), GOOD, 7, {}).patients[name].isna().all()
+    assert (made.of(GOOD)["early_worst_sd"] > made.of(GOOD)["worst_sd"]).all()
 
 
 def test_curves_end_where_the_patients_do(made):

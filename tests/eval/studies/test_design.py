@@ -36,6 +36,13 @@ def test_every_entry_is_played_under_every_setting():
     assert all(kwargs["reality"] == {"creep_share": 0.3} for kwargs in creeping)
 
 
+def test_an_environment_may_be_played_in_some_controls_alone():
+    made = cells(environments=["Jaw", {"env": "JawImaged", "controls": ["targets"]}], controls=["force", "targets"])
+    played = {(cell.environment, cell.control) for cell in made}
+    assert played == {("Jaw", "force"), ("Jaw", "targets"), ("JawImaged", "targets")}
+    assert {cell.settings.env for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
+
+
 def test_rates_reach_the_environment():
     made = cells(controls=["force"], control_hz=[10, 50], entries=["chirp"])
     assert [cell.control_hz for cell in made] == [10.0, 50.0]
@@ -94,6 +101,10 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             "agent 'myopic': control is 'force'; allowed for a planner: targets",
         ),
         ({"cohorts": ["knees"]}, "cohort 'knees' is unknown; allowed: trismus"),
+        (
+            {"environments": [{"env": "Jaw", "controls": ["force"]}]},
+            "environment 'Jaw': controls force; allowed: the study's, targets",
+        ),
         ({"environments": ["Knee"]}, "env 'Knee': unknown; allowed: jawenv/JawHinge-v2"),
         ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator: 'bilateral' given, allowed in"),
         ({"controls": ["thought"]}, "controls.0 = 'thought'"),
