@@ -7,20 +7,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
-from eval.calibration import beliefs
+from eval.calibration import beliefs, nuisances
 from eval.calibration import filters as known_filters
 from eval.calibration.filters import TENSION, filters_named
+from eval.calibration.nuisances import NuisanceListener
 from eval.entries import Entry, load_entries
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
 from eval.settings import Settings
+from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import mode_of
 from jawenv.errors import InputError
 from jawenv.progress import Progress
@@ -107,7 +109,10 @@ def _parts_of(entry: Entry, wanted: Calibration, folder: Path) -> list[Part]:
     """The parts of a maneuver, with a file of each filter."""
     played = wanted.settings
     settings = played.of_a_patient() | {"times": wanted.times}
-    prints = {name: fingerprint(entry, settings | {"filter": name}, beliefs, known_filters) for name in wanted.filters}
+    prints = {
+        name: fingerprint(entry, settings | {"filter": name}, beliefs, known_filters, nuisances)
+        for name in wanted.filters
+    }
     return parts_of(entry.label, range(played.seed, played.seed + played.patients), CHUNK, folder, prints)
 
 
@@ -125,6 +130,10 @@ def judge_part(
     """
     entry = load_entries([specs[part.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
     recorded = any(name != TENSION for name, _ in part.files)
-    recording = entry.play(part.number, part.first, record=recorded)
+    listener = (
+        None if knowledge(entry.env_kwargs.get("knowledge")).exact else NuisanceListener(entry.agent, wanted.times)
+    )
+    recording = (replace(entry, agent=listener) if listener else entry).play(part.number, part.first, record=recorded)
     for name, path in part.files:
-        write_table(beliefs.rows_of(recording, name, wanted.times, part.first), path, {})
+        rows = beliefs.rows_of(recording, name, wanted.times, part.first)
+        write_table(listener.added_to(rows, part.first) if listener and name == TENSION else rows, path, {})

@@ -42,6 +42,7 @@ def calibrate_command(
     estimator: options.Believed = None,
     knowledge: options.Known = "exact",
     output: options.Output = Path("runs/calibrate"),
+    details: options.Details = False,
     fresh: options.Fresh = False,
     trust: options.Trust = False,
 ) -> None:
@@ -66,7 +67,7 @@ def calibrate_command(
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)
     write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))
-    summary.show(table, console)
+    summary.show(table, console, details=details)
     console.print(
         f"table:   {output / 'calibration.md'}\n"
         f"results: {output / 'calibration.parquet'}, {output / 'beliefs.parquet'}",

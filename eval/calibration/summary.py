@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from eval import statistics
+from eval.calibration import nuisances
 from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
 from eval.report import words
 from eval.statistics import UNKNOWN, Interval
@@ -84,7 +85,7 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
     figures |= {"honest_low": low / size, "honest_high": high / size}
     figures |= {f"inside_{sigmas}": judged[f"inside_{sigmas}"].mean() if number else float("nan") for sigmas in SIGMAS}
     figures |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
-    return figures | {"parameters": size}
+    return figures | nuisances.summarised(judged) | {"parameters": size}
 
 
 def _bias(judged: pd.DataFrame, parameters: list[str]) -> dict[str, object]:
@@ -129,8 +130,14 @@ def cells(row: pd.Series) -> list[str]:
     ]
 
 
-def show(table: pd.DataFrame, console: Console) -> None:
-    """Print a summary, a table per maneuver and one of bias; red: the sds are too small, yellow: too large."""
+def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> None:
+    """Print a summary, a table per maneuver and one of bias; red: the sds are too small, yellow: too large.
+
+    Args:
+        table: the summary.
+        console: where.
+        details: whether to print the nuisances too.
+    """
     heads = (
         "filter",
         "time\ns",
@@ -157,6 +164,9 @@ def show(table: pd.DataFrame, console: Console) -> None:
         console.print(printed)
     console.print(_bias_table(table))
     console.print(Text(NOTE, style="dim"))
+    if details and nuisances.groups_in(table):
+        console.print(_nuisance_table(table))
+        console.print(Text(nuisances.NOTE, style="dim"))
 
 
 def _colour(row: pd.Series) -> str:
@@ -184,9 +194,22 @@ def _bias_table(table: pd.DataFrame) -> Table:
     return printed
 
 
+def _nuisance_table(table: pd.DataFrame) -> Table:
+    """What is left of the nuisances' sds, per maneuver and time, below the mean square of their errors."""
+    printed = printed_table("What is known within sds: (error/sd)², 1 if honest, and % of the sd left")
+    for head in nuisances.heads(table):
+        printed.add_column(head.replace(" ", "\n"), justify="left" if head == "maneuver" else "right")
+    for entry, time, *figures in nuisances.cells(table):
+        printed.add_row(entry, time, *(f"{text.split(' ')[0]}\n{text.split(', ')[1]}" for text in figures))
+    return printed
+
+
 def markdown(table: pd.DataFrame, lead: str) -> str:
     """A summary as a Markdown table, below a line that says what it was made with."""
-    return "\n".join([lead, "", words.table(COLUMNS, map(cells, _rows(table)), (0, 1)), "", NOTE]) + "\n"
+    parts = [lead, "", words.table(COLUMNS, map(cells, _rows(table)), (0, 1)), "", NOTE]
+    if nuisances.groups_in(table):
+        parts += ["", words.table(nuisances.heads(table), nuisances.cells(table), (0,)), "", nuisances.NOTE]
+    return "\n".join(parts) + "\n"
 
 
 def _rows(table: pd.DataFrame) -> Iterator[pd.Series]:

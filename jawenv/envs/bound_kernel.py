@@ -6,60 +6,30 @@ at its first use.
 
 from __future__ import annotations
 
-from functools import cache
-
-import numpy as np
-
 from jawenv.envs.information import decompose_parameters
-from jawenv.envs.plants import TICK
-from jawenv.filter.joint_recursion import joint_scratch_dtype, predict_covariance, update_covariance
-from jawenv.filter.joint_step import propagate
-from jawenv.kernels.compiled import njit, njit_within, world_kernel
-from jawenv.kernels.records import record_dtype
-
-
-@cache
-def bound_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of one thread's working memory."""
-    return record_dtype(
-        [
-            ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),
-            ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
-        ]
-    )
-
-
-@njit
-def prior_covariance(settings, covariance):
-    """The joint prior over motion, log-parameters and gain, from the filter's ``settings``."""
-    parameters = settings.prior_sd.shape[0]
-    first = (
-        covariance.shape[0] - parameters - 1
-    )  # states of the motion: a disturbance with memory is none of the bound's
-    covariance[:, :] = 0.0
-    for i in range(first):
-        covariance[i, i] = settings.start_sd[i] * settings.start_sd[i]
-    for i in range(parameters):
-        covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
-    covariance[first + parameters, first + parameters] = settings.gain_variance
+from jawenv.filter.bound_recursion import begin_bound, first_parameter, move_bound, read_bound
+from jawenv.kernels.compiled import njit_within, world_kernel
 
 
 @njit_within
 def follow_bound(model, world, settings, scratch, path):
-    """The bound of one world after its last control period, or after its first reading."""
-    truth, joint, tick = world.truth, scratch.joint, world.known.tick
+    """The bound of one world after its last control period, or after its first reading.
+
+    It is linearised at the true jaw, unless that is of another kind than the filter's ``model``.
+    """
+    truth, tick = world.truth, world.known.tick
     rows, begun, known = path.shape[0], tick == 0, settings.filter
+    jaw = truth.jaw if known.nuisances.mass.shape[0] > 0 and truth.jaw.condyles == model.condyles else model
     if begun:
-        prior_covariance(known, truth.bound)
+        begin_bound(known, truth.bound)
     for k in range(tick if begun else tick - settings.control.ticks_per_step + 1, tick + 1):
         row = path[k % rows]
         if not begun:
-            joint.state[:] = path[(k - 1) % rows].state
-            propagate(model, truth.muscles, joint.state, row.wrench, row.trend, 0.0, TICK, joint)
-            predict_covariance(truth.bound, settings.noise_variance, joint)
-        joint.state[:] = row.state
-        update_covariance(model, joint.state, truth.bound, known.measurement_variance, known.used, joint)
-    truth.log_det_bound = decompose_parameters(truth.bound, joint.state.shape[0], scratch.matrix)
+            before = path[(k - 1) % rows].state
+            true = (truth.muscles, before, row.state, row.wrench, row.trend)
+            move_bound(jaw, truth.bound, true, known, settings.noise_variance, scratch)
+        read_bound(jaw, row.state, truth.bound, known.used, known, scratch)
+    truth.log_det_bound = decompose_parameters(truth.bound, first_parameter(truth.bound, known), scratch.matrix)
 
 
 @world_kernel(place=1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, default_mandible
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.bound_kernel import bound_scratch_dtype, track_bound
+from jawenv.envs.bound_kernel import track_bound
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
@@ -22,6 +22,7 @@ from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
+from jawenv.filter.bound_recursion import bound_scratch_dtype
 from jawenv.filter.initial_motion import start_sd
 from jawenv.filter.known_within import write_nuisances
 from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
@@ -31,7 +32,7 @@ from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
-from jawenv.mechanics.unknowns import Unknowns, changed_jaw, directions, draw_unknowns, offset_of, turn_of
+from jawenv.mechanics.unknowns import Unknowns, along, changed_jaw, directions, draw_unknowns, offset_of, turn_of
 from jawenv.reality import perturb_geometry
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class Simulation:
         """(N, size) as of the last reset or step."""
         self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
         bound_threads = threads if configuration.needs_bound else 0
-        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes[:3]))
+        self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
 
     def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
@@ -141,6 +142,7 @@ class Simulation:
         if time > 0.0:
             variance = np.repeat([float(device[f"unmodelled_{kind}"]) ** 2 for kind in ("force", "moment")], 3)
             known["wrench_variance"] -= variance
+            settings["noise_variance"][:N_WRENCH] = known["wrench_variance"]
             known["start_sd"][-N_WRENCH:] = np.sqrt(variance)
             known["disturbance_decay"] = np.exp(-TICK / time)
             known["disturbance_variance"] = variance * -np.expm1(-2.0 * TICK / time)
@@ -251,6 +253,7 @@ class Simulation:
             values = with_anatomy_of(patient, values)
         jaw = changed_jaw(self.worlds["truth"]["jaw"][index], self.knowledge, muscles, values, tilt_deg)
         self.worlds["truth"]["jaw"][index] = jaw
+        self.worlds["truth"]["nuisances"][index] = [along(values, each) for each in self._sds]
         self.worlds["truth"]["cell_offset"][index] = offset_of(self.knowledge, values)
         self.worlds["truth"]["turn"][index] = turn_of(self.knowledge, values)
 

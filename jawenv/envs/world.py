@@ -9,7 +9,7 @@ import numpy as np
 from jawenv.device.channels import TRACKER
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
-from jawenv.filter.joint_recursion import filter_size
+from jawenv.filter.bound_recursion import bound_size
 from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_STATES
@@ -29,14 +29,14 @@ MOTORS = record_dtype(
 
 
 @cache
-def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.dtype[np.void]:
+def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_bound: int) -> np.dtype[np.void]:
     """Dtype of what only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
-    n_filter = filter_size(n_muscles, n_states)
     fields = [
         ("jaw", jaw_dtype(n_lines)),
         ("log_parameters", "f8", (2 * n_muscles,)),
         ("muscles", "f8", (n_lines, 2)),
         ("cell_gain", "f8"),
+        ("nuisances", "f8", (n_nuisances,)),  # drawn, in prior sds, as ``belief.nuisances`` has them
         ("cell_offset", "f8", 6),
         ("turn", "f8", 3),  # of the mouthpiece about body axes: what encoders and load cell show is turned by it
         ("state", "f8", N_STATES),
@@ -50,7 +50,7 @@ def truth_dtype(n_muscles: int, n_lines: int, n_states: int, n_body: int) -> np.
         ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
         ("governor", "f8"),  # share of the last step's ticks in which the governor acted
         ("violated", "u1"),
-        ("bound", "f8", (n_filter, n_filter)),
+        ("bound", "f8", (n_bound, n_bound)),
         ("log_det_bound", "f8"),
         ("log_score_prior", "f8"),
         ("log_score", "f8"),
@@ -91,7 +91,8 @@ def world_dtype(
         n_disturbance: Components of the unmodelled wrench that are states of the filter: 6 where it has memory, or 0.
         n_body: States of the plant with two condyles, 0 in a world of another.
     """
-    sizes = n_muscles, n_lines, n_states
-    return record_dtype(
-        [("truth", truth_dtype(*sizes, n_body)), ("known", known_dtype(*sizes, n_nuisances, n_disturbance))]
+    truth = truth_dtype(
+        n_muscles, n_lines, n_body, n_nuisances, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
     )
+    known = known_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)
+    return record_dtype([("truth", truth), ("known", known)])

@@ -19,6 +19,7 @@ mean. The environments' own filter does not carry the parameters in its state (`
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -36,26 +37,41 @@ def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
     return n_states + 2 * n_muscles + 1
 
 
+def recursion_fields(n_moving: int, n_read: int, size: int) -> list[Any]:
+    """Working memory of the covariance's recursion, as fields of a dtype.
+
+    Args:
+        n_moving: states that a tick moves, the first ones.
+        n_read: states that readings depend on, these and the next ones.
+        size: all states.
+    """
+    n_columns = size + N_NOISE
+    return [
+        ("total", "f8", (n_moving, n_columns)),  # [F, G]
+        ("covariance", "f8", (size, size)),
+        ("moved_cov", "f8", (n_moving, size)),  # F P
+        ("weighted", "f8", (n_moving, n_columns)),  # [F P, G W]
+        ("turned", "f8", (n_columns, n_moving)),
+        ("next_cov", "f8", (n_moving, n_moving)),
+        ("rows", "f8", (N_MEASUREMENTS, n_read)),  # H
+        ("turned_rows", "f8", (n_read, N_MEASUREMENTS)),  # H^T
+        ("read_cov", "f8", (n_read, size)),
+        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L of the innovations' covariance
+        ("whitened", "f8", (N_MEASUREMENTS, size)),  # L^-1 H P
+        ("gains", "f8", (size, N_MEASUREMENTS)),  # its transpose
+    ]
+
+
 @cache
 def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
     """Dtype of the filter's working memory."""
     n_filter = filter_size(n_muscles, n_states)
-    n_columns = n_filter + N_NOISE
     fields = [
         *sensitivity_fields(n_muscles, n_lines, n_states),
+        *(field for field in recursion_fields(n_states, n_states, n_filter) if field[0] != "total"),
         ("muscles", "f8", (n_lines, 2)),
         ("state", "f8", (n_states,)),
-        ("covariance", "f8", (n_filter, n_filter)),
-        ("moved_cov", "f8", (n_states, n_filter)),  # F P
-        ("weighted", "f8", (n_states, n_columns)),  # [F P, G W]
-        ("turned", "f8", (n_columns, n_states)),
-        ("next_cov", "f8", (n_states, n_states)),
-        ("turned_rows", "f8", (n_states, N_MEASUREMENTS)),  # H^T
-        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L of the innovations' covariance
-        ("whitened", "f8", (N_MEASUREMENTS, n_filter)),  # L^-1 H P
-        ("gains", "f8", (n_filter, N_MEASUREMENTS)),  # its transpose
         ("row", "f8", (n_states,)),
-        ("rows", "f8", (N_MEASUREMENTS, n_states)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("noise_variance", "f8", (N_NOISE,)),
         ("shift", "f8", (n_filter,)),
@@ -136,18 +152,24 @@ def update_covariance(jaw, state, covariance, variances, used, scratch):
     All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
     """
     expect(jaw, state, scratch.rows, scratch.expected)
+    take_rows(covariance, variances, used, scratch)
+
+
+@njit
+def take_rows(covariance, variances, used, scratch):
+    """As ``update_covariance``, for the derivative of the readings in ``scratch.rows``."""
     rows, factor, whitened, gains = scratch.rows, scratch.factor, scratch.whitened, scratch.gains
-    size, n_states = covariance.shape[0], rows.shape[1]
+    size, n_read = covariance.shape[0], rows.shape[1]
     for i in range(N_MEASUREMENTS):
         if not used[i]:
             rows[i, :] = 0.0
     copy_matrix(scratch.covariance, covariance)
-    for i in range(n_states):
+    for i in range(n_read):
         for j in range(size):
-            scratch.moved_cov[i, j] = covariance[i, j]
-    multiply(rows, scratch.moved_cov, whitened)
+            scratch.read_cov[i, j] = covariance[i, j]
+    multiply(rows, scratch.read_cov, whitened)
     for i in range(N_MEASUREMENTS):
-        for k in range(n_states):
+        for k in range(n_read):
             scratch.turned_rows[k, i] = rows[i, k]
     multiply(whitened, scratch.turned_rows, factor)
     for i in range(N_MEASUREMENTS):

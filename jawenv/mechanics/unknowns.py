@@ -59,6 +59,11 @@ def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
     return Unknowns(*(np.clip(values, -FARTHEST, FARTHEST) for values in draws))
 
 
+def along(values: Unknowns, direction: Unknowns) -> float:
+    """How far values are along one of ``directions``, in sds."""
+    return float(sum(np.vdot(each, way) for each, way in zip(values, direction, strict=True)))
+
+
 def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns, tilt_deg: float = 0.0) -> Any:
     """A copy of the record ``jaw`` with its numbers at ``values``; ``tilt_deg`` is the head's known pitch."""
     changed, mandible = jaw.copy(), default_mandible()

@@ -57,9 +57,22 @@ def joint_likelihood(simulation: Simulation, index: int) -> JointLikelihood:
     """
     if simulation.knowledge.exact:
         raise InputError("knowledge is exact; allowed: knowledge within sds, as imaged")
+    return _told(simulation, index, np.array([own_values(values) for values in simulation.nuisance_sds]))
+
+
+def belief_of_nuisances(simulation: Simulation, index: int) -> tuple[Array, Array]:
+    """Mean and sd (q,) of every nuisance of world ``index`` in prior sds, in the filter's order; 0 and 1 before."""
+    size, prior = len(simulation.nuisance_sds), simulation.cohort.prior
+    told = _told(simulation, index, np.eye(size))
+    start = np.concatenate([prior.mean, np.zeros(size)]), np.diag(np.concatenate([prior.sd, np.ones(size)]) ** 2)
+    mean, cov = told.posterior(*start)
+    return mean[-size:], np.sqrt(np.diagonal(cov)[-size:])
+
+
+def _told(simulation: Simulation, index: int, own: Array) -> JointLikelihood:
+    """What world ``index`` has told of muscles and of Q values, of which ``own`` (nuisances, Q) has one sd of each."""
     belief = simulation.worlds["known"]["belief"][index]
     gain_variance = float(simulation.settings[0]["filter"]["gain_variance"])
-    own = np.array([own_values(values) for values in simulation.nuisance_sds])
     derivative, at_zero, kept = _linearised(belief, own, gain_variance)
     columns = len(derivative)
     lower = np.tril(belief["information"][:columns, :columns])

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import gymnasium as gym
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -10,9 +11,10 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from eval.calibration import beliefs, calibrate, summary
+from eval.calibration import beliefs, calibrate, nuisances, summary
 from eval.calibration.filters import OTHERS
 from eval.cli import main
+from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances, joint_likelihood
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 from tests.metrics.linear_gaussian import linear_gaussian
@@ -208,3 +210,33 @@ def test_a_damaged_file_and_an_unusable_folder_say_what_to_do(tmp_path, plays, c
     assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2", "--fresh") == 0
     (tmp_path / "file").write_text("")
     assert run(tmp_path / "file", "hold_still", *SHORT) == 2
+
+
+def test_what_is_known_within_sds_is_judged_by_groups(tmp_path, capsys):
+    """Each group's figures are those of the belief about all nuisances, and a short episode leaves most unknown."""
+    given = [MANEUVER, "--patients", "2", "--times", "0.6,1", "--knowledge", "imaged", "--seed", "6000"]
+    assert run(tmp_path, *given, "--details") == 0
+    assert "mouthpiece" in capsys.readouterr().out
+    rows, table = (pd.read_parquet(tmp_path / f"{name}.parquet") for name in ("beliefs", "calibration"))
+    assert nuisances.groups_in(table) == list(nuisances.GROUPS)
+    for group in nuisances.GROUPS:
+        left, squares = (rows[f"{kind}/{group}"].to_numpy().reshape(2, 2) for kind in (nuisances.LEFT, nuisances.ERROR))
+        assert ((left > 0.0) & (left < 1.01)).all() and (left[:, 1] <= left[:, 0] + 0.02).all(), group
+        np.testing.assert_allclose(table[f"{nuisances.ERROR}/{group}"], squares.mean(axis=0))
+    assert "of the sd before anything was measured" in (tmp_path / "calibration.md").read_text()
+
+
+def test_the_belief_about_nuisances_is_the_filters():
+    env = gym.make("jawenv/Jaw-v2", knowledge="imaged", episode_s=2.0)
+    env.reset(seed=6001)
+    for _ in range(10):
+        _, _, _, _, info = env.step(np.array([0.5, 0.5, 0.2, -0.5], dtype=np.float32))
+    simulation = env.unwrapped.simulation
+    size = len(simulation.nuisance_sds)
+    told, prior = joint_likelihood(simulation, 0), simulation.cohort.prior
+    assert told.vector.shape == (12 + 8 + 36,), "the patient's own"
+    mean, sd = belief_of_nuisances(simulation, 0)
+    np.testing.assert_allclose(mean, simulation.worlds["known"]["belief"]["nuisances"][0], atol=0.1)
+    drawn = simulation.worlds["truth"]["nuisances"][0]
+    assert np.abs(drawn).max() > 1.0 and np.mean(np.square((mean - drawn) / sd)) < 3.0
+    assert info["belief_sd"].max() < prior.sd.max() and (sd < 1.0).all() and len(sd) == size

@@ -1,0 +1,135 @@
+"""What the filter believes of what it knows only within sds beside the muscles, and what was drawn: by groups."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from eval import statistics
+from eval.calibration.beliefs import JUDGED
+from eval.report import words
+from eval.statistics import Interval
+from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
+from jawenv.mechanics.unknowns import Unknowns
+from jawenv.playing.agents import Listener
+from jawenv.playing.protocol import Action
+
+NOTE = (
+    "What is known only within an sd beside the muscles: the mean of (error / sd) squared of a group, 1 if honest, and "
+    "the mean sd that is left, in % of the sd before anything was measured. What a maneuver leaves below 100 % it "
+    "calibrates."
+)
+_NUMBERS = ("fossa", "fossa", "mass", "damping", "damping", "head tilt")
+_FIELDS = {
+    "origin": "attachments",
+    "insertion": "attachments",
+    "centre_of_mass": "centre of mass",
+    "mouthpiece": "mouthpiece, place",
+    "turn": "mouthpiece, angles",
+    "offset": "cell offset",
+}
+GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
+"""Of nuisances, in the order of tables."""
+ERROR, LEFT = "nuisance_z2", "nuisance_left"
+"""Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
+
+
+def group_of(direction: Unknowns) -> str:
+    """The group of one of the filter's nuisances."""
+    place = np.flatnonzero(direction.numbers)
+    if len(place):
+        return _NUMBERS[place[0]]
+    return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
+
+
+class NuisanceListener(Listener):
+    """An agent as ever, while what the filter believes of nuisances is kept at some times, for all worlds.
+
+    Args:
+        agent: who plays.
+        times: s.
+    """
+
+    def __init__(self, agent: Any, times: Sequence[float]) -> None:
+        """Nothing is heard yet."""
+        super().__init__(agent)
+        self._times = tuple(times)
+
+    def attach(self, env: Any) -> None:
+        """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
+        super().attach(env)
+        self._simulation = env.unwrapped.simulation
+        rate = self._simulation.configuration.steps_per_s
+        self._step, self._steps = 0, {round(time * rate): time for time in self._times}
+        self._kept: dict[float, list[dict[str, float]]] = {}
+
+    def _hear(self, action: Action) -> None:
+        self._keep()
+        self._step += 1
+
+    def _keep(self) -> None:
+        if self._step in self._steps:
+            worlds = range(len(self._simulation.worlds))
+            self._kept[self._steps[self._step]] = [figures_of(self._simulation, world) for world in worlds]
+
+    def added_to(self, rows: pd.DataFrame, first_seed: int) -> pd.DataFrame:
+        """Rows of ``beliefs.rows_of`` with the columns of all groups; after the episodes."""
+        self._keep()
+        worlds = rows["seed"] - first_seed
+        judged = rows["outcome"] == JUDGED
+        chosen = [
+            self._kept[time][world] if known else {}
+            for world, time, known in zip(worlds, rows["time_s"], judged, strict=True)
+        ]
+        return rows.join(pd.DataFrame(chosen, index=rows.index))
+
+
+def figures_of(simulation: Any, world: int) -> dict[str, float]:
+    """For each group the mean of (error / sd) squared, and of the sds that are left of the prior's."""
+    mean, sd = belief_of_nuisances(simulation, world)
+    squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
+    groups = np.array([group_of(direction) for direction in simulation.nuisance_sds])
+    figures: dict[str, float] = {}
+    for group in dict.fromkeys(groups):
+        chosen = groups == group
+        figures |= {f"{ERROR}/{group}": float(squares[chosen].mean()), f"{LEFT}/{group}": float(sd[chosen].mean())}
+    return figures
+
+
+def summarised(judged: pd.DataFrame) -> dict[str, float]:
+    """Means over patients of the columns of each group, those of the squares with the ends of 95 % intervals."""
+    figures: dict[str, float] = {}
+    for group in groups_in(judged):
+        squares, left = judged[f"{ERROR}/{group}"], judged[f"{LEFT}/{group}"]
+        figures |= statistics.mean(squares.to_numpy()).columns(f"{ERROR}/{group}") | {f"{LEFT}/{group}": left.mean()}
+    return figures
+
+
+def groups_in(table: pd.DataFrame) -> list[str]:
+    """The groups that rows or a summary have, in the order of ``GROUPS``."""
+    return [group for group in GROUPS if f"{ERROR}/{group}" in table.columns and table[f"{LEFT}/{group}"].notna().any()]
+
+
+def heads(table: pd.DataFrame) -> list[str]:
+    """Headings of ``cells``."""
+    return ["maneuver", "time, s", *groups_in(table)]
+
+
+def cells(table: pd.DataFrame) -> list[list[str]]:
+    """A row for each maneuver and time of a summary: squares with their interval, and what is left, of each group."""
+    groups = groups_in(table)
+    known = table[table[[f"{LEFT}/{group}" for group in groups]].notna().any(axis=1)]
+    return [
+        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group) for group in groups)]
+        for _, row in known.iterrows()
+    ]
+
+
+def _cell(row: pd.Series, group: str) -> str:
+    """As `1.02 (0.93 … 1.12), 64 %`."""
+    squares = words.with_interval(Interval.of(row, f"{ERROR}/{group}"), 2)
+    return f"{squares}, {words.percent(row[f'{LEFT}/{group}'], 0)} %"

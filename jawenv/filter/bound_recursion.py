@@ -1,0 +1,172 @@
+"""The bound's recursion over one tick along a known motion, with all that is not known exactly beside the muscles.
+
+State: motion (n); the unmodelled wrench where it has memory (6, ``disturbance``); nuisances in prior sds (q,
+``nuisances``); natural logs of F_o and b per muscle; the load cell's relative gain error (1). Where anatomy and device
+are known exactly and the wrench has no memory this is ``joint_recursion``'s own state.
+
+A nuisance is a constant with prior N(0, 1) that is estimated with the rest. It moves the motion through its wrench at
+the mouthpiece half way through the tick, and changes what the encoders read.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numba.extending import overload
+
+from jawenv.filter.cell_trend import mean_reading
+from jawenv.filter.encoders import expect
+from jawenv.filter.joint_recursion import (
+    filter_size,
+    joint_scratch_dtype,
+    predict_covariance,
+    recursion_fields,
+    take_rows,
+)
+from jawenv.filter.joint_step import propagate
+from jawenv.filter.nuisances import add_readings, middle_rates, nuisance_fields, set_wrenches
+from jawenv.filter.regressors import middle_of
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.dynamics import N_WRENCH
+
+
+def bound_size(n_muscles: int, n_states: int, n_nuisances: int, n_disturbance: int) -> int:
+    """Number of states of the bound's recursion."""
+    return filter_size(n_muscles, n_states) + n_nuisances + n_disturbance
+
+
+@cache
+def bound_scratch_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
+    """Dtype of one thread's working memory."""
+    moving, size = n_states + n_disturbance, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
+    return record_dtype(
+        [
+            ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),
+            ("recursion", record_dtype(recursion_fields(moving, moving + n_nuisances, size))),
+            ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
+            ("wrench", "f8", (N_WRENCH, n_nuisances)),  # of one sd of each nuisance
+            ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
+        ]
+    )
+
+
+@njit
+def first_parameter(covariance, settings):
+    """Number of the first log-parameter among the states."""
+    return covariance.shape[0] - 1 - settings.prior_sd.shape[0]
+
+
+@njit
+def begin_bound(settings, covariance):
+    """The joint prior, from the filter's ``settings``."""
+    first, moving = first_parameter(covariance, settings), settings.start_sd.shape[0]
+    covariance[:, :] = 0.0
+    for i in range(moving):
+        covariance[i, i] = settings.start_sd[i] * settings.start_sd[i]
+    for i in range(moving, first):
+        covariance[i, i] = 1.0
+    for i in range(settings.prior_sd.shape[0]):
+        covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
+    covariance[-1, -1] = settings.gain_variance
+
+
+@njit
+def move_bound(jaw, covariance, tick, settings, noise_variance, scratch):
+    """Through a tick; ``tick`` is (muscles, motion before, motion after, wrench, the load cell's trend), all true."""
+    muscles, before, after, wrench, trend = tick
+    joint, recursion = scratch.joint, scratch.recursion
+    joint.state[:] = before
+    propagate(jaw, muscles, joint.state, wrench, trend, 0.0, settings.dt, joint)
+    extend_total(joint.total, settings.disturbance_decay, first_parameter(covariance, settings), recursion.total)
+    move_by_nuisances(jaw, muscles, (before, after, wrench), settings, scratch)
+    predict_covariance(covariance, noise_variance, recursion)
+    first = joint.total.shape[0]
+    for k in range(settings.disturbance_variance.shape[0]):
+        covariance[first + k, first + k] += settings.disturbance_variance[k]
+
+
+@njit
+def extend_total(motion_total, decay, parameters, total):
+    """``total`` of all states from that of ``propagate``; ``parameters`` is the column of the first."""
+    n_states, moving = motion_total.shape[0], total.shape[0]
+    rest = motion_total.shape[1] - n_states  # parameters, gain and the wrench not known
+    wrench = motion_total.shape[1] - 2 * N_WRENCH
+    total[:, :] = 0.0
+    for i in range(n_states):
+        for j in range(n_states):
+            total[i, j] = motion_total[i, j]
+        for k in range(moving - n_states):
+            total[i, n_states + k] = motion_total[i, wrench + k]
+        for j in range(rest):
+            total[i, parameters + j] = motion_total[i, n_states + j]
+    for i in range(n_states, moving):
+        total[i, i] = decay
+
+
+@njit
+def read_bound(jaw, motion, covariance, used, settings, scratch):
+    """At the readings of the end of a tick, of the true ``motion``."""
+    joint, recursion = scratch.joint, scratch.recursion
+    expect(jaw, motion, joint.rows, joint.expected)
+    recursion.rows[:, :] = 0.0
+    for i in range(joint.rows.shape[0]):
+        for j in range(joint.rows.shape[1]):
+            recursion.rows[i, j] = joint.rows[i, j]
+    read_by_nuisances(jaw, motion, used, settings, scratch)
+    take_rows(covariance, settings.measurement_variance, used, recursion)
+
+
+def move_by_nuisances(jaw, muscles, tick, settings, scratch):
+    """What one sd of each nuisance does to the motion at the tick's end, into its columns of the derivative."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(move_by_nuisances, inline="always")
+def _choose_motion(jaw, muscles, tick, settings, scratch):
+    if scratch.typeof("wrench").shape[1] == 0:
+        return lambda jaw, muscles, tick, settings, scratch: None
+    return lambda jaw, muscles, tick, settings, scratch: add_columns(jaw, muscles, tick, settings, scratch)
+
+
+@njit
+def add_columns(jaw, muscles, tick, settings, scratch):
+    """``move_by_nuisances`` where there are some."""
+    before, after, wrench = tick
+    pose, _ = middle_of(jaw, before, after)
+    u, rate = middle_rates(before, after, settings.dt)
+    mean = (
+        mean_reading(wrench, 0),
+        mean_reading(wrench, 1),
+        mean_reading(wrench, 2),
+        mean_reading(wrench, 3),
+        mean_reading(wrench, 4),
+        mean_reading(wrench, 5),
+    )
+    set_wrenches(jaw, muscles, (pose, u, rate, mean), settings.nuisances, 0, scratch.wrench, scratch.nuisances)
+    total, by_wrench = scratch.recursion.total, scratch.joint.total
+    first, place = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
+    for i in range(by_wrench.shape[0]):
+        for k in range(N_WRENCH):
+            for j in range(scratch.wrench.shape[1]):
+                total[i, first + j] += by_wrench[i, place + k] * scratch.wrench[k, j]
+
+
+def read_by_nuisances(jaw, motion, used, settings, scratch):
+    """What one sd of each nuisance adds to the readings, into its columns of their derivative."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(read_by_nuisances, inline="always")
+def _choose_readings(jaw, motion, used, settings, scratch):
+    if scratch.typeof("wrench").shape[1] == 0:
+        return lambda jaw, motion, used, settings, scratch: None
+
+    def call(jaw, motion, used, settings, scratch):
+        first = scratch.recursion.total.shape[0]
+        add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)
+
+    return call
