@@ -48,10 +48,10 @@ class Prediction:
     """K copies of each of N worlds.
 
     A copy has the world's device and filter: belief, motors, targets, comfort limits, last reading, tick. Its truth is
-    what the filter believes (certainty equivalence): muscles at the belief's mean, the filtered motion, the filter's
-    own geometry, no effect that the filter does not know. Its noise is a thousandth of the device's, while the filter
-    counts with all of it: the predicted covariance is that of the expected motion. The filter does not filter its
-    readings again in a copy, as it does where its mean has moved far.
+    what the filter believes (certainty equivalence): muscles, nuisances and disturbance at the belief's mean, the
+    filtered motion, the filter's own geometry, no effect that the filter does not know. Its noise is a thousandth of
+    the device's, while the filter counts with all of it: the predicted covariance is that of the expected motion. The
+    filter does not filter its readings again in a copy, as it does where its mean has moved far.
 
     Args:
         simulation: the N worlds; they are only read.
@@ -90,7 +90,7 @@ class Prediction:
         worlds, candidates = self._real.worlds.copy(), self._candidates
         before = potential(self._goal, worlds)
         if not self._clairvoyant:
-            believe(worlds, self._real.models)
+            believe(worlds, self._real)
         worlds["truth"]["key"] = keys
         copies = self._copies
         copies.worlds[:] = np.repeat(worlds, candidates)
@@ -107,22 +107,27 @@ class Prediction:
         return Outcome(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))
 
 
-def believe(worlds: NDArray[np.void], models: NDArray[np.void]) -> None:
+def believe(worlds: NDArray[np.void], simulation: Simulation) -> None:
     """Make what the filter believes of N worlds their truth.
 
     Args:
-        worlds: N records of dtype ``world_dtype``; changed.
-        models: N jaws as the filter knows them.
+        worlds: copies of the N records of ``simulation``; changed.
+        simulation: whose filter it is.
     """
-    truth, belief = worlds["truth"], worlds["known"]["belief"]
-    truth["jaw"] = models
+    truth, belief, models = worlds["truth"], worlds["known"]["belief"], simulation.models
+    nuisances, changes = belief["nuisances"], simulation.settings["filter"]["nuisances"]
+    truth["jaw"] = belief["jaw"] if nuisances.size else models
+    truth["cell_offset"], truth["turn"] = nuisances @ changes["offset"], nuisances @ changes["turn"]
     truth["log_parameters"] = belief["mean"]
     of_line = 2 * models["muscle"].astype(np.intp)
     for k in range(2):
         truth["muscles"][..., k] = np.exp(np.take_along_axis(belief["mean"], of_line + k, axis=1))
     truth["cell_gain"] = 0.0
     truth["lift"] = 0.0
-    if np.all(models["condyles"] == 2):
+    states = N_BODY if np.all(models["condyles"] == 2) else N_STATES
+    disturbance = belief["motion"][:, states:]  # none where it has no memory
+    truth["unmodelled"] = disturbance if disturbance.size else 0.0
+    if states == N_BODY:
         truth["body"] = belief["motion"][:, :N_BODY]
         for i in range(len(worlds)):
             take_body(truth[i])

@@ -8,9 +8,9 @@ from agents.prediction import Prediction, believe
 from jawenv.envs.rewards import potential
 
 
-@pytest.fixture
-def env():
-    made = gym.make_vec("jawenv/Jaw-v2", num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
+@pytest.fixture(params=["jawenv/Jaw-v2", "jawenv/JawImaged-v1"])
+def env(request):
+    made = gym.make_vec(request.param, num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
     made.reset(seed=5000)
     for _ in range(5):
         made.step(np.full((2, 4), 0.3, np.float32))
@@ -33,15 +33,17 @@ ALL = np.ones(2, dtype=bool)
 def test_the_believed_world_has_nothing_of_the_truth(env):
     simulation = env.unwrapped.simulation
     hidden = simulation.worlds.copy()
-    for name in ("log_parameters", "muscles", "cell_gain", "state", "lift", "jaw"):
+    of_the_patient = ("log_parameters", "muscles", "state", "lift", "jaw", "unmodelled")
+    for name in (*of_the_patient, "cell_gain", "cell_offset", "turn"):
         hidden["truth"][name] = np.zeros_like(hidden["truth"][name])
     seen = simulation.worlds.copy()
-    believe(hidden, simulation.models)
-    believe(seen, simulation.models)
+    believe(hidden, simulation)
+    believe(seen, simulation)
     for part in ("truth", "known"):
         for name in seen[part].dtype.names:
             np.testing.assert_equal(hidden[part][name].tolist(), seen[part][name].tolist())
-    np.testing.assert_array_equal(seen["truth"]["state"], simulation.worlds["known"]["belief"]["motion"])
+    states = simulation.worlds["truth"]["state"].shape[1]
+    np.testing.assert_array_equal(seen["truth"]["state"], simulation.worlds["known"]["belief"]["motion"][:, :states])
     muscles = np.exp(simulation.worlds["known"]["belief"]["mean"]).reshape(2, -1, 2)
     np.testing.assert_allclose(np.unique(seen["truth"]["muscles"][0, :, 0]), np.unique(muscles[0, :, 0]))
 
@@ -57,7 +59,9 @@ def test_the_future_is_foretold(env, clairvoyant):
         env.step(tried[:, 2, step].astype(np.float32))
     gained = potential(GOAL, simulation.worlds) - before
     assert not outcome.lost.any()
-    np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=0.25)
+    # Of a jaw known within sds the real filter filters its first readings again and again, copies do not.
+    close = 0.35 if simulation.nuisance_sds else 0.25
+    np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=close)
     assert np.ptp(outcome.gain, axis=1).min() > 0.5
 
 
