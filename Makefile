@@ -32,9 +32,11 @@ notebooks: ## open the notebooks in JupyterLab
 	@.ci/setup train eval notebooks
 	$(BIN)/jupyter lab eval/notebooks
 
-docs: ## run the notebooks and build the site: runs/site/index.html
+docs: ## run notebooks, examples and films, and build the site: runs/site/index.html
 	@.ci/setup train eval docs
 	$(BIN)/python docs/site/notebook_pages.py
+	$(BIN)/python docs/site/example_pages.py
+	$(BIN)/python docs/site/gallery.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables

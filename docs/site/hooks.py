@@ -17,9 +17,13 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE), str(ROOT)]
 
 import environment_pages  # noqa: E402
+import example_pages  # noqa: E402
+import gallery  # noqa: E402
+import landing  # noqa: E402
 import notebook_pages  # noqa: E402
 
 import jawenv  # noqa: E402
+from eval.report.terms import TERMS  # noqa: E402
 
 PAGES = {"README.md": "index.md"} | {
     name: name
@@ -34,6 +38,8 @@ PAGES = {"README.md": "index.md"} | {
 }
 """Pages outside docs/: where they lie in the repository, and in the site."""
 PLAIN = ("LICENSE", "CITATION.cff")
+EXPLAINED = "\n\n" + "\n".join(f"*[{word}]: {TERMS[word]}" for word in ("NEES", "RMSE", "nats"))
+"""Terms that a reader finds explained under the pointer, wherever they stand."""
 LINK = re.compile(r"(\]\()([^)#:\s]+)((?:#[^)]*)?\))")
 MATRIX = re.compile(r"<mo>(&#x00028;|&#x0005B;)</mo>(<mtable>.*?</mtable>)<mo>(&#x00029;|&#x0005D;)</mo>")
 FUNCTION = re.compile(
@@ -50,11 +56,16 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, place, content=content))
 
     for source, place in PAGES.items():
-        add(place, (ROOT / source).read_text(encoding="utf-8"))
+        text = (ROOT / source).read_text(encoding="utf-8")
+        add(place, landing.landing(text) if source == "README.md" else text)
     for name in PLAIN:
         add(name, (ROOT / name).read_bytes())
     for place, content in (environment_pages.pages() | notebook_pages.pages()).items():
         add(place, content)
+    for place, shown in (gallery.files() | example_pages.files()).items():
+        add(place, shown)
+    add("gallery.md", gallery.page())
+    add("examples.md", example_pages.page())
     add("api.md", _api())
     return files
 
@@ -64,8 +75,8 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     place = page.file.src_uri
     origin = next((source for source, known in PAGES.items() if known == place), f"docs/{place}")
     if origin in PAGES or (ROOT / origin).exists():
-        return LINK.sub(lambda link: link[1] + _target(link[2], origin, place) + link[3], markdown)
-    return markdown
+        markdown = LINK.sub(lambda link: link[1] + _target(link[2], origin, place) + link[3], markdown)
+    return markdown + EXPLAINED
 
 
 def on_page_content(html: str, **_: Any) -> str:

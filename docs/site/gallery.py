@@ -1,0 +1,207 @@
+"""A page of the maneuvers that come along: how each moves a jaw, what it is for, and three figures.
+
+``python docs/site/gallery.py`` makes the films first; they are kept in runs/gallery until a maneuver or the drawing has
+changed. A maneuver without a film is shown by its targets alone. The figures are those of docs/tables/headline.md.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import sys
+from html import escape
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+from jawenv.device.channels import CHANNELS  # noqa: E402
+from jawenv.files import atomic_write  # noqa: E402
+from jawenv.locks import alone  # noqa: E402
+from jawenv.playing.maneuvers import Maneuver, maneuver_names  # noqa: E402
+from jawenv.playing.maneuvers.maneuver import FOLDER  # noqa: E402
+from jawenv.progress import Progress  # noqa: E402
+
+KEPT = ROOT / "runs" / "gallery"
+TABLE = ROOT / "docs" / "tables" / "headline.md"
+SHOWN_S, SPEED = 20.0, 2  # of the patient's time, and how much quicker the film is
+STEPS_PER_S = 10
+WIDTH = 480
+FIGURES = {
+    "time to 5 %, s": ("s", "until all 12 numbers are known to 5 %"),
+    "worst sd, %": ("%", "sd of the least known after 30 s"),
+    "discomfort, s": ("s", "of discomfort in 30 s"),
+}
+"""Heading of the table -> unit, and what the figure is."""
+FIRST = {"slow_opening": 0, "refined": 1}
+DRAWN_S = 30.0
+CHART = (480, 96)
+
+
+def film_all(console: Console) -> None:
+    """Film every maneuver whose film is not kept."""
+    KEPT.mkdir(parents=True, exist_ok=True)
+    names = maneuver_names()
+    with alone(KEPT), Progress(len(names), "films", console) as progress:
+        for number, name in enumerate(names, 1):
+            if not _film(name).exists():
+                progress.say(f"filming {name}")
+                _record(name)
+            progress.advance_to(number)
+
+
+def files() -> dict[str, bytes]:
+    """Place in the site -> content, of the films that were made and their first pictures."""
+    made = {}
+    for name in maneuver_names():
+        for suffix in (".mp4", ".jpg"):
+            place = _film(name).with_suffix(suffix)
+            if place.exists():
+                made[f"gallery/{name}{suffix}"] = place.read_bytes()
+    return made
+
+
+def page() -> str:
+    """The page as Markdown."""
+    names = sorted(maneuver_names(), key=lambda name: (FIRST.get(name, len(FIRST)), name))
+    figures = _figures()
+    cards = "\n".join(_card(Maneuver.named(name), figures.get(name, {})) for name in names)
+    return (
+        "---\nhide: [toc]\n---\n\n# Gallery of maneuvers\n\n"
+        f"One patient of the cohort `trismus`, moved by each maneuver: {SHOWN_S:g} s, at twice their speed. The "
+        "bluer a muscle, the better it is known. Below each film are the targets over time, and what 200 patients gave "
+        "([all figures](tables/headline.md)). `jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
+        "lets you take over.\n\n"
+        f'<div class="gallery">\n{cards}\n</div>\n\n'
+        "How to write one of your own: [maneuvers](agents/README.md#write-a-maneuver).\n"
+    )
+
+
+def _record(name: str) -> None:
+    """An episode's jaw from the side and from the front, as a film and its first picture."""
+    import imageio.v2 as imageio
+    from PIL import Image
+
+    place = _film(name)
+    pictures = [_jaw(picture) for picture in _pictures(name)]
+    with atomic_write(place.with_suffix(".jpg")) as unfinished:
+        Image.fromarray(pictures[len(pictures) // 4]).save(unfinished, "JPEG", quality=85)
+    with atomic_write(place) as unfinished:
+        own = unfinished.with_suffix(".mp4")
+        imageio.mimwrite(own, pictures, fps=STEPS_PER_S * SPEED, macro_block_size=2, output_params=["-crf", "27"])
+        own.replace(unfinished)
+
+
+def _pictures(name: str) -> list[np.ndarray]:
+    import gymnasium as gym
+
+    import jawenv
+
+    env = gym.make(
+        "jawenv/Jaw-v2", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S, render_mode="rgb_array"
+    ).unwrapped
+    agent = jawenv.Player(name, control="targets", control_hz=STEPS_PER_S)
+    observation, _ = env.reset(seed=0)
+    agent.reset(1, 0)
+    pictures, done = [], False
+    while not done:
+        pictures.append(env.render())
+        action, _ = agent.predict(observation)
+        observation, _, terminated, truncated, _ = env.step(action)
+        done = terminated or truncated
+    env.close()
+    return pictures
+
+
+def _jaw(picture: np.ndarray) -> np.ndarray:
+    """The two views of the jaw."""
+    from PIL import Image
+
+    from jawenv.rendering.frame import CARDS
+
+    side, front = CARDS[:2]
+    cut = picture[side[1] : side[1] + side[3], side[0] : front[0] + front[2]]
+    height = 2 * round(WIDTH * cut.shape[0] / cut.shape[1] / 2)
+    return np.asarray(Image.fromarray(cut).resize((WIDTH, height), Image.Resampling.LANCZOS))
+
+
+def _film(name: str) -> Path:
+    """Where a film lies; its name says of which sources it is."""
+    mark = hashlib.sha256()
+    sources = sorted((ROOT / "jawenv" / "rendering").glob("*.py"))
+    for source in (FOLDER / f"{name}.yaml", Path(__file__), *sources):
+        mark.update(source.read_bytes())
+    return KEPT / f"{name}-{mark.hexdigest()[:12]}.mp4"
+
+
+def _card(maneuver: Maneuver, figures: dict[str, str]) -> str:
+    """A block that Markdown leaves as it is."""
+    name = maneuver.name
+    moving = (
+        f'<video src="gallery/{name}.mp4" poster="gallery/{name}.jpg" loop muted playsinline controls preload="none" '
+        f'aria-label="{escape(maneuver.title)}: the jaw from the side and from the front"></video>'
+        if _film(name).exists()
+        else ""
+    )
+    told = "".join(_figure(figures.get(key, "–"), *words) for key, words in FIGURES.items())
+    return (
+        f'<section id="{name}"><h2>{escape(maneuver.title)}</h2>{moving}{_chart(maneuver)}'
+        f"<p>{escape(maneuver.description)}</p><ul>{told}</ul>"
+        f"<p class='source'><code>{name}</code> · {escape(maneuver.source)}</p></section>"
+    )
+
+
+def _figure(value: str, unit: str, meaning: str) -> str:
+    """One line of a card; what is no number has no unit."""
+    number = f"{value} {unit}" if value[0].isdigit() else value
+    return f"<li><b>{escape(number)}</b> {escape(meaning)}</li>"
+
+
+def _chart(maneuver: Maneuver) -> str:
+    """The targets over time, one line for each channel that moves."""
+    width, height = CHART
+    times = np.linspace(0.0, DRAWN_S, 301)
+    values, _ = maneuver.targets(times)
+    lines, names = [], []
+    for number, channel in enumerate(CHANNELS):
+        if np.ptp(values[:, number]) < 1e-9:
+            continue
+        x, y = width * times / DRAWN_S, height * (1.0 - values[:, number]) / 2.0
+        points = " ".join(f"{a:.0f},{b:.1f}" for a, b in zip(x, y, strict=True))
+        lines.append(f'<polyline class="{channel}" points="{points}"/>')
+        names.append(f'<span class="{channel}">{channel.replace("_", "-")}</span>')
+    drawn = f'<line x1="0" x2="{width}" y1="{height / 2:g}" y2="{height / 2:g}"/>' + "".join(lines)
+    legend = " ".join(names) or "all targets stay at rest"
+    return (
+        f'<svg viewBox="0 -4 {width} {height + 8}" role="img" aria-label="Targets of {escape(maneuver.title)} over '
+        f'{DRAWN_S:g} s">{drawn}</svg><p class="legend">{legend}, {DRAWN_S:g} s</p>'
+    )
+
+
+def _figures() -> dict[str, dict[str, str]]:
+    """Maneuver -> heading of the table -> figure without its interval, in targets control."""
+    rows = [
+        line.strip("|\n").split("|") for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith("|")
+    ]
+    heads, _, *body = [[cell.strip() for cell in row] for row in rows[: _first_table(rows)]]
+    found = {}
+    for row in body:
+        values = dict(zip(heads, row, strict=True))
+        if values["control"] == "targets":
+            found[values["entry"].replace(" ", "_")] = {key: re.split(r" \(", values[key])[0] for key in FIGURES}
+    return found
+
+
+def _first_table(rows: list[list[str]]) -> int:
+    """How many rows have as many cells as the first."""
+    return next((number for number, row in enumerate(rows) if len(row) != len(rows[0])), len(rows))
+
+
+if __name__ == "__main__":
+    try:
+        film_all(Console(stderr=True))
+    except KeyboardInterrupt:
+        sys.exit("stopped; finished films are kept, and the same command goes on")

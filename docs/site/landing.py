@@ -1,0 +1,51 @@
+"""The site's first page, made of the README: its opening beside the film, and its ways in as cards."""
+
+from __future__ import annotations
+
+QUESTION = "How must a jaw be moved, so that its muscles become known?"
+BUTTONS = {"Drive a jaw": "docs/live.md", "See maneuvers": "docs/gallery.md", "See a report": "docs/examples.md"}
+
+
+def landing(readme: str) -> str:
+    """The README's Markdown with its first screen arranged."""
+    opening, ways, rest = _parts(readme)
+    title, *paragraphs = opening.split("\n\n")
+    film = next(number for number, text in enumerate(paragraphs) if text.startswith("!["))
+    lead, before, caption = paragraphs[0], paragraphs[1:film], paragraphs[film + 1 :]
+    buttons = " ".join(f"[{words}]({place}){{ .md-button }}" for words, place in BUTTONS.items())
+    return "\n\n".join(
+        [
+            "---\nhide: [navigation, toc]\ntitle: jawenv\n---",
+            '<div class="hero" markdown>\n<div class="words" markdown>',
+            f"# {QUESTION}",
+            lead,
+            buttons,
+            '</div>\n<div class="film" markdown>',
+            paragraphs[film],
+            *caption,
+            "</div>\n</div>",
+            '<div class="claims" markdown>',
+            *before,
+            "</div>",
+            _cards(ways),
+            rest,
+        ]
+    )
+
+
+def _parts(readme: str) -> tuple[str, str, str]:
+    """What stands before the ways in, these, and what follows them."""
+    opening, ways = readme.split("\n## Three ways in\n")
+    ways, rest = ways.split("\n## ", 1)
+    return opening.strip(), ways.strip(), "## " + rest
+
+
+def _cards(ways: str) -> str:
+    """The table of the ways in as cards, and what is said below it."""
+    table, *after = ways.split("\n\n")
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines()[2:]]
+    cards = [
+        f'<div class="card" markdown>\n\n### You {who}\n\n{first}.\n{{ .first }}\n\nThen {then}.\n\n</div>'
+        for who, first, then in rows
+    ]
+    return "\n\n".join(["## Three ways in", '<div class="ways" markdown>', *cards, "</div>", *after])
