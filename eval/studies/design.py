@@ -160,7 +160,8 @@ class Design(InputModel):
 
     @model_validator(mode="after")
     def _parts_of_it(self) -> Design:
-        asked = [(f"entry {entry.agent!r}", "controls", entry.controls, self.controls) for entry in self.entries]
+        asked: list[tuple[str, str, tuple[str, ...] | None, tuple[str, ...]]] = []
+        asked += [(f"entry {entry.agent!r}", "controls", entry.controls, self.controls) for entry in self.entries]
         asked += [(f"entry {entry.agent!r}", "cohorts", entry.cohorts, self.cohorts) for entry in self.entries]
         asked += [(f"environment {env.name!r}", "controls", env.controls, self.controls) for env in self.environments]
         for whose, name, own, allowed in asked:

@@ -52,6 +52,7 @@ def test_the_maneuvers_that_come_along() -> None:
         "prbs",
         "refined",
         "refined_force",
+        "refined_imaged",
         "refined_one_sided",
         "slow_opening",
         "small_amplitude",
