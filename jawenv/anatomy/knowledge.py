@@ -39,6 +39,10 @@ class Knowledge(NumericFields):
         cell_offset_N_m: the same of the moments (G).
         damping: of the damping of rotation and of sliding, relative: nothing of it was measured in vivo (G). With more
             the filter claims too much.
+        inertia: of the moments of inertia about the centre of mass, relative (G). It is drawn and the filter takes no
+            account of it: a column of it teaches nothing, and without one 0.1 is harmless.
+        cell_deg: of each angle between the axes of load cell and encoders: 0 where they were aligned on a bench, 0.2
+            to 1 where a cell was mounted by hand (G). The cell's gain is `Device.cell_gain`.
     """
 
     attachments: float = number(0.0, 0.3, "1")
@@ -53,6 +57,8 @@ class Knowledge(NumericFields):
     cell_offset_N: float = number(0.0, 2.0, "N", record="cell_offset_force")
     cell_offset_N_m: float = number(0.0, 0.1, "N m", record="cell_offset_moment")
     damping: float = number(0.0, 0.2, "1")
+    inertia: float = number(0.0, 0.2, "1")
+    cell_deg: float = number(0.0, 5.0, "deg")
 
     @property
     def exact(self) -> bool:

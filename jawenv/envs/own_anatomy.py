@@ -1,7 +1,7 @@
 """Which of the numbers that are known only within sds are the patient's own, and which those of a session.
 
-A patient who comes again has the same attachments, fossa, mass, centre of mass and damping. Tilt of the head, place and
-turn of the mouthpiece and the load cell's offset are others.
+A patient who comes again has the same attachments, fossa, mass, centre of mass, inertia and damping. Tilt of the head,
+place and turn of the mouthpiece, offset and axes of the load cell are others.
 """
 
 from __future__ import annotations
@@ -19,7 +19,11 @@ def with_anatomy_of(patient: Unknowns, session: Unknowns) -> Unknowns:
     """The patient's own values of one, and the session's of another."""
     numbers = np.concatenate([patient.numbers[:OWN_NUMBERS], session.numbers[OWN_NUMBERS:]])
     return session._replace(
-        origin=patient.origin, insertion=patient.insertion, numbers=numbers, centre_of_mass=patient.centre_of_mass
+        origin=patient.origin,
+        insertion=patient.insertion,
+        numbers=numbers,
+        centre_of_mass=patient.centre_of_mass,
+        inertia=patient.inertia,
     )
 
 

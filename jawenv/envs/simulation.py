@@ -16,10 +16,10 @@ from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
-from jawenv.envs.own_anatomy import with_anatomy_of
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
+from jawenv.envs.unknown_truth import Streams, draw_truth
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
 from jawenv.filter.bound_recursion import bound_scratch_dtype
@@ -32,8 +32,7 @@ from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
-from jawenv.mechanics.unknowns import Unknowns, along, changed_jaw, directions, draw_unknowns, offset_of, turn_of
-from jawenv.reality import perturb_geometry
+from jawenv.mechanics.unknowns import Unknowns, along, directions
 
 if TYPE_CHECKING:
     from jawenv.envs.contact import ContactPlants
@@ -182,13 +181,11 @@ class Simulation:
 
     def _begin(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
         """Place and put at rest every chosen world, with another patient where a drawn one cannot be treated."""
-        drawn: dict[int, tuple[np.random.Generator, np.random.Generator]] = {}
+        drawn: dict[int, Streams] = {}
         for i in np.flatnonzero(chosen):
             random_words = philox(tuple(keys[i]), _FIRST_COUNTER)
             self.worlds["truth"]["key"][i] = random_words[:2]
-            # Patient and geometry errors come from two streams, so that the patients are the same with and without.
-            key = np.array(random_words[2:], dtype=np.uint64)
-            drawn[int(i)] = _stream(key, 0), _stream(key, 1)
+            drawn[int(i)] = Streams.of(np.array(random_words[2:], dtype=np.uint64))
             self._place(int(i), patients[int(i)], drawn[int(i)])
         waiting = chosen.copy()
         accepted = np.ones(len(chosen), dtype=np.bool_)
@@ -209,13 +206,10 @@ class Simulation:
         else:
             raise InputError(f"cohort {self.cohort.name!r}: {REDRAWS} patients in a row cannot be treated")
 
-    def _place(
-        self, index: int, patient: Patient | None, streams: tuple[np.random.Generator, np.random.Generator]
-    ) -> None:
+    def _place(self, index: int, patient: Patient | None, streams: Streams) -> None:
         """Write a patient, given or drawn, into a world and into what the filter knows of its geometry."""
-        generator, geometry_generator = streams
         if patient is None:
-            log_parameters, tilt = self.cohort.draw_log_parameters(generator), 0.0
+            log_parameters, tilt, anatomy_seed = self.cohort.draw_log_parameters(streams.patient), 0.0, None
         else:
             names = self.cohort.muscles.names
             if patient.muscles != names:
@@ -224,15 +218,14 @@ class Simulation:
                     f"allowed in {self.model.title}: {', '.join(names)}"
                 )
             log_parameters, tilt = patient.log_parameters(), patient.head_tilt_deg
+            anatomy_seed = patient.anatomy_seed
         self._jaw["gravity"] = gravity_in_head(self._gravity, tilt)
         self.models[index] = self._jaw
         self.models["condyles"][index] = self._known_condyles
-        self.worlds["truth"]["jaw"][index] = self._jaw
-        if self._sds:
-            anatomy_seed = None if patient is None else patient.anatomy_seed
-            self._draw_unknowns(index, tilt, geometry_generator, anatomy_seed)
-        perturb_geometry(self.reality, self.cohort.muscles, self.worlds["truth"]["jaw"][index], geometry_generator)
-        self.worlds["truth"]["log_parameters"][index] = log_parameters
+        truth = self.worlds["truth"][index]
+        truth["jaw"], truth["log_parameters"] = self._jaw, log_parameters
+        values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
+        truth["nuisances"] = [along(values, each) for each in self._sds]
 
     def _read_first(self, chosen: NDArray[np.bool_]) -> None:
         """Read the sensors of the chosen worlds, whose episodes have begun, for the first time."""
@@ -241,21 +234,6 @@ class Simulation:
         else:
             self._advance_compiled(np.zeros((len(chosen), N_MOTORS)), chosen)
         self._track_bound(chosen)
-
-    def _draw_unknowns(
-        self, index: int, tilt_deg: float, generator: np.random.Generator, anatomy_seed: int | None
-    ) -> None:
-        """Draw what the filter knows only within an sd, into the truth of a world."""
-        muscles = self.cohort.muscles
-        values = draw_unknowns(len(muscles.muscle), generator)
-        if anatomy_seed is not None:
-            patient = draw_unknowns(len(muscles.muscle), np.random.default_rng(anatomy_seed))
-            values = with_anatomy_of(patient, values)
-        jaw = changed_jaw(self.worlds["truth"]["jaw"][index], self.knowledge, muscles, values, tilt_deg)
-        self.worlds["truth"]["jaw"][index] = jaw
-        self.worlds["truth"]["nuisances"][index] = [along(values, each) for each in self._sds]
-        self.worlds["truth"]["cell_offset"][index] = offset_of(self.knowledge, values)
-        self.worlds["truth"]["turn"][index] = turn_of(self.knowledge, values)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
@@ -289,9 +267,3 @@ class Simulation:
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters, as ``log_F_o/masseter_left``, in the order of the belief."""
         return self.cohort.muscles.parameter_names
-
-
-def _stream(key: NDArray[np.uint64], number: int) -> np.random.Generator:
-    """Random numbers of an episode; streams of different numbers share none."""
-    counter = np.array([0, 0, 0, number], dtype=np.uint64)
-    return np.random.Generator(np.random.Philox(key=key, counter=counter))

@@ -124,7 +124,7 @@ def read_load_cell(device, truth, scratch):
 def turn_samples(truth, samples):
     """What a mouthpiece that sits turned and a cell with an offset make of the load cell's ``samples`` (3, 6)."""
     for i in range(N_SAMPLES):
-        turn_wrench(truth.turn, -1.0, samples[i])
+        turn_wrench(truth.cell_turn, -1.0, samples[i])
         for k in range(N_WRENCH):
             samples[i, k] += truth.cell_offset[k]
 

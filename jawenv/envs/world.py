@@ -38,7 +38,8 @@ def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_b
         ("cell_gain", "f8"),
         ("nuisances", "f8", (n_nuisances,)),  # drawn, in prior sds, as ``belief.nuisances`` has them
         ("cell_offset", "f8", 6),
-        ("turn", "f8", 3),  # of the mouthpiece about body axes: what encoders and load cell show is turned by it
+        ("turn", "f8", 3),  # of the mouthpiece about body axes: what the encoders show is turned by it
+        ("cell_turn", "f8", 3),  # what the load cell shows is turned by this
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
         ("body", "f8", (n_body,)),  # of the plant with two condyles

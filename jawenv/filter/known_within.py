@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.filter.nuisances import STEP
-from jawenv.mechanics.unknowns import Unknowns, changed_jaw, offset_of, turn_of
+from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 
 _PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
@@ -37,6 +37,7 @@ def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet,
         record["first_moment"][j] = (first_moments[0] - first_moments[1]) / STEP
         record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
         record["offset"][j], record["turn"][j] = offset_of(known, values), turn_of(known, values)
+        record["cell_turn"][j] = cell_turn_of(known, values)
         record["reads"][j] = any(np.any(record[name][j] != 0.0) for name in _SEEN_BY_ENCODERS)
 
 

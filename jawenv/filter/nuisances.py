@@ -48,6 +48,7 @@ def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
         ("l_o", "f8", (n, n_lines)),
         ("offset", "f8", (n, N_WRENCH)),  # of the load cell's reading
         ("turn", "f8", (n, 3)),  # of the mouthpiece about body axes, rad
+        ("cell_turn", "f8", (n, 3)),  # of the load cell, with the mouthpiece and by itself
         ("reads", "u1", (n,)),  # whether the encoders read it at the same motion
     ]
     return record_dtype(fields)
@@ -157,7 +158,7 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
         moment = scale(1.0 / STEP, subtract(turn, base_turn))
         moment = subtract(moment, cross(vector3(jaw.mouthpiece), pull))
         # The reading is of axes that are turned, and has an offset.
-        about = (nuisances.turn[j, 0], nuisances.turn[j, 1], nuisances.turn[j, 2])
+        about = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
         pull = add(pull, cross(about, (reading[0], reading[1], reading[2])))
         moment = add(moment, cross(about, (reading[3], reading[4], reading[5])))
         for i in range(3):

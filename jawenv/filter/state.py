@@ -37,6 +37,7 @@ def block_dtype(columns: int) -> np.dtype[np.void]:
     """Dtype of the sums of a block of ticks, see ``misfit``."""
     fields = [
         ("ticks", "i8"),
+        ("waits", "i8"),  # ticks that are left out from here on
         ("innovation", "f8", (N_MEASUREMENTS,)),  # whitened
         ("rows", "f8", (N_MEASUREMENTS, columns)),  # whitened rows by tension
         ("misfit", "f8"),  # largest of the blocks so far
@@ -152,7 +153,7 @@ def forget_readings(belief):
     belief.trend[:] = 0.0
     belief.smoothed[:] = 0.0
     begin_block(belief.block)
-    belief.block.misfit = 0.0
+    belief.block.misfit, belief.block.waits = 0.0, 0
     belief.readings = 0
     belief.last_measured[:] = np.nan
     belief.last_sample[:] = np.nan

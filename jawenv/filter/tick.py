@@ -21,7 +21,7 @@ from jawenv.filter.measurement_update import (
     measurement_update_fields,
     update_motion,
 )
-from jawenv.filter.misfit import add_to_block
+from jawenv.filter.misfit import add_to_block, is_resolved
 from jawenv.filter.nuisances import copy_jaw, correct_readings, correct_samples, nuisance_dtype
 from jawenv.filter.screening import mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
@@ -159,7 +159,7 @@ def _choose_jaw(jaw, belief, measured, samples, tick, settings, scratch):
 @njit
 def take(jaw, belief, measured, samples, tick, settings, scratch):
     """``take_readings`` by the model ``jaw``."""
-    left_out = 0
+    left_out, resolved = 0, True
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
         left_out += repair_samples(belief, samples, settings.dt, scratch.wrench_variance, scratch.samples)
@@ -168,13 +168,14 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
+        resolved = is_resolved(belief.block, scratch.samples)
     left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += 1
         correct_readings(belief, settings.nuisances, measured, scratch.measured)
         scratch.verdict = update_motion(jaw, belief, scratch.measured, scratch.used, settings, scratch.update)
-        if scratch.verdict != REFUSED:
+        if resolved and scratch.verdict != REFUSED:
             add_to_block(belief, scratch.update)
     if jaw.condyles == 2 and tick < SETTLING_TICKS:
         belief.score[:] = 0.0

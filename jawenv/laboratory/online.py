@@ -298,7 +298,7 @@ class OnlineFilter:
 def _settings_of(simulation: Simulation, jaw: Any) -> Any:
     """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``.
 
-    ``changed_jaw`` varies the default mandible's mass with the head upright, so the sds are taken about these.
+    The sds are those of the default mandible with the head upright, as an environment has them.
     """
     theirs, muscles = simulation.settings["filter"][0], simulation.cohort.muscles
     disturbance, prior = len(theirs["disturbance_variance"]), simulation.cohort.prior

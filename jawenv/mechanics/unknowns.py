@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from math import pi, radians
+from math import cos, pi, radians, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.anatomy.mandible import default_mandible
 from jawenv.anatomy.muscles import MuscleSet
 from jawenv.kernels.vec3 import apply, cross, norm, subtract
-from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Poses (x in m, pitch in rad) at which the effects of attachments are compared; openings that comfort allows.
@@ -37,6 +34,8 @@ class Unknowns(NamedTuple):
         mouthpiece: (3,).
         turn: (3,) of the mouthpiece about the body's axes.
         offset: (6,) of the load cell.
+        inertia: (1,) the whole tensor. The filter has no column for it: a tenth moves nothing that can be measured.
+        cell_turn: (3,) of the load cell's axes, beside ``turn``.
     """
 
     origin: NDArray[np.float64]
@@ -46,11 +45,13 @@ class Unknowns(NamedTuple):
     mouthpiece: NDArray[np.float64]
     turn: NDArray[np.float64]
     offset: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+    cell_turn: NDArray[np.float64]
 
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(n) for n in (6, 3, 3, 3, 6)))
+    return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(n) for n in (6, 3, 3, 3, 6, 1, 3)))
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
@@ -64,16 +65,16 @@ def along(values: Unknowns, direction: Unknowns) -> float:
     return float(sum(np.vdot(each, way) for each, way in zip(values, direction, strict=True)))
 
 
-def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns, tilt_deg: float = 0.0) -> Any:
-    """A copy of the record ``jaw`` with its numbers at ``values``; ``tilt_deg`` is the head's known pitch."""
-    changed, mandible = jaw.copy(), default_mandible()
+def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns) -> Any:
+    """A copy of the record ``jaw`` with its numbers at ``values``, about those that it has."""
+    changed = jaw.copy()
     drop, frequency, mass, rotation_damping, sliding_damping, tilt = values.numbers
     changed["fossa_drop"] *= 1.0 + known.fossa * drop
     changed["fossa_frequency"] *= 1.0 + known.fossa * frequency
     changed["crest"] = pi / changed["fossa_frequency"]
     changed["damping_rotation"] *= 1.0 + known.damping * rotation_damping
     changed["damping_sliding"] *= 1.0 + known.damping * sliding_damping
-    changed["gravity"] = gravity_in_head(mandible.gravity, tilt_deg + known.head_tilt_deg * tilt)
+    changed["gravity"] = _pitched(jaw["gravity"], radians(known.head_tilt_deg) * tilt)
     for name in ("mouthpiece", "zero", "teeth"):
         changed[name] += 1e-3 * known.mouthpiece_mm * values.mouthpiece
     if known.attachments > 0.0:
@@ -81,22 +82,35 @@ def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns
         changed["insertion"] += known.attachments * muscles.insertion_sd_m * values.insertion
         changed["l_o"] = np.linalg.norm(changed["origin"] - changed["insertion"], axis=1)
     shift = 1e-3 * np.array([known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm])
-    body = replace(
-        mandible,
-        mass_kg=mandible.mass_kg * (1.0 + known.mass * mass),
-        centre_of_mass_m=mandible.centre_of_mass_m + shift * values.centre_of_mass,
-    )
-    turns = bool(jaw["inertia_contact_inverse"][2, 2] > 0.0)
-    free = (bool(jaw["free_x"]), bool(jaw["free_y"]), True, turns, turns)
-    built = build_jaw(muscles, body, free=free, condyles=2 if jaw["condyles"] == 2 else 1)
-    for name in ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse"):
-        changed[name] = built[name]
+    changed["mass"] *= 1.0 + known.mass * mass
+    changed["centre_of_mass"] += shift * values.centre_of_mass
+    changed["inertia"] *= 1.0 + known.inertia * values.inertia[0]
+    _set_inverses(changed)
     return changed
+
+
+def _pitched(gravity: NDArray[np.float64], tilt: float) -> NDArray[np.float64]:
+    """Gravity in the axes of a head that is pitched down by so much more."""
+    x, y, z = gravity
+    return np.array([x * cos(tilt) - z * sin(tilt), y, z * cos(tilt) + x * sin(tilt)])
+
+
+def _set_inverses(jaw: Any) -> None:
+    """The inverses of a jaw's inertia, about the contact point of what is free to turn."""
+    rho, turns = jaw["centre_of_mass"], np.flatnonzero(np.diag(jaw["inertia_contact_inverse"]) > 0.0)
+    about_contact = jaw["inertia"] + jaw["mass"] * (rho @ rho * np.eye(3) - np.outer(rho, rho))
+    jaw["inertia_inverse"] = np.linalg.inv(jaw["inertia"])
+    jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
 
 
 def turn_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
     """(3,) rotation of the mouthpiece about the body's axes, rad."""
     return radians(known.mouthpiece_deg) * values.turn
+
+
+def cell_turn_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+    """(3,) rotation of the load cell's axes, which is the mouthpiece's and its own, rad."""
+    return turn_of(known, values) + radians(known.cell_deg) * values.cell_turn
 
 
 def offset_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
@@ -125,6 +139,7 @@ def directions(known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: N
     found += [one("turn", k) for k in range(3) if known.mouthpiece_deg > 0.0]
     cell = [known.cell_offset_N] * 3 + [known.cell_offset_N_m] * 3
     found += [one("offset", k) for k, sd in enumerate(cell) if sd > 0.0]
+    found += [one("cell_turn", k) for k in range(3) if known.cell_deg > 0.0]
     if known.attachments > 0.0:
         for line in range(lines):
             found += list(_of_line(known, muscles, jaw, log_parameters, line))

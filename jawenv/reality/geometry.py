@@ -21,7 +21,7 @@ def perturb_geometry(reality: Reality, muscles: MuscleSet, jaw: Any, generator: 
     Args:
         reality: ``attachment_error`` and ``fossa_error`` are used.
         muscles: The lines' means and sds.
-        jaw: The truth's record, dtype ``jaw_dtype(number of lines)``, built from ``muscles``; changed in place.
+        jaw: The truth's record, dtype ``jaw_dtype(number of lines)``; changed in place.
         generator: Source of the errors; the order of draws is the same whichever error is 0.
     """
     if reality.attachment_error == 0.0 and reality.fossa_error == 0.0:
@@ -33,6 +33,6 @@ def perturb_geometry(reality: Reality, muscles: MuscleSet, jaw: Any, generator: 
         jaw["fossa_frequency"] *= exp(reality.fossa_error * frequency)
         jaw["crest"] = pi / jaw["fossa_frequency"]
     if reality.attachment_error > 0.0:
-        jaw["origin"] = muscles.origin_m + reality.attachment_error * muscles.origin_sd_m * origin_normals
-        jaw["insertion"] = muscles.insertion_m + reality.attachment_error * muscles.insertion_sd_m * insertion_normals
+        jaw["origin"] += reality.attachment_error * muscles.origin_sd_m * origin_normals
+        jaw["insertion"] += reality.attachment_error * muscles.insertion_sd_m * insertion_normals
         jaw["l_o"] = np.linalg.norm(jaw["insertion"] - jaw["origin"], axis=1)

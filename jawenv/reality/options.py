@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from jawenv.anatomy.knowledge import Knowledge
 from jawenv.files import instance_of
 from jawenv.kernels.records import record_dtype, record_zeros
 from jawenv.numeric_fields import NumericFields, number
@@ -55,6 +56,14 @@ class Reality(NumericFields):
             filter knows the mean anatomy, 0.1 to 0.3 when it knows an image of the patient (M; the share G).
         fossa_error: Sd of the natural logs of the fossa's drop and spatial frequency; 0.1 spans with 2 sd about
             what published paths do, -30 to +20 % and -15 to +40 % (D).
+        mass_error, inertia_error, damping_error: Relative sds of the mandible's mass, of its moments of inertia and of
+            the damping of rotation and of sliding: 0.1, 0.1 and 0.2 (D, G, G; sources in `jawenv.Knowledge`).
+        centre_of_mass_error_mm: Sd of each coordinate of its centre of mass: 1 to 6 mm (G).
+        head_tilt_error_deg: Sd of the head's pitch: 3 degrees in a rest (G).
+        mouthpiece_error_mm: Sd of each coordinate of where mouthpiece and teeth are, seen from the condyles: 0.5 to 1
+            mm (G).
+        mouthpiece_error_deg: Sd of each angle in which it sits: 0.5 degrees (G).
+        cell_error_deg: Sd of each angle between the axes of load cell and encoders: 0.2 to 1 degrees (G).
         articular_stiffness_N_m: Stiffness of the joint at the mouthpiece near the end of opening, reached at the end of
             the painless range. It rises towards the border of opening ('Craniomandibular stiffness toward maximum mouth
             opening in healthy subjects'; M), by how much in N/m was not found: 1000 to 5000, 2 to 10 N at the end of a
@@ -79,6 +88,14 @@ class Reality(NumericFields):
     creep_time_s: float = number(2.7, 1e4, "s", zero=False)
     attachment_error: float = number(0.0, 2.0, "1")
     fossa_error: float = number(0.0, 0.5, "1")
+    mass_error: float = number(0.0, 0.2, "1")
+    inertia_error: float = number(0.0, 0.2, "1")
+    damping_error: float = number(0.0, 0.2, "1")
+    centre_of_mass_error_mm: float = number(0.0, 20.0, "mm")
+    head_tilt_error_deg: float = number(0.0, 20.0, "deg")
+    mouthpiece_error_mm: float = number(0.0, 5.0, "mm", record="mouthpiece_error_place")
+    mouthpiece_error_deg: float = number(0.0, 5.0, "deg", record="mouthpiece_error_angle")
+    cell_error_deg: float = number(0.0, 5.0, "deg")
     articular_stiffness_N_m: float = number(0.0, 1e5, "N/m")
     articular_onset: float = number(0.8, 0.95, "1")
     cell_bias_N: float = number(0.0, 10.0, "N", record="cell_bias_force")
@@ -88,6 +105,22 @@ class Reality(NumericFields):
     unmodelled_time_s: float = number(0.0, 100.0, "s")
     lost_share: float = number(0.0, 0.49, "1")
     frozen_share: float = number(0.0, 0.49, "1")
+
+    def untold(self) -> Knowledge:
+        """Sds of body and mounting within which the truth is drawn, and of which the filter is not told."""
+        each = self.centre_of_mass_error_mm
+        return Knowledge(
+            mass=self.mass_error,
+            inertia=self.inertia_error,
+            damping=self.damping_error,
+            centre_of_mass_x_mm=each,
+            centre_of_mass_y_mm=each,
+            centre_of_mass_z_mm=each,
+            head_tilt_deg=self.head_tilt_error_deg,
+            mouthpiece_mm=self.mouthpiece_error_mm,
+            mouthpiece_deg=self.mouthpiece_error_deg,
+            cell_deg=self.cell_error_deg,
+        )
 
     def records(self) -> NDArray[np.void]:
         """The options as an array of one record of dtype ``REALITY``, as the kernels read it, in SI units."""

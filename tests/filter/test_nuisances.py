@@ -1,5 +1,7 @@
 """Nuisances: regressors against the independent jaw, what their mean does to the model, and whether it is honest."""
 
+from dataclasses import asdict, replace
+
 import gymnasium as gym
 import newton_euler as twin
 import numpy as np
@@ -13,15 +15,18 @@ from jawenv.filter.measurement_update import EXPECTED
 from jawenv.filter.nuisances import add_readings, copy_jaw, move_jaw, set_wrenches
 from jawenv.filter.tick import take_readings
 from jawenv.kernels.compiled import njit
-from jawenv.mechanics.unknowns import FARTHEST, Unknowns, changed_jaw, offset_of, turn_of
+from jawenv.mechanics.unknowns import FARTHEST, Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 from jawenv.playing.maneuvers import Player
 
 EPS = 1e-3  # sds
 
 
+KNOWN = replace(IMAGED, cell_deg=0.5)  # and all else that has a column
+
+
 @pytest.fixture(scope="module")
 def simulation():
-    env = gym.make("jawenv/Jaw-v2", knowledge="imaged")
+    env = gym.make("jawenv/Jaw-v2", knowledge=asdict(KNOWN))
     env.reset(seed=1)
     return env.unwrapped.simulation
 
@@ -59,9 +64,9 @@ def by_differences(simulation, values, motion, wrench, acceleration):
     theta = simulation.cohort.prior.mean
 
     def at(share):
-        changed = changed_jaw(jaw, IMAGED, muscles, Unknowns(*(share * value for value in values)))
-        about = share * turn_of(IMAGED, values)
-        true = wrench - share * offset_of(IMAGED, values)
+        changed = changed_jaw(jaw, KNOWN, muscles, Unknowns(*(share * value for value in values)))
+        about = share * cell_turn_of(KNOWN, values)
+        true = wrench - share * offset_of(KNOWN, values)
         true = true + np.concatenate([np.cross(about, wrench[:3]), np.cross(about, wrench[3:])])
         return acceleration(changed, theta, motion[:5], motion[5:], true)
 
@@ -93,10 +98,10 @@ def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation,
     readings_of(jaw, motion, settings, used, rows, scratch)
 
     def read(values, share):
-        changed = changed_jaw(jaw, IMAGED, simulation.cohort.muscles, Unknowns(*(share * value for value in values)))
+        changed = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, Unknowns(*(share * value for value in values)))
         measured = np.array(twin.measurement(changed, motion))
         measured[:3] -= changed["zero"]
-        about = share * turn_of(IMAGED, values)
+        about = share * turn_of(KNOWN, values)
         for places in ([5, 3, 4], [9, 10, 11]):  # roll, pitch, yaw are about x, y, z
             measured[places] -= np.cross(about, measured[places])
         return measured
@@ -115,7 +120,7 @@ def test_the_model_moves_with_the_nuisances(simulation, rng):
         steps[j] = 0.5
         moved(jaw, simulation.settings[0]["filter"], steps, record)
         values = Unknowns(*(0.5 * value for value in simulation._sds[j]))
-        expected = changed_jaw(jaw, IMAGED, simulation.cohort.muscles, values)
+        expected = changed_jaw(jaw, KNOWN, simulation.cohort.muscles, values)
         for name in ("mass", "centre_of_mass", "gravity", "mouthpiece", "zero", "teeth", "fossa_drop", "crest", "l_o"):
             scale = np.abs(expected[name]).max()
             np.testing.assert_allclose(record[name], expected[name], rtol=5e-3, atol=1e-4 * scale, err_msg=name)
@@ -184,6 +189,12 @@ def test_a_prediction_that_is_lost_loses_the_motion_and_nothing_else():
     for name in ("motion", "motion_cov", "by_tension", "information", "score"):
         assert np.isfinite(belief[name]).all(), name
     assert scratch["verdict"] == EXPECTED, "and the tick's readings are used"
+
+
+def test_a_cell_whose_axes_are_off_is_honest_where_that_is_known():
+    _, told = play({"cell_deg": 1.0}, 24, 6, 986_000)
+    _, untold = play("exact", 24, 6, 986_000, reality={"cell_error_deg": 1.0})
+    assert 0.7 < np.mean(told["nees"]) / 12 < 1.4 < 5.0 < np.mean(untold["nees"]) / 12
 
 
 def test_the_same_readings_without_knowing_better_are_misjudged_and_the_alarm_rings():

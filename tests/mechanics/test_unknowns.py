@@ -6,7 +6,15 @@ import pytest
 from jawenv.anatomy import cohort
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.unknowns import changed_jaw, directions, draw_unknowns, no_unknowns, offset_of, turn_of
+from jawenv.mechanics.unknowns import (
+    cell_turn_of,
+    changed_jaw,
+    directions,
+    draw_unknowns,
+    no_unknowns,
+    offset_of,
+    turn_of,
+)
 
 TRISMUS = cohort("trismus")
 MUSCLES, MEAN = TRISMUS.muscles, TRISMUS.prior.mean
@@ -61,3 +69,23 @@ def test_shifts_along_a_line_need_no_direction():
         assert np.isclose(np.sum(values.origin**2) + np.sum(values.insertion**2), 1.0)
     assert len(directions(IMAGED, MUSCLES, build_jaw(), MEAN)) == len(found) + 21
     assert directions(Knowledge(), MUSCLES, build_jaw(), MEAN) == []
+
+
+def test_a_tilted_head_is_tilted_further():
+    jaw, values = build_jaw(head_tilt_deg=10.0), no_unknowns(LINES)
+    values.numbers[5] = 2.0
+    changed = changed_jaw(jaw, Knowledge(head_tilt_deg=3.0), MUSCLES, values)
+    np.testing.assert_allclose(changed["gravity"], build_jaw(head_tilt_deg=16.0)["gravity"], atol=1e-12)
+
+
+def test_inertia_is_drawn_and_has_no_direction_and_the_cell_turns_by_itself():
+    known, values = Knowledge(inertia=0.1, cell_deg=0.5), no_unknowns(LINES)
+    values.inertia[:], values.cell_turn[:] = 2.0, [1.0, 0.0, -1.0]
+    jaw = build_jaw()
+    changed = changed_jaw(jaw, known, MUSCLES, values)
+    np.testing.assert_allclose(changed["inertia"], 1.2 * jaw["inertia"])
+    np.testing.assert_allclose(changed["inertia_inverse"] @ changed["inertia"], np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(cell_turn_of(known, values), np.radians([0.5, 0.0, -0.5]))
+    np.testing.assert_array_equal(turn_of(known, values), 0.0)
+    found = directions(known, MUSCLES, jaw, MEAN)
+    assert len(found) == 3 and all(np.sum(np.abs(each.cell_turn)) == 1.0 for each in found)
