@@ -62,10 +62,11 @@ def rest(ranking: Ranking) -> tuple[Row, ...]:
     return tuple(row for row in ranking.rows if row not in shown)
 
 
-def films(study: Results, ranking: Ranking) -> tuple[Row, ...]:
-    """The best entry whose motion was kept, and that of ``BESIDE``."""
+def films(study: Results, ranking: Ranking) -> tuple[tuple[str, Row], ...]:
+    """The best entry whose motion was kept, and that of ``BESIDE``, with what stands before their names."""
     kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    return tuple(row for row in kept if row is kept[0] or row.entry == BESIDE)
+    shown = [row for row in kept if row is kept[0] or row.entry == BESIDE]
+    return tuple(("The best: " if row is kept[0] else "", row) for row in shown)
 
 
 def answer(ranking: Ranking) -> str:
