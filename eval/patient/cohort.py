@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from jawenv.anatomy import Cohort, Prior
 
 
@@ -25,7 +28,14 @@ class KnownPatient(Cohort):
             InputError: what `Cohort` refuses.
         """
         super().__post_init__()
+        object.__setattr__(self, "_typical", self.prior.mean)
         object.__setattr__(self, "prior", self.believed)
+
+    @property
+    def typical(self) -> NDArray[np.float64]:
+        """Those of the cohort, so that the filter has as many numbers to integrate out whatever is believed."""
+        typical: NDArray[np.float64] = self.__dict__["_typical"]
+        return typical
 
     @classmethod
     def of(cls, cohort: Cohort, believed: Prior) -> KnownPatient:

@@ -211,6 +211,11 @@ class Cohort:
         stiffness = {"left": left, "right": right}.get(side) or left.together(right)
         return stiffness.times(self.muscles.whole_muscles_per_line)
 
+    @property
+    def typical(self) -> NDArray[np.float64]:
+        """(p,) natural-log parameters by which it is decided what of an anatomy matters."""
+        return self.prior.mean
+
     def draw_log_parameters(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """Natural-log parameters of one patient, (p,) in the order of `muscles.parameter_names`."""
         group = int(rng.integers(len(self.groups))) if len(self.groups) > 1 else 0

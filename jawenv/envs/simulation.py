@@ -61,7 +61,7 @@ class Simulation:
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
         self.knowledge = configuration.build_knowledge()
-        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.prior.mean)
+        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical)
         disturbance = N_WRENCH if self.device[0]["unmodelled_time"] > 0.0 else 0
         sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)

@@ -16,7 +16,8 @@ from jawenv.metrics.calibration import nees_band
 
 DOCS = Path(__file__).parents[2] / "docs"
 TEXT = " ".join((DOCS / "bench.md").read_text(encoding="utf-8").split())
-CALIBRATION = (DOCS / "calibration.md").read_text(encoding="utf-8")
+PAGES = [DOCS / "calibration.md", *sorted((DOCS / "tables").glob("calibration*.md"))]
+CALIBRATION = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 LOW, HIGH = 0.8, 1.3
 MUSCLES = ("masseter", "temporalis", "medial pterygoid")
 

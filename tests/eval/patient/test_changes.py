@@ -1,11 +1,14 @@
 """The change between two treatments where the anatomy is not known exactly: against algebra, and on patients."""
 
+import gymnasium as gym
 import numpy as np
 import pytest
 
+import jawenv
 from eval.entries import load_entries
 from eval.options import known_within
 from eval.patient.changes import change_in_words
+from eval.patient.cohort import KnownPatient
 from eval.patient.shared import at_start, change
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from eval.settings import Settings
@@ -100,3 +103,17 @@ def test_a_patients_anatomy_is_kept_in_its_file(tmp_path):
     patient = Patient(F_o_N=dict.fromkeys(muscles, 1.0), b=dict.fromkeys(muscles, 7.0), anatomy_seed=5)
     patient.save(tmp_path / "patient.json")
     assert Patient.load(tmp_path / "patient.json").anatomy_seed == 5
+
+
+def test_what_is_believed_does_not_change_how_many_numbers_are_integrated_out():
+    """Otherwise each patient's second treatment has a filter of its own size, and is compiled for it."""
+    population = jawenv.anatomy.cohort("trismus")
+    believed = Prior(population.prior.mean + 0.5, 0.1 * population.prior.sd)
+    known = KnownPatient.of(population, believed)
+    np.testing.assert_array_equal(known.typical, population.prior.mean)
+    np.testing.assert_array_equal(known.prior.mean, believed.mean)
+    sizes = []
+    for each in (population, known):
+        env = gym.make("jawenv/Jaw-v2", cohort=each, knowledge="imaged")
+        sizes.append(len(env.unwrapped.simulation.nuisance_sds))
+    assert sizes[0] == sizes[1]

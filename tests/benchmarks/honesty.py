@@ -1,0 +1,260 @@
+"""How honest the filter is where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
+
+    python tests/benchmarks/honesty.py still --knowledge imaged --patients 64 --seed 20000
+
+still: a servo holds the jaw at 40 % of its opening for two minutes. corners: motors held at each of the 16 corners of
+their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is
+not told. groups: each group of what is known within sds alone, and what it costs. bias: the largest mean z of all
+parameters, six cohorts, three controls. alarm: what rings, of honest episodes and of those that are not. change: how
+much the muscles have changed between two treatments. A row is printed as soon as it is there.
+"""
+
+import argparse
+from dataclasses import asdict
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+import jawenv
+from agents import load_agent
+from eval import statistics
+from eval.entries import load_entries
+from eval.patient.changes import change_of
+from eval.patient.treatments import first_treatment, next_treatment, population_of
+from eval.report import words
+from eval.settings import Settings
+from jawenv.anatomy import COHORTS
+from jawenv.anatomy.knowledge import knowledge
+from jawenv.controls import CONTROLS
+
+LOT = 50  # patients that are played together
+LOST = 10.0  # NEES over the number of parameters
+RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
+GROUPS = (
+    "attachments",
+    "fossa",
+    "mass",
+    "centre_of_mass",
+    "head_tilt",
+    "mouthpiece_mm",
+    "mouthpiece_deg",
+    "cell_offset",
+    "damping",
+)
+POLICY_LIKE = ("random", "ou_quick", "ou_slow", "ou_strong", "harmonics")
+UNTOLD = (
+    {"fossa_error": 0.1},
+    {"cell_bias_N": 0.1, "cell_bias_N_m": 0.002},
+    {"attachment_error": 0.1},
+    {"attachment_error": 1.0},
+    {"creep_share": 0.2},
+    {"creep_share": 0.55},
+    {"reflex_gain": 0.5},
+    {"encoder_play_mm": 0.3},
+    {"articular_stiffness_N_m": 2000.0},
+    {"unmodelled_time_s": 0.1},
+    {"unmodelled_time_s": 1.0},
+)
+
+
+class Held:
+    """Constant actions: one for all, or of each world another corner of the range."""
+
+    def __init__(self, control, action=None):
+        self.name, self.control, self.action, self.first = "held", control, action, 0
+
+    def reset(self, num_envs, seed=None):
+        self.first = seed or 0
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        if self.action is not None:
+            return np.tile(self.action, (len(observation), 1)), None
+        corners = self.first + np.arange(len(observation))
+        return 1.0 - 2.0 * (corners[:, None] >> np.arange(4) & 1), None
+
+
+class Beliefs(NamedTuple):
+    """Of N patients at one time; those whose episode had ended are left out."""
+
+    nees: np.ndarray  # over the number of parameters
+    z: np.ndarray  # (N, P)
+    sd: np.ndarray
+    claimed: np.ndarray
+    true: np.ndarray
+    rings: np.ndarray
+
+    def figures(self):
+        """NEES, inside 2 sd, beyond 10."""
+        nees = words.with_interval(statistics.mean(self.nees), 2)
+        return f"{nees} | {100.0 * np.mean(np.abs(self.z) < 2.0):.1f} | {np.sum(self.nees > LOST)} of {len(self.nees)}"
+
+    def sds(self):
+        """Worst and median sd of a patient, in %."""
+        return f"{100.0 * self.sd.max(axis=1).mean():.1f} / {100.0 * np.median(self.sd, axis=1).mean():.1f} %"
+
+    def ringing(self):
+        """Share that rings, in %."""
+        return f"{100.0 * self.rings.mean():.1f}"
+
+
+def beliefs(agent, times, given, **kwargs):
+    """What is believed at each of the times (s)."""
+    kwargs = {"track_bound": False, "episode_s": times[-1], "knowledge": given.knowledge} | kwargs
+    lots = []
+    for first in range(0, given.patients, LOT):
+        number = min(LOT, given.patients - first)
+        lots.append(jawenv.play(agent, patients=number, seed=given.seed + first, env_kwargs=kwargs))
+    return [_together([_at(played, time) for played in lots]) for time in times]
+
+
+def _at(played, time):
+    step = min(int(np.searchsorted(played.time, time - 1e-6)), len(played.time) - 1)
+    reached = played.valid[:, step] & (played.time[step] > time - 1e-6)
+    error, cov = played.belief_mean[:, step] - played.truth, played.belief_cov[:, step]
+    sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
+    nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
+    claimed, true = played.information_claimed[:, step], played.information_true[:, step]
+    return [each[reached] for each in (nees, error / sd, sd, claimed, true, played.misfit[:, step] > 1.0)]
+
+
+def _together(lots):
+    return Beliefs(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
+
+
+def row(*cells):
+    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def head(*cells):
+    row(*cells)
+    print("|---|" + (len(cells) - 1) * "--:|", flush=True)
+
+
+def still(given):
+    head("s", "NEES/12", "inside 2 sd, %", "beyond 10", "claimed − true, nats", "rings, %")
+    times, agent = (30.0, 60.0, 120.0), Held("targets", [-0.2, 0.0, 0.0, 0.0])
+    for time, found in zip(times, beliefs(agent, times, given, control="targets"), strict=True):
+        gap = words.with_interval(statistics.mean(found.claimed - found.true), 1)
+        row(f"{time:g}", found.figures(), gap, found.ringing())
+
+
+def corners(given):
+    head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
+    for control in CONTROLS:
+        (found,) = beliefs(Held(control), (30.0,), given, control=control)
+        row(control, found.figures(), f"{found.nees.max():.1f}", found.ringing())
+
+
+def memory(given):
+    head("agent", "true time, s", "told, s", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
+    for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
+        kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
+        (found,) = beliefs(load_agent(name), (30.0,), given, **kwargs)
+        row(name, f"{time:g}", f"{time * factor:.2g}", found.figures(), found.ringing())
+
+
+def creep(given):
+    head("agent", "creep", "s", "NEES/12", "inside 2 sd, %", "beyond 10", "rings, %")
+    for name, share in product((RICH, SWINGS, PLAIN), (0.2, 0.35, 0.55)):
+        both = beliefs(load_agent(name), (10.0, 30.0), given, reality={"creep_share": share})
+        for time, found in zip((10, 30), both, strict=True):
+            row(name, share, time, found.figures(), found.ringing())
+
+
+def groups(given):
+    """At the sds of ``--knowledge``; what is left out is known a thousand times as well: two filters do for all."""
+    level = _sds(given.knowledge)
+    chosen = {group: {name for name in level if name.startswith(group)} for group in GROUPS} | {"all": set(level)}
+    head(
+        "agent",
+        "not known exactly",
+        "s",
+        "NEES/12",
+        "inside 2 sd, %",
+        "beyond 10",
+        "rings, %",
+        "worst / median sd",
+        "× exact",
+    )
+    for name in (RICH, SWINGS):
+        exact = beliefs(load_agent(name), (10.0, 30.0), given, knowledge="exact")
+        for group, unknown in chosen.items():
+            known = {field: sd * (1.0 if field in unknown else 1e-3) for field, sd in level.items()}
+            for time, reference, found in zip(
+                (10, 30), exact, beliefs(load_agent(name), (10.0, 30.0), given, knowledge=known), strict=True
+            ):
+                cost = np.exp(np.log(found.sd).mean() - np.log(reference.sd).mean())
+                row(name, group.replace("_", " "), time, found.figures(), found.ringing(), found.sds(), f"{cost:.2f}")
+
+
+def bias(given):
+    head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
+    names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
+    for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, "random")):
+        (found,) = beliefs(load_agent(name, control=control), (30.0,), given, cohort=cohort, control=control)
+        means = statistics.means_together(found.z)
+        worst = int(np.argmax([abs(each.value) for each in means]))
+        row(cohort, control, name, found.figures(), words.with_interval(means[worst], 2), names[worst])
+
+
+def alarm(given):
+    head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
+    total = []
+    for cohort, control in product(COHORTS, CONTROLS):
+        for name in (RICH, SWINGS, PLAIN, "hold_still", "multisine", *POLICY_LIKE):
+            agent = load_agent(name, control=control)
+            (found,) = beliefs(agent, (30.0,), given, cohort=cohort, control=control)
+            row(cohort, control, name, found.figures(), found.ringing())
+            total.append(found.rings)
+    rings = np.concatenate(total)
+    print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
+    head("not told", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "NEES/12 > 4", "of these ring, %")
+    given.patients *= 4
+    for reality, name in product(UNTOLD, (RICH, SWINGS, PLAIN)):
+        (found,) = beliefs(load_agent(name), (30.0,), given, reality=reality)
+        said = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
+        wrong = found.nees > 4.0
+        share = f"{100.0 * found.rings[wrong].mean():.0f}" if wrong.any() else "–"
+        row(said, name, found.figures(), f"{wrong.sum()} of {len(wrong)}", share)
+
+
+def change(given):
+    """Between two treatments, drift 0.1."""
+    head("agent", "treatments of", "pairs", "inside 95 %, %", "sd, worst / median", "width of 95 %, median", "NEES/12")
+    for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
+        settings = Settings(1, "trismus", given.seed, "targets", "pose", seconds, knowledge=_sds(given.knowledge))
+        (entry,) = load_entries([name], settings.env_kwargs, settings.env)
+        prior, z, sd = population_of(entry).prior, [], []
+        for seed in range(given.seed, given.seed + given.patients):
+            first = first_treatment(entry, seed)
+            course = [first, next_treatment(entry, first, 2, 0.1, seed)]
+            found = change_of(course, prior)
+            z.append((found.mean - (course[1].truth - course[0].truth)) / found.sd)
+            sd.append(found.sd)
+        covered = statistics.mean(np.mean(np.abs(z) < 1.96, axis=1))
+        width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
+        spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
+        inside = words.with_interval(words.scaled(covered, 100.0), 1)
+        row(name, f"{seconds:g} s", len(sd), inside, spread, width, f"{np.mean(np.square(z)):.2f}")
+
+
+def _sds(name):
+    return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
+
+
+TABLES = {each.__name__: each for each in (still, corners, memory, creep, groups, bias, alarm, change)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure how honest the filter is.")
+    parser.add_argument("table", choices=TABLES)
+    parser.add_argument("--knowledge", default="exact")
+    parser.add_argument("--patients", type=int, default=200, help="of each row")
+    parser.add_argument("--seed", type=int, default=20_000)
+    given = parser.parse_args()
+    TABLES[given.table](given)
+
+
+if __name__ == "__main__":
+    main()
