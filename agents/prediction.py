@@ -117,7 +117,8 @@ def believe(worlds: NDArray[np.void], simulation: Simulation) -> None:
     truth, belief, models = worlds["truth"], worlds["known"]["belief"], simulation.models
     nuisances, changes = belief["nuisances"], simulation.settings["filter"]["nuisances"]
     truth["jaw"] = belief["jaw"] if nuisances.size else models
-    truth["cell_offset"], truth["turn"] = nuisances @ changes["offset"], nuisances @ changes["turn"]
+    truth["cell_offset"] = nuisances @ changes["offset"]
+    truth["turn"], truth["cell_turn"] = nuisances @ changes["turn"], nuisances @ changes["cell_turn"]
     truth["log_parameters"] = belief["mean"]
     of_line = 2 * models["muscle"].astype(np.intp)
     for k in range(2):

@@ -146,7 +146,7 @@ def _card(maneuver: Maneuver, figures: dict[str, str]) -> str:
         if _film(name).exists()
         else ""
     )
-    told = "".join(_figure(figures.get(key, "–"), *words) for key, words in FIGURES.items())
+    told = "".join(_figure(figures[key], *words) for key, words in FIGURES.items() if key in figures)
     return (
         f'<section id="{name}"><h2>{escape(maneuver.title)}</h2>{moving}{_chart(maneuver)}'
         f"<p>{escape(maneuver.description)}</p><ul>{told}</ul>"
@@ -182,7 +182,7 @@ def _chart(maneuver: Maneuver) -> str:
 
 
 def _figures() -> dict[str, dict[str, str]]:
-    """Maneuver -> heading of the table -> figure without its interval, in targets control."""
+    """Maneuver -> heading of the table -> figure without its interval, in targets control and `Jaw-v2`."""
     rows = [
         line.strip("|\n").split("|") for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith("|")
     ]
@@ -190,7 +190,7 @@ def _figures() -> dict[str, dict[str, str]]:
     found = {}
     for row in body:
         values = dict(zip(heads, row, strict=True))
-        if values["control"] == "targets":
+        if values["control"] == "targets" and "JawImaged" not in row:
             found[values["entry"].replace(" ", "_")] = {key: re.split(r" \(", values[key])[0] for key in FIGURES}
     return found
 

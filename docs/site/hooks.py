@@ -91,6 +91,12 @@ def on_page_content(html: str, **_: Any) -> str:
     return FORMULA.sub(drawn, html)
 
 
+def on_post_page(output: str, **_: Any) -> str:
+    """The theme's search box says what it is."""
+    search = 'data-md-component="search" role="dialog"'
+    return output.replace(search, f'{search} aria-label="Search"')
+
+
 def _target(link: str, origin: str, place: str) -> str:
     """A link in a file of the repository, as seen from the page that is made of it."""
     path = ((ROOT / origin).parent / link).resolve()

@@ -56,22 +56,27 @@ class Watched(Listener):
             return
         scene = build_scene(self._simulation)
         if self._motion is None:
-            self._motion = _beginning(scene, self._simulation.configuration.control)
-        frame = {
-            "time_s": scene.time_s,
-            "contact": 1e3 * scene.contact_m,
-            "turn": _rotation_vector(scene.rotation),
-            "tension": scene.muscle_tension_N,
-            "force": scene.mouthpiece_force_N,
-            "command": action,
-            "moved": [scene.opening_mm, *scene.excursion_mm],
-            "sd": scene.belief_sd,
-        }
-        for name, value in frame.items():
-            self._motion["frames"].setdefault(name, []).append(_rounded(value))
+            self._motion = beginning(scene, self._simulation.configuration.control)
+        for name, value in frame_of(scene, action).items():
+            self._motion["frames"].setdefault(name, []).append(value)
 
 
-def _beginning(scene: Any, control: str) -> dict[str, Any]:
+def frame_of(scene: Any, action: Action) -> dict[str, Any]:
+    """What is different in each frame."""
+    frame = {
+        "time_s": scene.time_s,
+        "contact": 1e3 * scene.contact_m,
+        "turn": _rotation_vector(scene.rotation),
+        "tension": scene.muscle_tension_N,
+        "force": scene.mouthpiece_force_N,
+        "command": action,
+        "moved": [scene.opening_mm, *scene.excursion_mm],
+        "sd": scene.belief_sd,
+    }
+    return {name: _rounded(value) for name, value in frame.items()}
+
+
+def beginning(scene: Any, control: str) -> dict[str, Any]:
     """What is the same in all frames."""
     in_body = scene.rotation.T
     return {

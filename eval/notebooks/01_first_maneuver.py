@@ -19,28 +19,17 @@
 # A device moves the jaw of a patient and feels its resistance. How stiff each of the six closing muscles is, left and
 # right, two numbers each, has to be told from that: 12 parameters. How well this works depends on the *maneuver*.
 # This notebook plays one on simulated patients, next to holding still, and looks at what each has told us.
+#
+# It needs `pip install "jawenv[render]" pandas matplotlib moviepy`.
 
 # %%
 import os
-import tempfile
-from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
 import pandas as pd
-from IPython.display import Markdown, Video
-from rich.console import Console
 
 import jawenv
-from agents import registry
-from eval.comparison.compare import compare
-from eval.comparison.ranking import rank
-from eval.entries import load_entries
-from eval.film import Film, write
-from eval.report import figures
-from eval.settings import Settings
-
-# %matplotlib inline
 
 PATIENTS = int(os.environ.get("JAWENV_NOTEBOOK_PATIENTS", "24"))
 EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
@@ -54,94 +43,111 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 # because this is a simulation, the truth.
 
 # %%
-env = gym.make("jawenv/Jaw-v2", episode_s=EPISODE_S)
-observation, info = env.reset(seed=0)
-pd.DataFrame(
-    {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},
-    index=env.unwrapped.parameter_names,
-).round(2)
+env = gym.make("jawenv/Jaw-v2", episode_s=EPISODE_S, render_mode="rgb_array")
+names = env.unwrapped.parameter_names
 
-# %%
-F_o, b = (
-    np.array([name.startswith(kind) for name in env.unwrapped.parameter_names]) for kind in ("log_F_o/", "log_b/")
-)
-prior_sd = 100 * info["belief_sd"]
-Markdown(
-    f"Before anything is measured every muscle is believed to be like the average patient's, give or take "
-    f"{prior_sd[F_o].mean():.0f} % in F_o and {prior_sd[b].mean():.0f} % in b."
-)
+
+def belief(info):
+    columns = {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])}
+    return pd.DataFrame(columns, index=names).round(2)
+
+
+observation, info = env.reset(seed=0)
+belief(info)
 
 # %% [markdown]
-# Now the maneuver is played to its end.
+# Before anything is measured every muscle is believed to be like the average patient's. Now the maneuver is played to
+# its end.
 
 # %%
-agent = registry.load_agent(MANEUVER)
-agent.reset(1, seed=0)
-done = False
-while not done:
-    action, _ = agent.predict(observation)
-    observation, reward, terminated, truncated, info = env.step(action)
-    done = terminated or truncated
-env.close()
-pd.DataFrame(
-    {"believed": np.exp(info["belief_mean"]), "sd, %": 100 * info["belief_sd"], "true": np.exp(info["truth"])},
-    index=env.unwrapped.parameter_names,
-).round(2)
+agent = jawenv.Player(MANEUVER)
+
+
+def play_to_the_end(env):
+    observation, info = env.reset(seed=0)
+    agent.reset(1, seed=0)
+    done = False
+    while not done:
+        action, _ = agent.predict(observation)
+        observation, reward, terminated, truncated, info = env.step(action)
+        done = terminated or truncated
+    return info
+
+
+belief(play_to_the_end(env))
 
 # %% [markdown]
 # ## What the jaw does
 #
 # The same patient and the same noise, as a film: the jaw from the side and from the front, the device's forces, and the
-# belief that becomes narrower.
+# belief that becomes narrower. Until it is started it shows how it ends.
 
 # %%
-(entry,) = load_entries([MANEUVER], Settings(episode_s=EPISODE_S).env_kwargs)
-film = Path(tempfile.mkdtemp()) / "jaw.mp4"
-print(write(Film(entry, seed=0, width=640, every=2), film, Console(quiet=True)))
-Video(str(film), embed=True, html_attributes="controls loop")
+import base64
+import io
+import tempfile
+
+import matplotlib.pyplot as plt
+from IPython.display import Video
+
+plt.imsave(last := io.BytesIO(), env.render(), format="png")
+poster = "data:image/png;base64," + base64.b64encode(last.getvalue()).decode()
+folder = os.path.join(tempfile.mkdtemp(), "film")
+filmed = gym.wrappers.RecordVideo(env, folder, disable_logger=True)
+play_to_the_end(filmed)
+filmed.close()
+film = os.path.join(folder, "rl-video-episode-0.mp4")
+Video(film, embed=True, html_attributes=f'controls loop width="100%" poster="{poster}"')
 
 # %% [markdown]
 # ## Many patients at once
 #
 # One patient proves little. `jawenv.play` plays the maneuver on many at the same time, and `jawenv.score` computes
-# every metric. The sd are what the filter *claims*; `nees`, the normalised estimation error squared, says whether to
+# every metric. The sds are what the filter *claims*; `NEES`, the normalised estimation error squared, says whether to
 # believe it: an honest filter's is on average the number of parameters, and more is too sure of itself.
 
 # %%
-recording = jawenv.play(agent, patients=PATIENTS, seed=100, env_kwargs={"episode_s": EPISODE_S})
+short = {"episode_s": EPISODE_S}
+recording = jawenv.play(agent, patients=PATIENTS, seed=100, env_kwargs=short)
 score = jawenv.score(recording)
-pd.Series(score.summary()).round(3)
+score.summary()
 
 # %% [markdown]
 # ## Is it better than doing nothing?
 #
-# Both are played on the same patients with the same disturbances, so that the comparison is paired. The dots are
-# patients, the bars 95 % intervals over them.
+# Both are played on the same patients with the same disturbances, so that the comparison is paired: one line joins what
+# a patient gave to both.
 
 # %%
-settings = Settings(patients=PATIENTS, seed=100, episode_s=EPISODE_S)
-study = compare(load_entries([MANEUVER, "hold_still"], settings.env_kwargs), settings)
-ranking = rank(study)
-figures.overview(study, ranking)
+still = jawenv.score(jawenv.play(jawenv.Player("hold_still"), patients=PATIENTS, seed=100, env_kwargs=short))
+both = pd.DataFrame({"hold still": still.information_true, MANEUVER: score.information_true}).transpose()
+axes = both.plot(marker="o", color="C0", alpha=0.5, legend=False, ylabel="true information, nats", figsize=(5, 3))
+plt.close(axes.figure)
+axes.figure
 
 # %%
-best, other = ranking.rows
-print(
-    f"{best.entry} tells {-other.difference.value:.1f} nats more than {other.entry} "
-    f"(95 % interval {-other.difference.high:.1f} to {-other.difference.low:.1f})"
-)
+gain = score.information_true - still.information_true
+error = gain.std(ddof=1) / np.sqrt(len(gain))
+print(f"{MANEUVER} tells {gain.mean():.1f} nats more (95 % interval ± {1.96 * error:.1f})")
 
 # %% [markdown]
 # How each parameter becomes known, in the median patient:
 
 # %%
-figures.sd_over_time(study, ranking)
+sds = np.sqrt(np.diagonal(recording.belief_cov, axis1=-2, axis2=-1))
+course = pd.DataFrame(100 * np.nanmedian(sds, axis=0), index=pd.Index(recording.time, name="s"), columns=names)
+axes = course.plot(logy=True, ylabel="sd, %", figsize=(8, 4))
+axes.legend(fontsize="small", ncols=2)
+plt.close(axes.figure)
+axes.figure
 
 # %% [markdown]
-# And whether the filter may be believed. In the green band it is honest:
+# And whether the filter may be believed: an honest one has errors of the size of its sds, so that 68, 95 and 99.7 % of
+# them are within one, two and three.
 
 # %%
-figures.calibration(study, ranking)
+inside = {f"within {n} sd": 100 * share.mean() for n, share in score.inside.items()}
+pd.Series(inside).round(1).to_frame("of all errors, %")
 
 # %% [markdown]
 # ## How good could it get?
@@ -151,12 +157,12 @@ figures.calibration(study, ranking)
 
 # %%
 patient = jawenv.cohort("trismus").draw(np.random.default_rng(1))
-bound = jawenv.information_bound({"episode_s": EPISODE_S}, registry.load_agent(MANEUVER), patient)
-pd.Series(100 * bound[-1], index=recording.parameter_names, name="bound, %").round(2)
+bound = jawenv.information_bound(short, jawenv.Player(MANEUVER), patient)
+pd.Series(100 * bound[-1], index=names).round(2).to_frame("bound, %")
 
 # %% [markdown]
 # ## Next
 #
-# - `python -m eval compare --all-maneuvers` ranks all hand-made maneuvers and writes a report.
 # - `02_design_your_own.ipynb` writes a maneuver and compares it.
 # - `03_train_an_agent.ipynb` trains an agent.
+# - In a clone, `python -m eval compare --all-maneuvers` ranks all maneuvers and writes a report.

@@ -26,19 +26,8 @@ import tempfile
 from pathlib import Path
 
 import pandas as pd
-from IPython.display import Image, Markdown
-from rich.console import Console
 
 import jawenv
-from eval.comparison.compare import compare
-from eval.comparison.ranking import rank
-from eval.entries import load_entries
-from eval.report import figures
-from eval.settings import Settings
-from training.run.config import TrainingConfig, config_file
-from training.run.folder import RunFolder
-from training.run.plot import draw
-from training.run.train import start
 
 # %matplotlib inline
 
@@ -53,6 +42,10 @@ RUN = Path(tempfile.mkdtemp()) / "agent"
 # Everything that decides a run is one tree. `training/configs/demo.yaml` is one; other values can be given.
 
 # %%
+from IPython.display import Markdown
+
+from training.run.config import TrainingConfig, config_file
+
 config = TrainingConfig.load(config_file("demo"))
 if QUICK:  # as a test: one rollout of a few worlds
     kwargs = {**config.env.kwargs, "episode_s": EPISODE_S}
@@ -78,10 +71,19 @@ Markdown(
 # best policy and `evaluations.csv`.
 
 # %%
+from rich.console import Console
+
+from training.run.folder import RunFolder
+from training.run.train import start
+
 start(config, RunFolder(RUN), Console(quiet=True))
 pd.read_csv(RUN / "evaluations.csv").tail().round(3)
 
 # %%
+from IPython.display import Image
+
+from training.run.plot import draw
+
 Image(str(draw([RUN], RUN / "curves.png")))
 
 # %% [markdown]
@@ -90,6 +92,12 @@ Image(str(draw([RUN], RUN / "curves.png")))
 # On patients that took no part in the training, in the same control mode, with the same noise.
 
 # %%
+from eval.comparison.compare import compare
+from eval.comparison.ranking import rank
+from eval.entries import load_entries
+from eval.report import figures
+from eval.settings import Settings
+
 settings = Settings(patients=PATIENTS, seed=300, episode_s=EPISODE_S, control="targets")
 study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.env_kwargs), settings)
 ranking = rank(study, config.residual.maneuver)
@@ -114,7 +122,7 @@ from agents import load_agent
 agent = load_agent(RUN, control="targets")
 env_kwargs = {"control": "targets", "episode_s": EPISODE_S}
 recording = jawenv.play(agent, patients=2, seed=300, env_kwargs=env_kwargs)
-pd.Series(jawenv.score(recording).summary()).round(3)
+jawenv.score(recording).summary()
 
 # %% [markdown]
 # ## Next

@@ -18,23 +18,17 @@
 #
 # A *recording* is what a device measured: where the mouthpiece was, how it moved, what force it felt. The estimators
 # get nothing else. So a table from a bench of your own is evaluated as a simulated one is. Put its path into `FILE`.
+#
+# It needs `pip install jawenv pandas matplotlib`.
 
 # %%
 import os
-import tempfile
-from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
-from IPython.display import Markdown
 
 import jawenv
-from agents import load_agent
 from jawenv.laboratory.recordings.files import load_record, save_record
-from jawenv.laboratory.references.extended_kalman import ExtendedKalman
-
-# %matplotlib inline
 
 FILE = None  # for example Path("bench.csv")
 EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
@@ -43,9 +37,13 @@ EPISODE_S = float(os.environ.get("JAWENV_NOTEBOOK_EPISODE_S", "30"))
 # Without one, a patient is simulated and written to a file, true values included.
 
 # %%
+import tempfile
+from pathlib import Path
+
+FOLDER = Path(tempfile.mkdtemp())
 if FILE is None:
-    FILE = Path(tempfile.mkdtemp()) / "recording.csv"
-    agent = load_agent("opening_with_swings_and_fore_aft")
+    FILE = FOLDER / "recording.csv"
+    agent = jawenv.Player("opening_with_swings_and_fore_aft")
     played = jawenv.play(agent, patients=1, seed=7, env_kwargs={"record": True, "episode_s": EPISODE_S})
     save_record(played.records[0], FILE)
 table = pd.read_csv(FILE, comment="#")
@@ -60,17 +58,16 @@ table.filter(regex="^(time|mouthpiece|pitch|force)").head()
 
 # %%
 record = load_record(FILE)
-Markdown(
-    f"{record.time[-1]:.1f} s at {1 / record.dt:.3g} Hz; {len(record.parameter_names)} parameters are to be found. "
-    "The truth is " + ("in the file." if record.truth is not None else "not known.")
-)
+truth = "not known" if record.truth is None else "in the file"
+print(f"{record.time[-1]:.1f} s at {1 / record.dt:.3g} Hz, {len(record.parameter_names)} parameters")
+print(f"The truth is {truth}.")
 
 # %% [markdown]
 # A file that cannot be used gets one line with the column, the row and what is allowed:
 
 # %%
-damaged = Path(tempfile.mkdtemp()) / "damaged.csv"
-damaged.write_text(FILE.read_text().replace("force_x", "strength_x"))
+damaged = FOLDER / "damaged.csv"
+damaged.write_text(Path(FILE).read_text().replace("force_x", "strength_x"))
 try:
     load_record(damaged)
 except jawenv.InputError as error:
@@ -82,6 +79,8 @@ except jawenv.InputError as error:
 # Estimates are of natural logarithms, so an sd of 0.05 is 5 %.
 
 # %%
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+
 estimate = ExtendedKalman().estimate(record)
 mean, sd = estimate.mean[-1], estimate.sd[-1]
 found = pd.DataFrame({"estimate": np.exp(mean), "sd, %": 100 * sd}, index=record.parameter_names)
@@ -94,11 +93,13 @@ found.round(2)
 # How the parameters become known:
 
 # %%
-figure, axes = plt.subplots(figsize=(8, 3))
-axes.plot(estimate.time, 100 * estimate.sd)
-axes.set(xlabel="s", ylabel="sd, %", yscale="log")
-plt.close(figure)
-figure
+import matplotlib.pyplot as plt
+
+course = pd.DataFrame(100 * estimate.sd, index=pd.Index(estimate.time, name="s"), columns=record.parameter_names)
+axes = course.plot(logy=True, ylabel="sd, %", figsize=(8, 4))
+axes.legend(fontsize="small", ncols=2)
+plt.close(axes.figure)
+axes.figure
 
 # %% [markdown]
 # ## What the recording can tell
@@ -112,6 +113,6 @@ print(jawenv.identifiability(record, mean).describe())
 # %% [markdown]
 # ## Next
 #
-# - The same on the command line: `python examples/estimate_from_a_recording.py bench.csv`.
+# - The same on the command line: `jawenv identify bench.csv`.
 # - `IteratedSmoother` and `ModeSearch` are slower and see more: `docs/recordings.md` says when.
 # - `05_thesis.ipynb` compares estimators on the cases of Young (2016).

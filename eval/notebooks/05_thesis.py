@@ -30,15 +30,14 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-from IPython.display import Markdown
 
+# %% [markdown]
+# Each result has a name here:
+# %%
 from eval.kept.parts import Run
 from eval.thesis.catalogue import ITEMS
 from eval.thesis.run import Draws, draw_all
-
-# %matplotlib inline
 
 DRAWS = int(os.environ.get("JAWENV_NOTEBOOK_DRAWS", "40"))
 QUICK = bool(int(os.environ.get("JAWENV_NOTEBOOK_QUICK", "0")))
@@ -78,8 +77,10 @@ look_at("kinematics")
 # is also wrong:
 
 # %%
+import numpy as np
+
 b, stretch = 8.0, 0.3
-Markdown(
+print(
     f"At b = {b:g} and a stretch of {stretch:.0%} the straight line gives {1 + b * stretch:.1f} times F_o, "
     f"and the law {np.exp(b * stretch):.1f} times."
 )

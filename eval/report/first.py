@@ -10,6 +10,7 @@ from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import Results
 from eval.report import words
+from jawenv.ladder import KNOWN_WITHIN_SDS
 
 N_BEST = 5
 BESIDE = "slow_opening"
@@ -62,10 +63,11 @@ def rest(ranking: Ranking) -> tuple[Row, ...]:
     return tuple(row for row in ranking.rows if row not in shown)
 
 
-def films(study: Results, ranking: Ranking) -> tuple[Row, ...]:
-    """The best entry whose motion was kept, and that of ``BESIDE``."""
+def films(study: Results, ranking: Ranking) -> tuple[tuple[str, Row], ...]:
+    """The best entry whose motion was kept, and that of ``BESIDE``, with what stands before their names."""
     kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    return tuple(row for row in kept if row is kept[0] or row.entry == BESIDE)
+    shown = [row for row in kept if row is kept[0] or row.entry == BESIDE]
+    return tuple(("The best: " if row is kept[0] else "", row) for row in shown)
 
 
 def answer(ranking: Ranking) -> str:
@@ -80,6 +82,19 @@ def answer(ranking: Ranking) -> str:
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
     return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are known {said}."
+
+
+def assumption(study: Results) -> str:
+    """What the filter was told of anatomy and disturbance, in a sentence or two."""
+    settings = study.about.get("settings", {})
+    lasts = study.env == KNOWN_WITHIN_SDS or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
+    disturbance = "a disturbance that lasts" if lasts else "a white disturbance"
+    if study.env == KNOWN_WITHIN_SDS or settings.get("knowledge"):
+        return f"For an anatomy and a device that the filter knows within sds, and {disturbance}."
+    return (
+        f"For an anatomy that is known exactly and {disturbance}. Known as a scan shows it (--env JawImaged), "
+        "the same maneuvers have sds several times as large."
+    )
 
 
 def _reached(row: Row, target: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
@@ -32,6 +33,7 @@ def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.
                     "name": looks[i]["name"],
                     "meta": i,
                     "line": {"color": looks[i]["colour"], "dash": looks[i]["dash"], "width": 2},
+                    "error_y": _errors(rows, column, factor, looks[i]["colour"]),
                     "hovertemplate": f"{looks[i]['name']}<br>%{{y:.3g}} after %{{x:,}} steps<extra></extra>",
                 }
             )
@@ -43,6 +45,22 @@ def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.
         }
         found[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
     return found, notes
+
+
+def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: str) -> dict[str, Any]:
+    """Bars of the interval of each evaluation, where the run kept it."""
+    low, high = f"{column}_low", f"{column}_high"
+    if not all({low, high} <= set(row) for row in rows):
+        return {"visible": False}
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [factor * (row[high] - row[column]) for row in rows],
+        "arrayminus": [factor * (row[column] - row[low]) for row in rows],
+        "color": colour,
+        "thickness": 1,
+        "width": 3,
+    }
 
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:

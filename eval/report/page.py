@@ -18,8 +18,9 @@ from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
 from eval.report import charts, first, panels, template, verdict, words
+from eval.report.learned import learned
 from eval.report.learning import learning_charts
-from eval.report.playback import playback
+from eval.report.playback import legend, playback
 from eval.report.terms import TERMS
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
@@ -70,11 +71,13 @@ def render(study: Results, ranking: Ranking) -> str:
         sigmas=SIGMAS,
         about=study.about,
         answer=first.answer(ranking),
+        assumption=first.assumption(study),
         belief=first.belief(ranking),
         bars=first.all_bars(ranking, _episode_s(study), first.firsts(ranking)),
         bars_of_rest=first.all_bars(ranking, _episode_s(study), first.rest(ranking)),
         rest=first.rest(ranking),
         films=first.films(study, ranking),
+        legend=legend(),
         least_sure=first.LEAST_SURE,
         terms=TERMS,
         headline=verdict.headline(ranking),
@@ -99,6 +102,7 @@ def render(study: Results, ranking: Ranking) -> str:
         learning=list(learning),
         learning_entries=_entries_in(learning, data["entries"]),
         learning_notes=learning_notes,
+        learned=learned(study, ranking),
         data=_embedded(data),
         plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
         assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704

@@ -11,6 +11,7 @@ from jawenv.errors import InputError
 from jawenv.metrics.calibration import alarm_rings, claimed_information, covered, nees, true_information
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
+from jawenv.metrics.summary import Summary
 from jawenv.playing.rollout import Recording
 
 Array = npt.NDArray[np.float64]
@@ -95,26 +96,30 @@ class Score:
         """(P,) root mean squared error over the patients, over the bound."""
         return rmse_over_bound(self.error, self.bound_sd)
 
-    def summary(self) -> dict[str, float]:
+    def summary(self) -> Summary:
         """Aggregate over the patients: means, and median, 90 % quantile and maximum of the worst sd.
+
+        A mapping of names to figures; printed, or shown in a notebook, it is a table of the main ones.
 
         The median time to a target counts the patients who never reach it as infinitely late, so that it is
         infinite when fewer than half of them do; `share_to_*` says how many do.
         """
-        table = {
-            "patients": float(len(self.nees)),
-            "worst_sd_median": float(np.median(self.worst_sd)),
-            "worst_sd_p90": float(np.quantile(self.worst_sd, 0.9)),
-            "worst_sd_max": float(np.max(self.worst_sd)),
-            "rmse": float(rmse(self.error, axis=(0, 1))),
-            "rmse_over_bound_mean": float(np.mean(self.rmse_over_bound)),
-            "rmse_over_bound_max": float(np.max(self.rmse_over_bound)),
-            "honesty_gap": float(np.mean(self.honesty_gap)),
-            "violation_share": float(np.mean(self.violated)),
-            "ringing_share": float(np.mean(self.rings)),
-            "misfit_max": float(np.max(self.misfit)),
-            "largest_fraction_max": float(np.max(self.largest_fraction)),
-        }
+        table = Summary(
+            {
+                "patients": float(len(self.nees)),
+                "worst_sd_median": float(np.median(self.worst_sd)),
+                "worst_sd_p90": float(np.quantile(self.worst_sd, 0.9)),
+                "worst_sd_max": float(np.max(self.worst_sd)),
+                "rmse": float(rmse(self.error, axis=(0, 1))),
+                "rmse_over_bound_mean": float(np.mean(self.rmse_over_bound)),
+                "rmse_over_bound_max": float(np.max(self.rmse_over_bound)),
+                "honesty_gap": float(np.mean(self.honesty_gap)),
+                "violation_share": float(np.mean(self.violated)),
+                "ringing_share": float(np.mean(self.rings)),
+                "misfit_max": float(np.max(self.misfit)),
+                "largest_fraction_max": float(np.max(self.largest_fraction)),
+            }
+        )
         means = ("information_claimed", "information_true", "information_bound", "nees", "nees_prior")
         for name in (*means, "identified", "discomfort_s", "governor"):
             table[name] = float(np.mean(getattr(self, name)))

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.rendering.canvas import Canvas
 from jawenv.rendering.mesh import Mesh
 from jawenv.rendering.palette import Colour
 
+if TYPE_CHECKING:
+    from jawenv.rendering.canvas import Box, Canvas
+
 Array = NDArray[np.float64]
 
-_LIGHT = np.array([-0.35, 0.62, 0.70])  # from the viewer's upper left
-_AMBIENT = 0.20
+LIGHT = np.array([-0.35, 0.62, 0.70])  # from the viewer's upper left
+AMBIENT = 0.20
+HEIGHT_MM = 164.0  # that a view of the jaw shows
+DESIGN_HEIGHT = 384.0  # of a view in the environment's picture: widths of lines in design units are meant for it
+_SIDE_TURN = np.radians(9.0)
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,22 @@ class Camera:
     def basis(self) -> Array:
         """Rows right, up, toward (3, 3)."""
         return np.stack([self.right, np.array([0.0, 0.0, 1.0]), self.toward])
+
+
+def side_camera(box: Box, planar: bool) -> Camera:
+    """From the patient's right, turned a little to the front so that the far side shows, unless all is in one plane."""
+    turn = 0.0 if planar else _SIDE_TURN
+    c, s = np.cos(turn), np.sin(turn)
+    x, y, width, height = box
+    origin = (x + 0.29 * width, y + 0.285 * height)
+    return Camera(np.array([c, s, 0.0]), np.array([s, -c, 0.0]), origin, height / HEIGHT_MM)
+
+
+def front_camera(box: Box) -> Camera:
+    """Face to face with the patient: the patient's left is on the right."""
+    x, y, width, height = box
+    origin = (x + width / 2, y + 0.285 * height)
+    return Camera(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), origin, height / HEIGHT_MM)
 
 
 @dataclass(frozen=True)
@@ -71,6 +93,6 @@ def draw_mesh(canvas: Canvas, camera: Camera, mesh: Mesh, pose: Pose, ramp: list
     canvas.segments(pixels[contour], line, 2.0)
     depth = (vertices @ camera.toward)[mesh.faces].mean(axis=1)
     order = np.flatnonzero(facing)[np.argsort(depth[facing], kind="stable")]
-    shade = np.clip(_AMBIENT + (1 - _AMBIENT) * (normals[order] @ _LIGHT), 0, 1)
+    shade = np.clip(AMBIENT + (1 - AMBIENT) * (normals[order] @ LIGHT), 0, 1)
     colours = [ramp[i] for i in (shade * (len(ramp) - 1)).astype(int).tolist()]
     canvas.polygons(pixels[mesh.faces[order]], colours)

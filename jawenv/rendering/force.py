@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.rendering import palette
 from jawenv.rendering.camera import Camera
-from jawenv.rendering.canvas import Box, Canvas
 from jawenv.rendering.scene import Scene
+
+if TYPE_CHECKING:
+    from jawenv.rendering.canvas import Box, Canvas
 
 Array = NDArray[np.float64]
 
-_MM_PER_N = 1.3
-_LONGEST_MM = 36.0
-_LEAST_FORCE_N = 0.2
+MM_PER_N = 1.3
+LONGEST_MM = 36.0
+LEAST_FORCE_N = 0.2
 
 
 def draw_force(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
     """Draw the device's force on the mandible as an arrow that starts at the mouthpiece, with its size."""
     force = scene.mouthpiece_force_N
     size = float(np.linalg.norm(force))
-    if size < _LEAST_FORCE_N:
+    if size < LEAST_FORCE_N:
         return
     start = camera.project(1000 * scene.mouthpiece_m + 9 * scene.rotation[:, 0])
     flat = np.array([force @ camera.right, -force[2]])
     shown = float(np.hypot(*flat))
     low, high = np.array(box[:2]) + 12, np.array(box[:2]) + np.array(box[2:]) - 14
     if shown > 0.3 * size:
-        reach = min(_MM_PER_N * shown, _LONGEST_MM) * camera.scale + 12
+        reach = min(MM_PER_N * shown, LONGEST_MM) * camera.scale + 12
         tip = np.clip(start + flat / shown * reach, low, high)
         _draw_arrow(canvas, start, tip)
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pygame
 
 from jawenv.rendering import palette
+from jawenv.rendering.camera import front_camera, side_camera
 from jawenv.rendering.canvas import Box, Canvas
 from jawenv.rendering.legends import draw_colour_legend, draw_width_legend
 from jawenv.rendering.palette import FAINT_INK, INK, SOFT_INK
@@ -13,7 +14,7 @@ from jawenv.rendering.posterior import draw_posterior, draw_posterior_background
 from jawenv.rendering.scene import Moment, Scene
 from jawenv.rendering.skull import draw_front_background, draw_side_background
 from jawenv.rendering.trace import draw_trace, draw_trace_legend
-from jawenv.rendering.views import draw_front, draw_side, front_camera, side_camera
+from jawenv.rendering.views import draw_front, draw_side
 
 _SIDE: Box = (14, 54, 386, 456)
 _FRONT: Box = (412, 54, 386, 456)

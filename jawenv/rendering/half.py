@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jawenv.rendering import palette
+from jawenv.rendering.camera import front_camera, side_camera
 from jawenv.rendering.canvas import Box, Canvas
 from jawenv.rendering.legends import draw_colour_legend
 from jawenv.rendering.muscles import split_name, symbol
@@ -11,7 +12,7 @@ from jawenv.rendering.posterior import SD_LINES, draw_sd
 from jawenv.rendering.posterior_layout import SdScale
 from jawenv.rendering.scene import Scene
 from jawenv.rendering.skull import draw_front_background, draw_side_background
-from jawenv.rendering.views import draw_front, draw_side, front_camera, side_camera
+from jawenv.rendering.views import draw_front, draw_side
 
 _SIDE: Box = (10, 58, 306, 360)
 _FRONT: Box = (324, 58, 306, 360)

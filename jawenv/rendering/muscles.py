@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+SLACK, PER_ROOT_N, WIDEST = 3.0, 2.1, 17.0  # widths, design units: without tension, per root of a N, at most
 _HIGH_MM = 15.0  # lines from above this height run under the cheekbone's arch
 _INNER_MM = (1.0, 30.0)  # lines from between these distances to the midplane run inside the ramus
 
@@ -32,13 +33,22 @@ def split_name(muscle: str) -> tuple[str, str]:
 
 def side_of(scene: Scene, line: int) -> str:
     """Side that a line of action is on: `left`, `right` or `middle`."""
-    y = 1000 * float(scene.muscle_insertion_m[line, 1] + scene.muscle_origin_m[line, 1]) / 2
-    return "middle" if scene.planar else "left" if y > 0 else "right"
+    return side_at(scene.muscle_origin_m[line], scene.muscle_insertion_m[line], scene.planar)
+
+
+def side_at(origin: Array, insertion: Array, planar: bool) -> str:
+    """Side of a line between two points (3,): `left`, `right` or, where all is in one plane, `middle`."""
+    return "middle" if planar else "left" if origin[1] + insertion[1] > 0 else "right"
 
 
 def layer_of(scene: Scene, line: int) -> str:
-    """How deep a line runs: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
-    _, y, z = 1000 * scene.muscle_origin_m[line]
+    """How deep a line runs, see `layer_at`."""
+    return layer_at(1000 * scene.muscle_origin_m[line])
+
+
+def layer_at(origin_mm: Array) -> str:
+    """How deep a line from an origin runs: `high` under the arch, `inner` behind the ramus, `outer` on top of it."""
+    _, y, z = origin_mm
     if z > _HIGH_MM:
         return "high"
     return "inner" if _INNER_MM[0] < abs(y) < _INNER_MM[1] else "outer"
@@ -70,7 +80,7 @@ def symbol(canvas: Canvas, parameter: str, at: tuple[float, float], size: float,
 
 def muscle_width(tension_N: float) -> float:
     """Width of a muscle in design units, growing with the root of its tension."""
-    return min(3.0 + 2.1 * math.sqrt(tension_N), 17.0)
+    return min(SLACK + PER_ROOT_N * math.sqrt(tension_N), WIDEST)
 
 
 def draw_muscle(

@@ -40,7 +40,7 @@ ALARM: Colour = (204, 41, 48)
 
 KNOWN_SD = 0.01
 UNKNOWN_SD = 0.5
-_KNOWLEDGE: tuple[Colour, ...] = (
+KNOWLEDGE: tuple[Colour, ...] = (
     (190, 94, 70),
     (214, 148, 88),
     (196, 184, 122),
@@ -64,9 +64,9 @@ def ramp(shadow: Colour, light: Colour, steps: int) -> list[Colour]:
 def knowledge(sd: float) -> Colour:
     """Colour of a standard deviation of a natural log, on a log scale from `UNKNOWN_SD` to `KNOWN_SD`."""
     share = math.log(UNKNOWN_SD / sd) / math.log(UNKNOWN_SD / KNOWN_SD)
-    place = min(max(share, 0.0), 1.0) * (len(_KNOWLEDGE) - 1)
-    index = min(int(place), len(_KNOWLEDGE) - 2)
-    return mix(_KNOWLEDGE[index], _KNOWLEDGE[index + 1], place - index)
+    place = min(max(share, 0.0), 1.0) * (len(KNOWLEDGE) - 1)
+    index = min(int(place), len(KNOWLEDGE) - 2)
+    return mix(KNOWLEDGE[index], KNOWLEDGE[index + 1], place - index)
 
 
 def comfort(used: float, hard: float) -> Colour:

@@ -20,24 +20,6 @@ _BONE = palette.ramp(palette.BONE_SHADOW, palette.BONE_LIGHT, 32)
 _TOOTH = palette.ramp(palette.TOOTH_SHADOW, palette.TOOTH_LIGHT, 32)
 _PLATE = palette.ramp(palette.PLATE_SHADOW, palette.PLATE_LIGHT, 32)
 _ARCH = outlines.closed(outlines.SIDE_ARCH)
-_SIDE_TURN = np.radians(9.0)
-_HEIGHT_MM = 164.0
-
-
-def side_camera(box: Box, planar: bool) -> Camera:
-    """From the patient's right, turned a little to the front so that the far side shows, unless all is in one plane."""
-    turn = 0.0 if planar else _SIDE_TURN
-    c, s = np.cos(turn), np.sin(turn)
-    x, y, width, height = box
-    origin = (x + 0.29 * width, y + 0.285 * height)
-    return Camera(np.array([c, s, 0.0]), np.array([s, -c, 0.0]), origin, height / _HEIGHT_MM)
-
-
-def front_camera(box: Box) -> Camera:
-    """Face to face with the patient: the patient's left is on the right."""
-    x, y, width, height = box
-    origin = (x + width / 2, y + 0.285 * height)
-    return Camera(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), origin, height / _HEIGHT_MM)
 
 
 def draw_side(canvas: Canvas, camera: Camera, box: Box, scene: Scene) -> None:

@@ -34,7 +34,7 @@ def test_the_believed_world_has_nothing_of_the_truth(env):
     simulation = env.unwrapped.simulation
     hidden = simulation.worlds.copy()
     of_the_patient = ("log_parameters", "muscles", "state", "lift", "jaw", "unmodelled")
-    for name in (*of_the_patient, "cell_gain", "cell_offset", "turn"):
+    for name in (*of_the_patient, "cell_gain", "cell_offset", "turn", "cell_turn"):
         hidden["truth"][name] = np.zeros_like(hidden["truth"][name])
     seen = simulation.worlds.copy()
     believe(hidden, simulation)

@@ -5,6 +5,7 @@ import pytest
 
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band, score
+from jawenv.metrics.summary import Summary
 from tests.metrics.linear_gaussian import linear_gaussian
 
 
@@ -130,3 +131,17 @@ def test_a_malformed_recording_is_refused(change, message):
     recording = linear_gaussian(patients=2, steps=4)
     with pytest.raises(InputError, match=message):
         replace(recording, **change(recording))
+
+
+def test_a_summary_is_a_table():
+    summary = Summary(
+        {"patients": 3.0, "worst_sd_median": 0.0251, "nees": float("nan"), "time_to_0.05_median_s": np.inf}
+    )
+    lines = [line.split("  ") for line in str(summary).splitlines()]
+    assert [(line[0], line[-1].strip()) for line in lines] == [
+        ("patients", "3"),
+        ("worst sd, median", "2.5%"),
+        ("all known to 5 % after, s, median", "never"),
+        ("NEES", "–"),
+    ]
+    assert summary._repr_html_().count("<tr>") == 4 and summary["nees"] is not None

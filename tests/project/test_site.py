@@ -108,10 +108,12 @@ def test_the_first_page_is_the_readme_arranged(site: Path) -> None:
 
 def test_the_gallery_shows_every_maneuver_with_three_figures(site: Path) -> None:
     text = (site / "gallery.html").read_text(encoding="utf-8")
+    played = (ROOT / "docs" / "tables" / "headline.md").read_text(encoding="utf-8")
     for name in jawenv.maneuver_names():
         (card,) = re.findall(rf'<section id="{name}">(.*?)</section>', text, re.S)
         figures = re.findall(r"<li><b>([^<]+)</b>", card)
-        assert len(figures) == 3 and all(re.match(r"[\d.]+ (s|%)$|never$", figure) for figure in figures), name
+        assert len(figures) == (3 if name.replace("_", " ") in played else 0), name
+        assert all(re.match(r"[\d.]+ (s|%)$|never$", figure) for figure in figures), name
         assert "<polyline" in card or "rest" in card
 
 

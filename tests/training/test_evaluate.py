@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 
-from training.run.evaluate import evaluate
+from training.run.evaluate import Evaluation, evaluate
 from training.run.vec_env import NativeVecEnv
 
 
@@ -75,3 +75,13 @@ def test_worst_sd_is_that_at_10_s_and_at_the_end_and_its_median_counts() -> None
     assert length.min() < at_10_s < length.max()
     assert outcome.averages()["worst_sd"] == np.median(figures["worst_sd"])
     np.testing.assert_allclose(figures["discomfort_s"], 30.0 * figures["cost"] / length)
+
+
+def test_intervals_hold_the_median_in_95_of_100_cohorts() -> None:
+    rng = np.random.default_rng(0)
+    held = []
+    for _ in range(400):
+        ends = Evaluation({"worst_sd": rng.exponential(size=32), "return": np.zeros(32)}).intervals()
+        assert set(ends) == {"worst_sd_low", "worst_sd_high"}
+        held.append(ends["worst_sd_low"] <= np.log(2.0) <= ends["worst_sd_high"])
+    assert 0.94 <= np.mean(held) <= 1.0

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+from scipy.stats import binom
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+CONFIDENCE = 0.95
 MEDIANS = ("worst_sd", "worst_sd_10s")
 """Figures of which the median over patients counts, since a few stiff patients would rule the mean."""
 
@@ -44,6 +46,18 @@ class Evaluation:
             name: float(np.median(values) if name in MEDIANS else values.mean())
             for name, values in self.figures.items()
         }
+
+    def intervals(self) -> dict[str, float]:
+        """Ends of the 95 % confidence interval of each of `MEDIANS`, as ``worst_sd_low`` and ``worst_sd_high``.
+
+        They are order statistics, so that nothing is assumed about the patients (David & Nagaraja 2003, section 7.1).
+        """
+        ends: dict[str, float] = {}
+        for name in self.figures.keys() & set(MEDIANS):
+            values = np.sort(self.figures[name])
+            cut = max(int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(values), 0.5)) - 1, 0)
+            ends |= {f"{name}_low": float(values[cut]), f"{name}_high": float(values[-1 - cut])}
+        return ends
 
 
 def evaluate(

@@ -21,7 +21,11 @@ COLUMNS = (
     "return_sampled",
     "return_sd",
     "worst_sd",
+    "worst_sd_low",
+    "worst_sd_high",
     "worst_sd_10s",
+    "worst_sd_10s_low",
+    "worst_sd_10s_high",
     "discomfort_s",
     "information_claimed",
     "information_true",
@@ -113,10 +117,14 @@ class Evaluations(BaseCallback):
         if outcome is None or sampled is None:
             return
         self.last = self.model.num_timesteps
-        figures = outcome.averages() | {
-            "return_sampled": sampled.mean_return,
-            "return_sd": float(outcome.figures["return"].std()),
-        }
+        figures = (
+            outcome.averages()
+            | outcome.intervals()
+            | {
+                "return_sampled": sampled.mean_return,
+                "return_sd": float(outcome.figures["return"].std()),
+            }
+        )
         row = {name: figures[name] for name in COLUMNS if name in figures}
         # The row last: a run that is killed before it evaluates again, and saves the model again.
         if self._compare(figures | {"steps": self.last}):
@@ -151,12 +159,14 @@ class Evaluations(BaseCallback):
 
 
 def _append(run: RunFolder, steps: int, row: dict[str, float]) -> None:
+    """Add a row; the table of a run that goes on keeps its columns."""
     new = not run.evaluations.exists()
+    names = ["steps", *row] if new else read_text(run.evaluations).partition("\n")[0].strip().split(",")
     with run.evaluations.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = csv.DictWriter(file, names, extrasaction="ignore")
         if new:
-            writer.writerow(["steps", *row])
-        writer.writerow([steps, *(f"{value:.6g}" for value in row.values())])
+            writer.writeheader()
+        writer.writerow({"steps": steps} | {name: f"{value:.6g}" for name, value in row.items()})
 
 
 def read_evaluations(run: RunFolder) -> list[dict[str, float]]:

@@ -1,15 +1,12 @@
 "use strict";
-// The first screen's films: the best entry and a common one, in step, once through; still until asked where a reader
-// wants no motion.
-(() => {
+// Films beside each other, in step, once through; still until asked where a reader wants no motion.
+for (const section of document.querySelectorAll(".films")) {
   const SPEED = 2;
   const KNOWN = 0.05;
   const START_S = 3; // shown until the film plays: by then a jaw is open
   const { motions, end_s: end } = report.data.playback;
-  const section = document.getElementById("films");
-  if (!section) return;
-  const play = document.getElementById("films-play");
-  const clock = document.getElementById("films-clock");
+  const play = section.querySelector(".films-play");
+  const clock = section.querySelector(".films-clock");
   const films = [...section.querySelectorAll("figure")].map((box) => ({ box, motion: motions[box.dataset.entry] }));
   let [now, playing, last] = [Math.min(START_S, end), false, 0];
   let begun = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -19,7 +16,7 @@
       const frame = jaw.frameAt(motion, now);
       for (const canvas of box.querySelectorAll("canvas")) jaw.draw(canvas, canvas.dataset.view, motion, frame);
       const known = frame.sd.filter((sd) => sd <= KNOWN).length;
-      box.querySelector(".now").textContent = `${known} of ${frame.sd.length} parameters known to ${100 * KNOWN} %, the worst to ${(100 * Math.max(...frame.sd)).toFixed(1)} %`;
+      box.querySelector(".now").textContent = `${known} of ${frame.sd.length} parameters known to ${100 * KNOWN}\u00a0%, the worst to ${(100 * Math.max(...frame.sd)).toFixed(1)}\u00a0%`;
     }
     clock.textContent = `${now.toFixed(1)} s of ${end} s`;
   }
@@ -54,4 +51,4 @@
   }).observe(section);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   draw();
-})();
+}

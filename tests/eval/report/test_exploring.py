@@ -78,12 +78,12 @@ def test_the_films_play_pause_and_stop_where_nobody_looks(path):
     with opened(path) as page:
         page.emulate_media(reduced_motion="reduce")
         page.reload()
-        assert page.inner_text("#films-play") == "Play", "still where a reader wants no motion"
+        assert page.inner_text("#films .films-play") == "Play", "still where a reader wants no motion"
         before = page.locator("#films canvas").first.evaluate(PIXELS)
-        page.click("#films-play")
+        page.click("#films .films-play")
         page.wait_for_function(f"({PIXELS})(document.querySelector('#films canvas')) !== {before}")
         page.evaluate("document.getElementById('settings').scrollIntoView()")
-        page.wait_for_function("document.getElementById('films-play').textContent === 'Play'")
+        page.wait_for_function("document.querySelector('#films .films-play').textContent === 'Play'")
         assert page.complaints == []
 
 

@@ -45,6 +45,23 @@ def test_the_answer_of_who_never_gets_there_and_of_nobody_ranked(made):
     assert first.answer(none) == "No maneuver can be ranked on these 12 patients: the table below says why."
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "For an anatomy that is known exactly and a white disturbance. Known as a scan"),
+        (
+            {"device": {"unmodelled_time_s": 0.5}},
+            "For an anatomy that is known exactly and a disturbance that lasts. Known",
+        ),
+        ({"knowledge": {"mass": 0.1}}, "For an anatomy and a device that the filter knows within sds, and a white"),
+        ({"env": "jawenv/JawImaged-v1"}, "For an anatomy and a device that the filter knows within sds, and a disturb"),
+    ],
+)
+def test_what_is_assumed_stands_below_the_answer(made, changes, said):
+    about = made.about | {"settings": made.about["settings"] | changes}
+    assert first.assumption(type(made)(made.patients, made.curves, about)).startswith(said)
+
+
 def test_the_best_is_believed_by_its_nees_and_its_alarm(made):
     belief = first.belief(rank(made))
     assert belief.yes and "the NEES of good one is" in belief.because and "rings in 0 %" in belief.because

@@ -6,3 +6,13 @@ if (!matchMedia("(prefers-reduced-motion: reduce)").matches) {
   );
   addEventListener("DOMContentLoaded", () => document.querySelectorAll("video[loop][muted]").forEach((film) => watch.observe(film)));
 }
+
+// Who has no pointer scrolls what is too wide with the arrow keys.
+addEventListener("load", () => {
+  for (const box of document.querySelectorAll('.md-typeset__scrollwrap, .notebook-output, .md-typeset math[display="block"]'))
+    if (box.scrollWidth > box.clientWidth) {
+      box.setAttribute("tabindex", "0");
+      box.setAttribute("aria-label", "wider than the page: scrolls sideways");
+      if (box.localName === "div") box.setAttribute("role", "group");
+    }
+});
