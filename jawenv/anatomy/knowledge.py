@@ -23,7 +23,7 @@ class Knowledge(NumericFields):
 
     Attributes:
         attachments: of each coordinate of each end of each muscle's line, in sds of the table of attachments: 0.1 with
-            an image of the patient (M; the share G). The mean anatomy, 1, is not allowed: the filter is lost there.
+            an image of the patient (M; the share G). The mean anatomy, 1, is not allowed: it loses the filter.
             ``l_o`` is the closed-jaw length of the true attachments, since F_o is the tension of the closed jaw.
         fossa: of drop and spatial frequency of the condyle's path, relative: 0.1 spans with 2 sd about what published
             paths do (D).

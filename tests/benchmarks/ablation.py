@@ -19,15 +19,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jawenv.kernels.compiled import njit
+
 FILTER = "jawenv.filter."
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
 class Row(NamedTuple):
-    """What is left out: constants of modules that are set otherwise, and fields of the device."""
+    """What is left out: constants or kernels of modules that are set otherwise, and fields of the device."""
 
     what: str
-    constants: dict[str, float] = {}
+    constants: dict[str, Any] = {}
     device: dict[str, float] = {}
 
 
@@ -37,6 +39,28 @@ class Cell(NamedTuple):
     agent: str
     control: str
     cohort: str = "trismus"
+
+
+@njit
+def along_own_motion(belief, scratch):
+    """In place of ``jacobian_of_tick``: regressors along the motion that this tick's reading has moved."""
+    for i in range(scratch.instrument.motion.shape[0]):
+        scratch.instrument.motion[i] = belief.motion[i]
+    return scratch.step.total
+
+
+class Biting:
+    """Motors that press the jaw forwards onto its teeth by a constant command."""
+
+    name = "biting"
+
+    def reset(self, num_envs: int, seed: int | None = None) -> None:
+        """Nothing is remembered."""
+
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Any, None]:
+        return np.tile(np.float32([-1.0, -1.0, 1.0, 1.0]), (*np.shape(observation)[:-1], 1)), None
 
 
 ROWS = (
@@ -49,6 +73,8 @@ ROWS = (
     Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
     Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
     Row("series of the second order", {"motion_step.ORDER": 2}),
+    Row("no instrument", {"time_update.jacobian_of_tick": along_own_motion}),
+    Row("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
@@ -63,6 +89,8 @@ CELLS = (
     Cell("ou_strong", "force", "wide"),
     Cell("slow_opening", "force", "wide"),
     Cell("random", "targets", "one_sided"),
+    Cell("biting", "force"),
+    Cell("biting", "trajectory"),
 )
 
 
@@ -80,7 +108,7 @@ def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
     found = []
     for cell in CELLS:
         kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device}
-        agent = load_agent(cell.agent, control=cell.control)
+        agent = Biting() if cell.agent == Biting.name else load_agent(cell.agent, control=cell.control)
         played = jawenv.play(agent, patients=patients, seed=seed, env_kwargs=kwargs)
         error = played.belief_mean[:, -1] - played.truth
         nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.belief_cov[:, -1]), error)
@@ -98,14 +126,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure what each mechanism of the filter is worth.")
     parser.add_argument("--patients", type=int, default=64)
     parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
+    parser.add_argument("--only", type=int, nargs="+", help="numbers of the rows to make, from 0")
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.row is not None:
         print(json.dumps(measure(ROWS[given.row], given.patients, given.seed)))
         return
+    rows = list(enumerate(ROWS)) if given.only is None else [(number, ROWS[number]) for number in given.only]
     print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in CELLS))
     print("|---|" + len(CELLS) * "--:|", flush=True)
-    for number, row in enumerate(ROWS):
+    for number, row in rows:
         print(f"{row.what} ({number + 1} of {len(ROWS)})", file=sys.stderr, flush=True)
         command = [sys.executable, *sys.argv, "--row", str(number)]
         with tempfile.TemporaryDirectory() as cache:
