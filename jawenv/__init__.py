@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from jawenv.anatomy.knowledge import Knowledge
     from jawenv.device import Device
     from jawenv.errors import InputError
+    from jawenv.inference.information_gain import InformationGain, contrastive_bounds, information_gain
     from jawenv.inference.likelihood import fisher_information, log_likelihood
+    from jawenv.inference.patient_law import PatientLaw
     from jawenv.inference.simulations import Simulations, simulate
     from jawenv.inference.treatable import treatable
     from jawenv.laboratory.analysis.bound import bound_along
@@ -31,6 +33,7 @@ _HOMES = {
     "COHORTS": "jawenv.anatomy",
     "Cohort": "jawenv.anatomy",
     "Device": "jawenv.device",
+    "InformationGain": "jawenv.inference.information_gain",
     "InputError": "jawenv.errors",
     "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
@@ -38,13 +41,16 @@ _HOMES = {
     "OnlineFilter": "jawenv.laboratory.online",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
+    "PatientLaw": "jawenv.inference.patient_law",
     "Player": "jawenv.playing.maneuvers",
     "acceleration": "jawenv.mechanics",
     "bound_along": "jawenv.laboratory.analysis.bound",
     "cohort": "jawenv.anatomy",
+    "contrastive_bounds": "jawenv.inference.information_gain",
     "fisher_information": "jawenv.inference.likelihood",
     "identifiability": "jawenv.laboratory.analysis.identifiability",
     "information_bound": "jawenv.playing.rollout",
+    "information_gain": "jawenv.inference.information_gain",
     "log_likelihood": "jawenv.inference.likelihood",
     "maneuver_names": "jawenv.playing.maneuvers",
     "play": "jawenv.playing.rollout",
@@ -65,19 +71,23 @@ __all__ = [
     "PARAMETER_NAMES",
     "Cohort",
     "Device",
+    "InformationGain",
     "InputError",
     "Knowledge",
     "Maneuver",
     "OnlineFilter",
     "Patient",
+    "PatientLaw",
     "Player",
     "Simulations",
     "acceleration",
     "bound_along",
     "cohort",
+    "contrastive_bounds",
     "fisher_information",
     "identifiability",
     "information_bound",
+    "information_gain",
     "log_likelihood",
     "maneuver_names",
     "play",

@@ -1,0 +1,57 @@
+"""The command ``python -m eval information``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eval import options
+from eval.terminal import terminal, typed
+from jawenv.controls import DEFAULT_CONTROL
+from jawenv.seeds import REPORTS
+
+
+def information_command(
+    entries: Annotated[
+        list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)
+    ] = None,
+    patients: options.Patients = 100,
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    control: options.Control = DEFAULT_CONTROL,
+    env: options.EnvironmentOrJaw = "Jaw",
+    episode_s: options.EpisodeS = 10.0,
+    device: options.Changes = None,
+    contrasts: Annotated[
+        int, typer.Option(help="Of each record, each a likelihood; 0 leaves the bound of the belief.", metavar="N")
+    ] = 64,
+    output: options.Output = Path("runs/information"),
+    fresh: options.Fresh = False,
+    workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
+    trust: options.Trust = False,
+) -> None:
+    """Bound the expected information gain of designs and policies, in nats with standard errors (docs/inference.md).
+
+    Writes information.md, information.parquet and patients.parquet. Ctrl-C keeps the patients that are finished: the
+    same command goes on from there.
+    """
+    from dataclasses import asdict
+
+    from eval.information import run, tables
+    from eval.kept.parts import Run
+    from eval.kept.tables import made_with, write_table
+    from eval.settings import Settings
+    from jawenv.files import write_text
+
+    changes, console = options.changes(device), terminal()
+    settings = Settings(patients, cohort, seed, control, episode_s=episode_s, env=env, device=changes)
+    specs = list(dict.fromkeys(entries or []))
+    rows = run.play(specs, settings, contrasts, output, Run(fresh, workers, console=console), trust=trust)
+    table, about = tables.summarise(rows), made_with(typed(), settings=asdict(settings), contrasts=contrasts)
+    write_table(rows, output / "patients.parquet", about)
+    write_table(table, output / "information.parquet", about)
+    write_text(output / "information.md", tables.markdown(table, about))
+    tables.show(table, console)
+    console.print(f"table: {output / 'information.md'}", soft_wrap=True)
