@@ -12,6 +12,7 @@ from eval import options
 from eval.benchmark.commands import benchmark_command
 from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
+from eval.dataset.commands import dataset_command
 from eval.information.commands import information_command
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
@@ -43,6 +44,7 @@ app.command("report")(report_command)
 app.command("card")(card_command)
 app.command("replay")(replay_command)
 app.command("calibrate")(calibrate_command)
+app.command("dataset")(dataset_command)
 app.command("information")(information_command)
 app.command("benchmark")(benchmark_command)
 

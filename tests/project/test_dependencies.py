@@ -60,7 +60,7 @@ def test_numba_is_bounded_by_its_next_minor_version() -> None:
 
 def test_every_requirement_is_pinned_within_its_range() -> None:
     pinned = pins()
-    for requirement in requirements("all", "train", "eval", "cluster", "notebooks", "docs", "foreign", "dev"):
+    for requirement in requirements("all", "train", "eval", "cluster", "notebooks", "docs", "foreign", "sbi", "dev"):
         version = pinned.get(canonicalize_name(requirement.name))
         assert version is not None, f"{requirement.name} is not in constraints.txt"
         assert version in requirement.specifier, f"{requirement} does not allow {version}"
@@ -74,7 +74,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all"]),
         ("agents", {"jawenv", "agents"}, ["train"]),
         ("training", {"jawenv", "agents", "training"}, ["train"]),
-        ("eval", {"jawenv", "agents", "training", "eval"}, ["train", "eval", "cluster"]),
+        ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["train", "eval", "cluster", "dataset", "sbi"]),
     ],
 )
 def test_what_is_imported_is_required(folder: str, own: set[str], extras: list[str]) -> None:

@@ -1,0 +1,1 @@
+"""Episodes of maneuvers and agents as data sets of Minari."""

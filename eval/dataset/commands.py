@@ -1,0 +1,51 @@
+"""The command ``python -m eval dataset``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eval import options
+from eval.terminal import terminal, typed
+from jawenv.controls import DEFAULT_CONTROL
+from jawenv.seeds import REPORTS
+
+
+def dataset_command(
+    entries: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES + " Five by default."),
+    ] = None,
+    patients: options.Patients = 64,
+    seed: options.Seed = REPORTS[0].start,
+    cohort: options.Cohort = "trismus",
+    control: options.Control = DEFAULT_CONTROL,
+    env: options.EnvironmentOrJaw = "Jaw",
+    episode_s: options.EpisodeS = 30.0,
+    file_format: Annotated[
+        str, typer.Option("--format", help="arrow, or hdf5, which needs h5py.", metavar="NAME")
+    ] = "arrow",
+    output: options.Output = Path("runs/dataset"),
+    fresh: Annotated[bool, typer.Option("--fresh", help="Replace data sets that the folder already holds.")] = False,
+    trust: options.Trust = False,
+) -> None:
+    """Write episodes as data sets of Minari, one for each entry (docs/dataset.md).
+
+    MINARI_DATASETS_PATH=FOLDER makes minari.load_dataset find them. Without names these are random, hold_still,
+    slow_opening, opening_with_swings_and_fore_aft and refined.
+    """
+    from eval.dataset.episodes import FORMATS, REFERENCES, write_all
+    from eval.settings import Settings
+    from jawenv.errors import InputError, shown
+
+    if file_format not in FORMATS:
+        raise InputError(f"format: {shown(file_format)} given, allowed are {', '.join(FORMATS)}")
+    settings = Settings(patients, cohort, seed, control, episode_s=episode_s, env=env)
+    console = terminal()
+    names = write_all(
+        entries or list(REFERENCES), settings, output, file_format, typed(), console, fresh=fresh, trust=trust
+    )
+    for name in names:
+        console.print(f"{output / name}", soft_wrap=True)

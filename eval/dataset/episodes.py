@@ -1,0 +1,150 @@
+"""One data set per entry: all steps of the first patients' episodes, each in a single environment."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from rich.console import Console
+
+import jawenv
+from eval.entries import Entry, load_entries
+from eval.kept.tables import made_with
+from eval.settings import Settings
+from jawenv.errors import InputError
+from jawenv.extras import needs
+from jawenv.ladder import model_of_env
+from jawenv.locks import alone
+from jawenv.playing.protocol import checked_decision
+from jawenv.progress import Progress
+
+REFERENCES = ("random", "hold_still", "slow_opening", "opening_with_swings_and_fore_aft", "refined")
+FORMATS = ("arrow", "hdf5")
+VERSION = 0
+_FOLDER = "MINARI_DATASETS_PATH"
+
+
+def dataset_id(entry: Entry) -> str:
+    """Its name, as ``jawenv/jaw/refined-v0``."""
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", entry.label).strip("_")
+    return f"jawenv/{model_of_env(entry.env_id).name}/{name}-v{VERSION}"
+
+
+def write_all(
+    specs: Sequence[str],
+    settings: Settings,
+    output: Path,
+    file_format: str,
+    command: str,
+    console: Console,
+    *,
+    fresh: bool = False,
+    trust: bool = False,
+) -> list[str]:
+    """Write a data set for every entry.
+
+    Args:
+        specs: maneuvers, files, runs, exported policies or agents of one's own.
+        settings: on whom and how they are played.
+        output: folder that Minari will find them in.
+        file_format: of `FORMATS`.
+        command: for the description.
+        console: where progress is shown.
+        fresh: whether data sets that are there are replaced.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
+
+    Returns:
+        Names of the data sets.
+
+    Raises:
+        InputError: a planner, an entry that cannot be loaded, or a data set that is there already.
+    """
+    with needs("python -m eval dataset", "minari", "dataset"):
+        import minari
+    if file_format == "hdf5":
+        with needs("--format hdf5", "h5py", "dataset"):
+            import h5py  # noqa: F401
+    git = made_with(command)["git"]
+    made = f"Made by: {command}; jawenv {jawenv.__version__}" + (f", commit {git['commit']}" if git else "")
+    entries = load_entries(specs, settings.env_kwargs, settings.env, trust=trust)
+    for entry in entries:
+        if entry.planned:
+            raise InputError(
+                f"{entry.label} plans in copies of the worlds; allowed: entries that decide by observation"
+            )
+        if (output / dataset_id(entry)).exists() and not fresh:
+            raise InputError(f"{output / dataset_id(entry)} exists; use --fresh, or another --output")
+    output.mkdir(parents=True, exist_ok=True)
+    with (
+        alone(output),
+        _datasets_in(output),
+        Progress(len(entries) * settings.patients, "episodes", console) as progress,
+    ):
+        for number, entry in enumerate(entries):
+            if (output / dataset_id(entry)).exists():
+                minari.delete_dataset(dataset_id(entry))
+            progress.say(entry.label)
+            done = number * settings.patients
+            _write(entry, settings, file_format, made, partial(_advance, progress, done))
+    return [dataset_id(entry) for entry in entries]
+
+
+def _advance(progress: Progress, done: int, more: int) -> None:
+    progress.advance_to(done + more)
+
+
+def _write(entry: Entry, settings: Settings, file_format: str, made: str, progress: Callable[[int], None]) -> None:
+    import minari
+
+    about = (entry.description or entry.label).rstrip(".")
+    seeds = range(settings.seed, settings.seed + settings.patients)
+    env = gym.make(entry.env_id, **entry.env_kwargs)
+    collector = minari.DataCollector(env, record_infos=True, data_format=file_format)
+    try:
+        for i, seed in enumerate(seeds):
+            _play(entry, collector, seed)
+            progress(i + 1)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "`(code_permalink|author_email)` is set to None")  # there is none
+            collector.create_dataset(
+                dataset_id(entry),
+                eval_env=gym.make(entry.env_id, **entry.env_kwargs),
+                algorithm_name=entry.label,
+                author="jawenv",
+                description=f"{about}. Seeds {seeds[0]} to {seeds[-1]}. {made}",
+            )
+    finally:
+        collector.close()
+
+
+def _play(entry: Entry, env: Any, seed: int) -> None:
+    """One episode: that of ``reset(seed=seed)``."""
+    observation, _ = env.reset(seed=seed)
+    entry.agent.reset(1, seed)
+    state, start, ended = None, np.ones(1, dtype=np.bool_), False
+    while not ended:
+        action, state = checked_decision(entry.agent.predict(observation[None], state, start), entry.agent)
+        observation, _, terminated, truncated, _ = env.step(np.asarray(action[0], dtype=np.float32))
+        start, ended = np.zeros(1, dtype=np.bool_), terminated or truncated
+
+
+@contextmanager
+def _datasets_in(folder: Path) -> Iterator[None]:
+    """Minari keeps its data sets in this folder."""
+    before = os.environ.get(_FOLDER)
+    os.environ[_FOLDER] = str(folder.resolve())
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[_FOLDER]
+        else:
+            os.environ[_FOLDER] = before
