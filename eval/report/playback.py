@@ -69,8 +69,6 @@ def _look() -> dict[str, Any]:
         "tooth": [palette.TOOTH_SHADOW, palette.TOOTH_LIGHT, palette.TOOTH_LINE],
         "plate": [palette.PLATE_SHADOW, palette.PLATE_LIGHT, palette.INK],
         "fossa": palette.FOSSA,
-        "ink": palette.INK,
-        "accent": palette.ACCENT,
         "knowledge": palette.KNOWLEDGE,
         "known": [palette.UNKNOWN_SD, palette.KNOWN_SD],
         "muscle": [muscles.SLACK, muscles.PER_ROOT_N, muscles.WIDEST],

@@ -21,6 +21,9 @@ _LONGEST_ARROW_MM = 45.0
 _LEAST_FORCE_N = 0.2
 _CAMERA_M = np.array([0.40, -0.36, 0.03])
 _LOOK_AT_M = np.array([0.040, 0.0, -0.020])
+_AROUND, _ABOVE = 0.7, 2.3  # intensities of the lights
+_LIGHT_AT = (3.0, -6.0, 6.0)  # from the viewer's upper left
+_BONE = palette.mix(palette.BONE_SHADOW, palette.BONE_LIGHT, 0.6)
 _BONE_PLATE: palette.Colour = (168, 156, 134)
 
 
@@ -39,7 +42,7 @@ class Jaw3D:
         _prepare(server)
         self._add_skull(scene)
         self._jaw = self._viser.add_frame("/jaw", show_axes=False)
-        self._add_mesh("/jaw/bone", outlines.mandible(), palette.BONE_LIGHT)
+        self._add_mesh("/jaw/bone", outlines.mandible(), _BONE)
         self._add_mesh("/jaw/teeth", outlines.lower_teeth(), palette.TOOTH_LIGHT)
         self._plate = self._add_mesh("/mouthpiece", outlines.mouthpiece(), palette.PLATE_LIGHT)
         spindle = _spindle()
@@ -106,7 +109,7 @@ class Jaw3D:
         faces = np.vstack([mesh.faces[:, :3], mesh.faces[:, [0, 2, 3]]])
         unit = 1.0 if name.startswith("/muscles") else _UNITS_PER_MM
         vertices = (mesh.vertices * unit).astype(np.float32)
-        return self._viser.add_mesh_simple(name, vertices, faces.astype(np.uint32), color=colour, side="double")
+        return self._viser.add_mesh_simple(name, vertices, faces.astype(np.uint32), color=colour, side="front")
 
     def _add_plate(self, name: str, outline_mm: Array, y_mm: float, opacity: float) -> None:
         """A flat, translucent piece of the skull, of its outline (N, 2) in x and z."""
@@ -132,7 +135,10 @@ class Jaw3D:
 def _prepare(server: Any) -> None:
     """Lights, and a camera that sees the jaw from the patient's right and front."""
     server.scene.set_up_direction("+z")
-    server.scene.configure_default_lights(cast_shadow=False)
+    server.scene.configure_environment_map(None)  # takes four fifths of the time where the processor draws
+    server.scene.configure_default_lights(enabled=False)
+    server.scene.add_light_ambient("/lights/all_around", intensity=_AROUND)
+    server.scene.add_light_directional("/lights/above", intensity=_ABOVE, position=_LIGHT_AT)
     server.initial_camera.position = tuple((_CAMERA_M * UNITS_PER_M).tolist())
     server.initial_camera.look_at = tuple((_LOOK_AT_M * UNITS_PER_M).tolist())
     server.initial_camera.fov = float(np.radians(32.0))

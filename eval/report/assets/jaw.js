@@ -129,7 +129,7 @@ const jaw = (() => {
       context.strokeStyle = rgb(contour);
       context.stroke();
       faces.sort((a, b) => a[0] - b[0]);
-      context.lineWidth = 0.5;
+      context.lineWidth = 0.8;
       for (const [, f, shade] of faces) {
         context.beginPath();
         for (let k = 0; k < 4; k += 1) context[k ? "lineTo" : "moveTo"](...seen[mesh.faces[4 * f + k]]);
@@ -150,7 +150,7 @@ const jaw = (() => {
         return [0, 1].map((c) => start[c] + ((end[c] - start[c]) * i) / 16 + across[c] * out);
       });
       const body = mix(colour, this.paper, fade);
-      const rim = mix(mix(colour, look.ink, 0.4), this.paper, fade);
+      const rim = mix(mix(colour, this.ink, 0.4), this.paper, fade);
       for (const [half, paint] of [[width / 2 + 0.9, rim], [width / 2, body]]) this.fill([...edge(half), ...edge(-half).reverse()], rgb(paint, alpha));
       if (alpha === 1 && width > 5) for (const lane of [-0.45, 0, 0.45]) this.stroke(edge((lane * width) / 2).slice(2, -2), rgb(mix(body, this.paper, 0.35)), 0.7);
       for (const end_ of [start, end]) this.dot(end_, Math.max(2.2, 0.26 * width), rgb(rim));
