@@ -1,6 +1,5 @@
 """From what a user types to an agent."""
 
-import difflib
 import os
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from agents.policies import files_of_run, load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
-from jawenv.errors import InputError
+from jawenv.errors import InputError, meant
 from jawenv.ladder import model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
@@ -109,10 +108,9 @@ def _unknown(spec: str) -> str:
     """Why nothing is found by a spec: a folder that is not there, or a name, with those that are near it first."""
     if "/" in spec or os.sep in spec:
         return f"agent '{spec}': no such file or folder"
-    near = difflib.get_close_matches(spec, shipped_names(), n=3)
-    meant = f"did you mean {' or '.join(near)}? " if near else ""
+    known = shipped_names()
     return (
-        f"agent '{spec}': unknown; {meant}allowed: {', '.join(shipped_names())}, a maneuver file "
+        f"agent '{spec}': unknown; {meant(spec, known)}allowed: {', '.join(known)}, a maneuver file "
         f"({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
         "package.module:Name of an agent of your own"
     )

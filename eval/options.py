@@ -32,8 +32,10 @@ EpisodeS = Annotated[float, typer.Option("--episode-s", help="Length of every ep
 Patients = Annotated[int, typer.Option(help="How many; the same for all that is compared.", metavar="N")]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 Cohort = Annotated[str, typer.Option(help="Population the patients are drawn from.", metavar="NAME")]
-Control = Annotated[str, typer.Option(help="force, trajectory or targets; a trained run keeps its own.")]
-Sensors = Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.")]
+Control = Annotated[
+    str, typer.Option(help="force, trajectory or targets; a trained run keeps its own.", metavar="NAME")
+]
+Sensors = Annotated[str, typer.Option(help="pose or point; a trained run keeps its own.", metavar="NAME")]
 Output = Annotated[Path, typer.Option(help="Folder of results and report.", metavar="FOLDER")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the folder already holds.")]
 Details = Annotated[bool, typer.Option("--details", help="Print all entries, and all tables of them.")]

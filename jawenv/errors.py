@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import reprlib
+from collections.abc import Iterable
 
 __all__ = [
     "InputError",
     "MissingPackageError",
     "UnknownArgumentError",
     "UnknownAttributeError",
+    "meant",
     "out_of_memory",
     "shown",
 ]
@@ -39,6 +42,12 @@ class UnknownArgumentError(InputError, TypeError):
 
 class UnknownAttributeError(InputError, AttributeError):
     """An attribute that worlds do not have; an ``AttributeError`` as well, which callers of ``get_attr`` expect."""
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """A question after the known names that are like an unknown one, with a blank at its end; empty if none is."""
+    near = difflib.get_close_matches(name, known, n=3)
+    return f"did you mean {' or '.join(near)}? " if near else ""
 
 
 def out_of_memory(error: MemoryError) -> str:

@@ -12,7 +12,7 @@ from eval.studies.metrics import DEFAULT_METRICS, METRICS
 from jawenv.anatomy import cohort
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.envs.configuration import Sensors
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, meant, shown
 from jawenv.files import FILE_TYPES, InputModel, Number, read_model
 from jawenv.ladder import Estimator, env_id_of, title_of_env
 from jawenv.playing.rollout import LARGEST_SEED
@@ -203,5 +203,8 @@ def read(source: str) -> tuple[str, Design]:
     path = shipped().get(source, Path(source))
     if path.suffix.lower() not in FILE_TYPES:
         known = ", ".join(shipped())
-        raise InputError(f"study {shown(source)} is unknown; allowed: {known}, or a file ({', '.join(FILE_TYPES)})")
+        kinds = ", ".join(FILE_TYPES)
+        raise InputError(
+            f"study {shown(source)} is unknown; {meant(str(source), shipped())}allowed: {known}, or a file ({kinds})"
+        )
     return path.stem, read_model(path, Design)

@@ -14,6 +14,7 @@ Cohort = Annotated[str, typer.Option(help="One of `jawenv list cohorts`, or a co
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 Control = Annotated[str, typer.Option(help="force, trajectory or targets.", metavar="NAME")]
 Known = Annotated[
-    str, typer.Option("--knowledge", help="What the filter knows of anatomy and device: exact or imaged.")
+    str,
+    typer.Option("--knowledge", help="What the filter knows of anatomy and device: exact or imaged.", metavar="NAME"),
 ]
 EpisodeS = Annotated[float, typer.Option("--episode-s", help="Length of an episode, s.", metavar="S")]

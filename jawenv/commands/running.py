@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import Any
 
@@ -9,6 +10,10 @@ import typer
 from typer.core import TyperGroup, TyperOption
 
 from jawenv.errors import InputError, out_of_memory
+
+_NO_NUMBER = re.compile(r"Input should be a valid (integer|number), unable to parse string as an? \1")
+"""What typer says of a word where a number has to be."""
+_WORDS = {"integer": "whole number", "number": "number"}
 
 
 class Commands(TyperGroup):
@@ -54,6 +59,6 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
     except MemoryError as error:
         message = f"{out_of_memory(error)}; {less_memory} need less"
     except typer.TyperException as error:
-        message = error.format_message()
+        message = _NO_NUMBER.sub(lambda said: f"allowed is a {_WORDS[said[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2

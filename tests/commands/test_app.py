@@ -109,3 +109,13 @@ def test_a_missing_extra_is_one_line_and_exit_2(package, command, extra):
     environment = {"DISPLAY": ":0", "PATH": "/usr/bin:/bin", "HOME": "/tmp"}
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
     assert ran.returncode == 2 and f'pip install "jawenv[{extra}]"' in ran.stderr and ran.stderr.count("\n") == 1
+
+
+def test_what_is_misspelt_is_named_with_its_neighbour(capsys):
+    assert main(["score", "chrip"]) == 2
+    assert "did you mean chirp?" in capsys.readouterr().err
+
+
+def test_a_word_where_a_number_has_to_be_is_refused_plainly(capsys):
+    assert main(["score", "chirp", "--patients", "ten"]) == 2
+    assert capsys.readouterr().err == "error: Invalid value for '--patients': allowed is a whole number\n"

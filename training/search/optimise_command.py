@@ -27,7 +27,7 @@ OVER = {
 def optimise(
     output: ManeuverFile,
     cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
-    control: Annotated[str, typer.Option(help="force, trajectory or targets.")] = DEFAULT_CONTROL,
+    control: Annotated[str, typer.Option(help="force, trajectory or targets.", metavar="NAME")] = DEFAULT_CONTROL,
     horizon_s: Annotated[float, typer.Option(help="Length of an episode.", metavar="S")] = 10.0,
     criterion: Annotated[str, typer.Option(help="worst (the largest sd), D (determinant) or A (trace).")] = "worst",
     over: Annotated[str, typer.Option(help="mean of the patients, tail (the worst third) or nominal.")] = "mean",

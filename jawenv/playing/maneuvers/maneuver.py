@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, meant, shown
 from jawenv.files import InputModel, Number, read_model
 from jawenv.playing.maneuvers.signals import SHORTEST_S, AnySignal, KeyframePoint, Keyframes, Signal
 from jawenv.playing.protocol import Array
@@ -113,7 +113,8 @@ class Maneuver(InputModel):
             InputError: no maneuver has this name.
         """
         if name not in maneuver_names():
-            raise InputError(f"maneuver {shown(name)}: unknown; allowed: {', '.join(maneuver_names())}")
+            known = maneuver_names()
+            raise InputError(f"maneuver {shown(name)}: unknown; {meant(name, known)}allowed: {', '.join(known)}")
         return cls.load(FOLDER / f"{name}.yaml")
 
     @classmethod
