@@ -77,14 +77,14 @@ def test_told_of_it_the_filter_is_honest(time):
     assert np.mean(info["misfit"] > 1.0) < 0.04
 
 
-def test_the_bound_takes_it_for_white_and_a_record_of_it_is_refused():
+def test_the_bound_has_it_and_a_record_of_it_is_refused():
     device = {"unmodelled_time_s": 1.0}
     bounds = []
     for given in (device, {}):
         _, info, _ = play("refined", 2, 2, 977_000, device=given, track_bound=True)
         bounds.append(info["information_bound"])
-    assert np.isfinite(bounds).all()
-    np.testing.assert_allclose(*bounds, rtol=0.05)
+    assert np.all(0.0 < bounds[0])
+    assert np.all(bounds[0] < 0.8 * bounds[1]), "what lasts is told from a muscle less well than what is white"
     with pytest.raises(InputError, match="unmodelled_time_s 0"):
         gym.make("jawenv/Jaw-v2", device=device, record=True)
 

@@ -11,6 +11,7 @@ from markdown_it import MarkdownIt
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*/README.md"))]
 OF_THE_WHEEL = {"jawenv", "gymnasium", "numpy", *sys.stdlib_module_names}
+OF_EXTRAS = ("jawenv.live",)
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,16 @@ def needs_only_the_wheel(page: Path) -> list[Block]:
         bound |= {alias.asname or alias.name for node in nodes if hasattr(node, "names") for alias in _aliases(node)}
         bound |= {node.arg for node in nodes if isinstance(node, ast.arg)}
         used = {node.id for node in names if isinstance(node.ctx, ast.Load)}
-        if {name.split(".")[0] for name in imports} <= OF_THE_WHEEL and used <= known | bound:
+        alone = {name.split(".")[0] for name in imports} <= OF_THE_WHEEL and not any(map(of_an_extra, imports))
+        if alone and used <= known | bound:
             chosen.append(block)
             known |= bound
     return chosen
+
+
+def of_an_extra(module: str) -> bool:
+    """Whether the module is jawenv's and needs a package that only an extra brings."""
+    return any(module == extra or module.startswith(f"{extra}.") for extra in OF_EXTRAS)
 
 
 def _aliases(node: ast.AST) -> list[ast.alias]:

@@ -67,6 +67,7 @@ def test_the_first_screen_has_the_answer_its_reason_the_bars_and_two_films(path,
         assert best in answer.inner_text().lower() and "3 patients" in answer.inner_text()
         assert answer.bounding_box()["y"] + answer.bounding_box()["height"] < 450
         assert "NEES" in page.inner_text("#answer .belief") and "alarm" in page.inner_text("#answer .belief")
+        assert "known exactly" in page.inner_text("#answer .assumption")
         assert page.locator("#answer .bars tbody tr").count() == 3
         bars = page.locator("#answer .bars .bar")
         assert bars.count() == 9 and all(bar.bounding_box()["width"] > 30 for bar in bars.all())
