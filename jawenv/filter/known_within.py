@@ -13,6 +13,7 @@ from jawenv.filter.nuisances import STEP
 from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 
 _PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
+_IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 
 
@@ -38,6 +39,11 @@ def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet,
         record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
         record["offset"][j], record["turn"][j] = offset_of(known, values), turn_of(known, values)
         record["cell_turn"][j] = cell_turn_of(known, values)
+        ends = np.abs(values.origin) + np.abs(values.insertion)
+        record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
+        record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
+        record["in_cell"][j] = np.any(record["offset"][j] != 0.0) or np.any(record["cell_turn"][j] != 0.0)
+        record["turns"][j] = np.any(record["turn"][j] != 0.0)
         record["reads"][j] = any(np.any(record[name][j] != 0.0) for name in _SEEN_BY_ENCODERS)
 
 

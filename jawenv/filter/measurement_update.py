@@ -193,9 +193,8 @@ def correct_motion(belief, scratch):
 @njit
 def add_information(belief, scratch):
     """Add the innovations' information and score about the tensions."""
-    rows = scratch.by_tension_rows
+    rows, score, innovation = scratch.by_tension_rows, belief.score, scratch.whitened_innovation
     for i in range(N_MEASUREMENTS):
-        innovation = scratch.whitened_innovation[i]
         for j in range(rows.shape[1]):
-            belief.score[j] += rows[i, j] * innovation
+            score[j] += rows[i, j] * innovation[i]
     add_squares(rows, belief.information)

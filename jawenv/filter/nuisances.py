@@ -24,9 +24,9 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
-from jawenv.mechanics.forces import resultant
+from jawenv.mechanics.forces import muscle_pull, resultant
 from jawenv.mechanics.jaw import N_TEETH, jaw_dtype
-from jawenv.mechanics.kinematics import fossa, rotation
+from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
 
@@ -49,6 +49,10 @@ def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
         ("offset", "f8", (n, N_WRENCH)),  # of the load cell's reading
         ("turn", "f8", (n, 3)),  # of the mouthpiece about body axes, rad
         ("cell_turn", "f8", (n, 3)),  # of the load cell, with the mouthpiece and by itself
+        ("line", "i8", (n,)),  # whose ends it moves and nothing else, or -1
+        ("moves", "u1", (n,)),  # whether it is in the equations of motion elsewhere
+        ("in_cell", "u1", (n,)),  # whether the load cell reads it
+        ("turns", "u1", (n,)),  # whether it turns what the encoders read
         ("reads", "u1", (n,)),  # whether the encoders read it at the same motion
     ]
     return record_dtype(fields)
@@ -139,6 +143,25 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 
 
 @njit
+def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
+    """What one sd of nuisance j adds to force and moment (head axes) of the line whose ends it moves: the derivative.
+
+    T = F_o exp(b (l / l_o - 1)) along e = v / l, with v from the insertion to the origin: dl = e dv, de = (dv - e dl) /
+    l. F_o is the tension at l_o, which moves with the ends (``l_o``).
+    """
+    i = nuisances.line[j]
+    arm, direction, length, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
+    moved, place = nuisances.insertion[j], nuisances.origin[j]
+    shift = apply(body_to_head, (moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]))
+    change = subtract((place[3 * i], place[3 * i + 1], place[3 * i + 2]), shift)
+    longer, l_o = dot(direction, change), jaw.l_o[i]
+    stretch = longer / l_o - length * nuisances.l_o[j, i] / (l_o * l_o)
+    across = scale(tension / length, subtract(change, scale(longer, direction)))
+    pull = add(scale(tension * muscles[i, 1] * stretch, direction), across)
+    return pull, add(cross(arm, pull), cross(shift, scale(tension, direction)))
+
+
+@njit
 def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
@@ -147,15 +170,22 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """
     pose, u, rate, reading = at
     body_to_head = rotation(pose)
+    contact = contact_point(jaw, pose)
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
     base_x, base_y, base_turn = left_over(jaw, muscles, pose, u, reading, rate)
     for j in range(nuisances.mass.shape[0]):
-        change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
-        x, y, turn = left_over(scratch.jaw, muscles, pose, u, reading, rate)
-        along, across = (x - base_x) / STEP / (1.0 + slope * slope), (y - base_y) / STEP
-        pull = apply_transposed(body_to_head, (along, across, slope * along))
-        moment = scale(1.0 / STEP, subtract(turn, base_turn))
+        x, y, moment = 0.0, 0.0, (0.0, 0.0, 0.0)
+        if nuisances.line[j] >= 0:
+            force, moment = line_change(jaw, muscles, nuisances, j, contact, body_to_head)
+            x, y, moment = force[0] + slope * force[2], force[1], apply_transposed(body_to_head, moment)
+        elif nuisances.moves[j]:
+            change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
+            x, y, moment = left_over(scratch.jaw, muscles, pose, u, reading, rate)
+            x, y = (x - base_x) / STEP, (y - base_y) / STEP
+            moment = scale(1.0 / STEP, subtract(moment, base_turn))
+        along = x / (1.0 + slope * slope)
+        pull = apply_transposed(body_to_head, (along, y, slope * along))
         moment = subtract(moment, cross(vector3(jaw.mouthpiece), pull))
         # The reading is of axes that are turned, and has an offset.
         about = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
@@ -315,8 +345,10 @@ def correct_samples(belief, nuisances, samples):
     """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]
+        if not nuisances.in_cell[j]:
+            continue
         for i in range(samples.shape[0]):
-            turn_wrench(nuisances.turn[j], mean, samples[i])
+            turn_wrench(nuisances.cell_turn[j], mean, samples[i])
             for k in range(N_WRENCH):
                 samples[i, k] -= mean * nuisances.offset[j, k]
 
@@ -326,4 +358,5 @@ def correct_readings(belief, nuisances, measured, corrected):
     """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
     corrected[:] = measured
     for j in range(nuisances.mass.shape[0]):
-        turn_readings(nuisances.turn[j], belief.nuisances[j], corrected, corrected)
+        if nuisances.turns[j]:
+            turn_readings(nuisances.turn[j], belief.nuisances[j], corrected, corrected)

@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 
 from jawenv.filter.basis import N_NODES, expand_coefficients
+from jawenv.filter.motion_step import padded
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.linalg import add_squares, decompose, whiten
+from jawenv.kernels.linalg import add_squares, decompose, mirror, whiten
 from jawenv.kernels.records import record_dtype
 
 LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
@@ -35,9 +36,10 @@ NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is 
 def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
     """Working memory of ``update_belief``."""
     size, parameters, bends = n_muscles * N_NODES, 2 * n_muscles, 3 * n_muscles
+    wide = padded(size + 1)
     fields: list[Any] = [
-        ("shared", "f8", (n_nuisances + 1, size + 1)),  # information of gain error and nuisances with c; their score
-        ("explained", "f8", (size + 1, size + 1)),
+        ("shared", "f8", (n_nuisances + 1, wide)),  # information of gain error and nuisances with c; score; zeros
+        ("explained", "f8", (wide, wide)),  # upper half
         ("pulled_nuisances", "f8", (n_nuisances + 1,)),
         ("coefficients", "f8", (n_muscles, N_NODES)),
         ("by_log_twice", "f8", (n_muscles, N_NODES, 3)),
@@ -86,7 +88,7 @@ def without_nuisances(belief, gain_variance, scratch):
     add_squares(shared, scratch.explained)
     for i in range(first):
         for j in range(i + 1):
-            value = information[i, j] - scratch.explained[i, j]
+            value = information[i, j] - scratch.explained[j, i]
             scratch.known[i, j] = value
             scratch.known[j, i] = value
         scratch.unexplained[i] = score[i] - scratch.explained[i, first]
@@ -239,6 +241,7 @@ def update_belief(belief, settings, scratch):
         scratch: Record of dtype ``posterior_dtype``.
     """
     mean, covariance = belief.mean, belief.cov
+    mirror(belief.information)
     scratch.last_mean[:] = mean
     scratch.last_cov[:, :] = covariance
     if without_nuisances(belief, settings.gain_variance, scratch) and refine(belief, settings, scratch):

@@ -4,7 +4,7 @@ Three parts make the bias-separated form of the Kalman filter (Friedland 1969, I
 
 * ``motion`` (q, u) and its covariance ``motion_cov``, given muscles at ``mean``;
 * ``by_tension``, the derivative of that motion by the coefficients c of ``basis`` and by the load cell's gain error;
-* ``information`` and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
+* ``information`` (its upper half alone, between two updates of the belief) and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
   error, accumulated from the innovations.
 
 Forces are linear in c, so the information of early data, linearised at a poor estimate, is as valid as that of late

@@ -57,18 +57,19 @@ class _Matrix:
         self.rows, self.columns = kind.shape
         self.blocks = _blocks(self.columns)
 
-    def _at(self, row: Any, offset: int) -> Any:
+    def _at(self, row: Any, offset: Any) -> Any:
         place = self.builder.mul(row, _index(self.columns))
-        return self.builder.gep(self.data, [self.builder.add(place, _index(offset))])
+        offset = _index(offset) if isinstance(offset, int) else offset
+        return self.builder.gep(self.data, [self.builder.add(place, offset)])
 
-    def number(self, row: Any, offset: int) -> Any:
+    def number(self, row: Any, offset: Any) -> Any:
         return self.builder.load(self._at(row, offset))
 
-    def vector(self, row: Any, offset: int, width: int) -> Any:
+    def vector(self, row: Any, offset: Any, width: int) -> Any:
         kind = ir.VectorType(_NUMBER, width)
         return self.builder.load(self.builder.bitcast(self._at(row, offset), kind.as_pointer()), align=8)
 
-    def store(self, value: Any, row: Any, offset: int, width: int) -> None:
+    def store(self, value: Any, row: Any, offset: Any, width: int) -> None:
         kind = ir.VectorType(_NUMBER, width)
         self.builder.store(value, self.builder.bitcast(self._at(row, offset), kind.as_pointer()), align=8)
 
@@ -148,31 +149,44 @@ subtract_product = _product("subtract_product", "-")  # target -= a b
 
 
 def _add_squares(typing: Any, rows: Any, target: Any) -> Any:
-    """``target`` (m, m) += rows^T rows, of ``rows`` (n, m)."""
-    _checked("add_squares", (rows, target), lambda s, t: t == (s[1], s[1]))
+    """``target`` (m, m) += rows^T rows, of ``rows`` (n, m): its upper half, in blocks of ``WIDE``; see ``mirror``.
+
+    Raises:
+        TypingError: m is not a multiple of ``WIDE``.
+    """
+    _checked("add_squares", (rows, target), lambda s, t: t == (s[1], s[1]) and s[1] % WIDE == 0)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         given, out = _matrices(context, builder, signature, values)
-
-        def some_rows(first: Any, number: int) -> None:
-            def factors(k: int) -> list[Any]:
-                places = [builder.add(first, _index(k * given.columns + row)) for row in range(number)]
-                return [builder.load(builder.gep(given.data, [place])) for place in places]
-
-            totals = _sums(builder, given, number, given.rows, factors)
-            for row in range(number):
-                for place, (column, width) in enumerate(out.blocks):
-                    offset = row * out.columns + column
-                    old = out.vector(first, offset, width)
-                    out.store(builder.fadd(old, totals[row][place], flags=_FLAGS), first, offset, width)
-
-        _in_groups(builder, out.rows, 4, some_rows)
+        blocks = _index(out.columns // WIDE)
+        with cgutils.for_range(builder, blocks) as upper, cgutils.for_range(builder, blocks, start=upper.index) as left:
+            first, column = (builder.mul(loop.index, _index(WIDE)) for loop in (upper, left))
+            totals: list[Any] = [None] * WIDE
+            for k in range(given.rows):
+                vector = given.vector(_index(k), column, WIDE)
+                for row in range(WIDE):
+                    number = given.number(_index(k), builder.add(first, _index(row)))
+                    term = builder.fmul(_spread(builder, number, WIDE), vector, flags=_FLAGS)
+                    total = totals[row]
+                    totals[row] = term if total is None else builder.fadd(total, term, flags=_FLAGS)
+            for row in range(WIDE):
+                here = builder.add(first, _index(row))
+                old = out.vector(here, column, WIDE)
+                out.store(builder.fadd(old, totals[row], flags=_FLAGS), here, column, WIDE)
         return context.get_dummy_value()
 
     return types.void(rows, target), generate
 
 
 add_squares: Any = intrinsic(_add_squares)
+
+
+@njit
+def mirror(matrix):
+    """The lower half becomes that of a symmetric matrix whose upper half is ``matrix``'s."""
+    for i in range(matrix.shape[0]):
+        for j in range(i):
+            matrix[i, j] = matrix[j, i]
 
 
 def _add_scaled(typing: Any, target: Any, start: Any, factor: Any, source: Any) -> Any:

@@ -75,8 +75,8 @@ def _told(simulation: Simulation, index: int, own: Array) -> JointLikelihood:
     gain_variance = float(simulation.settings[0]["filter"]["gain_variance"])
     derivative, at_zero, kept = _linearised(belief, own, gain_variance)
     columns = len(derivative)
-    lower = np.tril(belief["information"][:columns, :columns])
-    information = lower + np.tril(lower, -1).T
+    upper = np.triu(belief["information"][:columns, :columns])
+    information = upper + np.triu(upper, 1).T
     joint = derivative.T @ information @ derivative
     vector = derivative.T @ (belief["score"][:columns] - information @ at_zero)
     # What is not kept has the prior N(0, 1), and is integrated out.
