@@ -4,8 +4,8 @@ Three parts make the bias-separated form of the Kalman filter (Friedland 1969, I
 
 * ``motion`` (q, u) and its covariance ``motion_cov``, given muscles at ``mean``;
 * ``by_tension``, the derivative of that motion by the coefficients c of ``basis`` and by the load cell's gain error;
-* ``information`` (its upper half alone, between two updates of the belief) and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
-  error, accumulated from the innovations.
+* ``information`` and ``score``, matrix and gradient at ``nominal`` of the quadratic log-likelihood of c and the gain
+  error, accumulated from the innovations. Between two updates of the belief the matrix's upper half alone is kept.
 
 Forces are linear in c, so the information of early data, linearised at a poor estimate, is as valid as that of late
 data, and the constant parameters need no process noise. The belief about the natural-log parameters, ``mean`` and

@@ -19,12 +19,13 @@ from jawenv.envs.condyles import true_motion
 from jawenv.envs.plants import SUBSTEPS
 from jawenv.envs.step_kernel import N_NORMALS
 from jawenv.filter.encoders import N_MEASUREMENTS
+from jawenv.filter.instrument import coast
 from jawenv.filter.learn import learn
 from jawenv.filter.measurement_update import update_motion
 from jawenv.filter.motion_step import ORDER, midline_step
 from jawenv.filter.regressors import middle_of, set_line_wrenches
 from jawenv.filter.state import tension_columns
-from jawenv.filter.time_update import coast, predict_by_tension, predict_cov
+from jawenv.filter.time_update import predict_by_tension, predict_cov
 from jawenv.kernels.lanes import all_lines, total
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import LINE, record_dtype, record_zeros
@@ -100,8 +101,8 @@ def motion_part(device, model, world, settings, scratch):
 def time_part(device, model, world, settings, scratch):
     belief, time_scratch = world.known.belief, scratch.filter.time
     predict_cov(belief.motion_cov, settings.filter.wrench_variance, time_scratch)
-    coast(belief.motion, settings.filter.dt, time_scratch.coasted)
-    pose, position = middle_of(model, belief.motion, time_scratch.coasted)
+    coast(belief.motion, settings.filter.dt, time_scratch.instrument.motion)
+    pose, position = middle_of(model, belief.motion, time_scratch.instrument.motion)
     set_line_wrenches(model, belief.basis, belief.trend, pose, position, time_scratch.line_wrench)
     predict_by_tension(belief.by_tension, time_scratch)
 

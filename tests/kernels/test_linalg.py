@@ -11,10 +11,12 @@ from numba.core.errors import TypingError
 from jawenv.kernels.cholesky import invert_positive, log_det, set_root, solve_decomposed, solve_in_place, solve_lower
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import (
+    WIDE,
     add_product,
     add_scaled,
     add_squares,
     decompose,
+    mirror,
     multiply,
     subtract_product,
     whiten,
@@ -31,7 +33,7 @@ def all_products(matrices):
     multiply(matrices.a, matrices.b, matrices.product)
     add_product(matrices.a, matrices.b, matrices.more)
     subtract_product(matrices.a, matrices.b, matrices.less)
-    add_squares(matrices.b, matrices.squares)
+    add_squares(matrices.wide, matrices.squares)
     add_scaled(matrices.scaled, matrices.more, 0.3, matrices.less)
 
 
@@ -48,7 +50,7 @@ def solved(matrices):
 
 @cache
 def product_matrices(n, k, m):
-    """A wider left matrix than is needed: its first k columns count."""
+    """A wider left matrix than is needed: its first k columns count. Squares are of whole registers."""
     shapes = {
         "a": (n, k + 2),
         "b": (k, m),
@@ -56,7 +58,8 @@ def product_matrices(n, k, m):
         "more": (n, m),
         "less": (n, m),
         "scaled": (n, m),
-        "squares": (m, m),
+        "wide": (k, WIDE * n),
+        "squares": (WIDE * n, WIDE * n),
     }
     return record_zeros(1, record_dtype([(name, "f8", shape) for name, shape in shapes.items()]))[0]
 
@@ -89,7 +92,10 @@ def test_products_are_numpys(shape, seed):
     close(matrices["product"], product)
     close(matrices["more"], before["more"] + product)
     close(matrices["less"], before["less"] - product)
-    close(matrices["squares"], before["squares"] + before["b"].T @ before["b"])
+    squares = before["squares"] + before["wide"].T @ before["wide"]
+    close(np.triu(matrices["squares"]), np.triu(squares))
+    mirror(matrices["squares"])
+    close(matrices["squares"], np.triu(squares) + np.triu(squares, 1).T)
     close(matrices["scaled"], matrices["more"] + 0.3 * matrices["less"])
     np.testing.assert_array_equal(matrices["a"], before["a"])
 
