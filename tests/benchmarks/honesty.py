@@ -53,6 +53,13 @@ UNTOLD = (
     {"reflex_gain": 0.5},
     {"encoder_play_mm": 0.3},
     {"articular_stiffness_N_m": 2000.0},
+    {"mass_error": 0.1},
+    {"centre_of_mass_error_mm": 4.0},
+    {"head_tilt_error_deg": 3.0},
+    {"mouthpiece_error_mm": 0.5},
+    {"mouthpiece_error_deg": 0.5},
+    {"cell_error_deg": 0.5},
+    {"damping_error": 0.2},
     {"unmodelled_time_s": 0.1},
     {"unmodelled_time_s": 1.0},
 )
