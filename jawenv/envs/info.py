@@ -44,7 +44,7 @@ class WorldReader:
         self._score_prior, self._score, self._nees = truth["log_score_prior"], truth["log_score"], truth["nees"]
         self._violated, self._governor = truth["violated"], truth["governor"]
         self._tick, self._left_out, self._gated = known["tick"], known["left_out"], known["gated"]
-        self._misfit = known["belief"]["block"]["misfit"]
+        self._misfit = known["belief"]["misfit"]
         first_parameter = -1 - self._mean.shape[1]
         self._bound_variance = np.diagonal(truth["bound"], axis1=1, axis2=2)[:, first_parameter:-1]
         self._variance = np.diagonal(self._covariance, axis1=1, axis2=2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from jawenv.filter.basis import N_NODES, set_coefficients
-from jawenv.filter.misfit import move_block
+from jawenv.filter.misfit import move_block, set_misfit
 from jawenv.filter.nuisances import move_jaw
 from jawenv.filter.posterior import posterior_dtype, update_belief
 from jawenv.filter.refocus import refocus
@@ -90,3 +90,4 @@ def learn(belief, settings, scratch):
     update_belief(belief, settings, scratch.posterior)
     recentre(belief, settings, scratch)
     refocus(belief, scratch)
+    set_misfit(belief)

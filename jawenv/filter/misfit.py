@@ -4,7 +4,8 @@ If the model is right, whitened innovations are white, with sd 1. Their sum over
 the covariance I + M Cov M^T, where M is the same sum of the whitened rows by tension and Cov what is still not known of
 the coefficients, the gain error and the nuisances. What the model lacks is rarely white: a constant force, a wrong
 lever, a disturbance with memory add up over a block, and noise does not. The statistic is chi-squared with 12 degrees
-of freedom; ``misfit`` is the largest of the episode over ``ALARM``.
+of freedom; the misfit of the blocks is the second largest of the episode over ``ALARM``, as a single one may be of a
+stop, and what the model lacks comes again. What the belief takes in without a misfit of readings, ``drift`` sees.
 
 A stop, a brake or teeth that act within a tick change its force by more than three samples resolve: such ticks, and the
 few in which the motion follows, are left out.
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 from math import sqrt
 
+from jawenv.filter.drift import judge_drift
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.measurement_update import add_muscles, squared_length
 from jawenv.filter.state import begin_block
@@ -64,7 +66,7 @@ def move_block(block, steps):
 
 @njit
 def judge_block(belief, scratch):
-    """Let ``misfit`` be that of the block, if none so far was larger."""
+    """Keep the two largest misfits of blocks."""
     block, share = belief.block, 1.0 / sqrt(BLOCK)
     for i in range(N_MEASUREMENTS):
         scratch.innovation[i] = share * block.innovation[i]
@@ -74,4 +76,13 @@ def judge_block(belief, scratch):
             scratch.factor[i, j] = 1.0 if i == j else 0.0
     add_muscles(belief, scratch)
     if decompose(scratch.factor):
-        block.misfit = max(block.misfit, squared_length(scratch) / ALARM)
+        found = squared_length(scratch) / ALARM
+        block.second = max(block.second, min(block.largest, found))
+        block.largest = max(block.largest, found)
+
+
+@njit
+def set_misfit(belief):
+    """Let ``misfit`` be that of the blocks, or of the drift where that is larger."""
+    judge_drift(belief)
+    belief.misfit = max(belief.block.second, belief.drift.largest)

@@ -19,6 +19,7 @@ from functools import cache
 import numpy as np
 
 from jawenv.filter.basis import N_NODES, basis_dtype, set_coefficients
+from jawenv.filter.drift import begin_drift, drift_dtype
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.motion_step import padded
 from jawenv.kernels.compiled import njit
@@ -40,7 +41,8 @@ def block_dtype(columns: int) -> np.dtype[np.void]:
         ("waits", "i8"),  # ticks that are left out from here on
         ("innovation", "f8", (N_MEASUREMENTS,)),  # whitened
         ("rows", "f8", (N_MEASUREMENTS, columns)),  # whitened rows by tension
-        ("misfit", "f8"),  # largest of the blocks so far
+        ("largest", "f8"),  # misfit of the blocks so far
+        ("second", "f8"),
     ]
     return record_dtype(fields)
 
@@ -59,6 +61,8 @@ def belief_dtype(
         ("score", "f8", (size,)),
         ("basis", basis_dtype(n_muscles)),
         ("block", block_dtype(size)),
+        ("drift", drift_dtype(parameters)),
+        ("misfit", "f8"),  # the alarm, see ``misfit``
         ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
         ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
         ("nuisances_replayed_at", "f8", (n_nuisances,)),
@@ -117,6 +121,8 @@ def begin_belief(basis, belief, log_parameters, prior_sd):
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
     copy_basis(belief.basis, basis)
+    begin_drift(belief.drift)
+    belief.misfit = 0.0
     belief.nuisances[:] = 0.0
     belief.nuisances_replayed_at[:] = 0.0
     belief.nuisance_factor[:, :] = 0.0
@@ -153,7 +159,7 @@ def forget_readings(belief):
     belief.trend[:] = 0.0
     belief.smoothed[:] = 0.0
     begin_block(belief.block)
-    belief.block.misfit, belief.block.waits = 0.0, 0
+    belief.block.largest, belief.block.second, belief.block.waits = 0.0, 0.0, 0
     belief.readings = 0
     belief.last_measured[:] = np.nan
     belief.last_sample[:] = np.nan

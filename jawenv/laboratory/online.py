@@ -289,7 +289,7 @@ class OnlineFilter:
             self._tick * self.tick_s,
             belief["mean"].copy(),
             belief["cov"].copy(),
-            float(belief["block"]["misfit"]),
+            float(belief["misfit"]),
             int(belief["gated"]),
             left_out,
         )

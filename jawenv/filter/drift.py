@@ -1,0 +1,81 @@
+"""Drift: whether the belief moves further than what it claimed to know allows.
+
+If the model is right, the belief at a later time t differs from the one at time s by N(0, P_s - P_t), as all that is
+read in between is new (the martingale of Bayesian updating). So (m_t - m_s)^T P_s^-1 (m_t - m_s) is at most chi-squared
+of p, the number of parameters. Tissue that creeps, a disturbance that lasts and a filter that is lost take the belief
+along, by many of the sds that it stated, while every reading by itself looks well explained.
+
+The belief is kept after 100, 200, 400 ... readings, and each later one is judged by all that are kept. ``largest`` is
+the largest statistic so far over ``threshold``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import sqrt
+
+import numpy as np
+
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.linalg import decompose
+from jawenv.kernels.records import record_dtype
+
+EVERY = 100  # readings between two judgements; the first belief is kept after as many
+KEPT = 7  # beliefs, each after twice as many readings as the one before
+MARGIN = 10.0  # sds of chi-squared above its mean: linearisation and a prior that is not the patients' take their share
+
+
+@cache
+def drift_dtype(parameters: int) -> np.dtype[np.void]:
+    """Dtype of the beliefs that are kept, and of what was found."""
+    fields = [
+        ("kept", "i8"),
+        ("judged", "i8"),  # readings at the last judgement
+        ("means", "f8", (KEPT, parameters)),
+        ("factors", "f8", (KEPT, parameters, parameters)),  # of the covariances, as ``decompose`` leaves them
+        ("step", "f8", (parameters,)),
+        ("largest", "f8"),
+    ]
+    return record_dtype(fields)
+
+
+@njit
+def threshold(parameters):
+    """What chi-squared of p exceeds with a chance below 1e-4, of 12 parameters 1e-8."""
+    return parameters + MARGIN * sqrt(2.0 * parameters)
+
+
+@njit
+def begin_drift(drift):
+    """Nothing is kept."""
+    drift.kept, drift.judged, drift.largest = 0, 0, 0.0
+
+
+@njit
+def squared_distance(drift, k, mean):
+    """(m - m_k)^T P_k^-1 (m - m_k)."""
+    total = 0.0
+    for i in range(mean.shape[0]):
+        value = mean[i] - drift.means[k, i]
+        for j in range(i):
+            value -= drift.factors[k, i, j] * drift.step[j]
+        drift.step[i] = value * drift.factors[k, i, i]
+        total += drift.step[i] * drift.step[i]
+    return total
+
+
+@njit
+def judge_drift(belief):
+    """Judge the belief by those that are kept, where enough was read since the last time, and keep it in its turn."""
+    drift = belief.drift
+    if belief.readings < drift.judged + EVERY:
+        return
+    drift.judged = belief.readings
+    for k in range(drift.kept):
+        drift.largest = max(drift.largest, squared_distance(drift, k, belief.mean) / threshold(belief.mean.shape[0]))
+    k = drift.kept
+    if k < KEPT and belief.readings >= EVERY << k:
+        drift.means[k, :] = belief.mean
+        drift.factors[k, :, :] = belief.cov
+        if decompose(drift.factors[k]):
+            drift.kept += 1
