@@ -23,8 +23,8 @@ class WorldReader:
     (mean over the step); ``comfort_<limit>`` (largest used fraction of the soft limit during the step); ``violation``;
     ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
-    from); ``misfit`` (above 1 the readings of a second fit the model with no parameters; the largest of the episode so
-    far, see ``filter.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
+    from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
+    claims, see ``filter.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
