@@ -54,7 +54,7 @@ class Belief:
         time_s: of the tick's end, from the first reading.
         log_mean: (p,) mean of the natural logs.
         log_cov: (p, p) their covariance.
-        misfit: the alarm, above 1 where no parameters explain what was read, or the belief moves by more than it claims.
+        misfit: the alarm, above 1 where no parameters explain the readings, or the belief moves by more than it claims.
         gated: ticks so far whose readings were refused.
         left_out: readings of this tick that were missing, out of range or frozen.
     """
