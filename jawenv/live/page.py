@@ -27,6 +27,8 @@ from jawenv.playing.protocol import Array
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
+_BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
+_AGAIN = "Again: the same patient once more. Patient and model: another one."
 
 
 class Page:
@@ -48,7 +50,7 @@ class Page:
         self._folder = folder
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopped = threading.Event()
-        self._paused, self._remark, self._rivals = False, "", list[Outcome]()
+        self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
         self.session = Session(setup)
         self.session.hand_over(driver)
@@ -56,6 +58,7 @@ class Page:
         self._view = View(server, self._shown)
         self._keys = Keys(server)
         self._lay_out(self._view.gui)
+        self._wait()
         self._show()
 
     def run(self) -> None:
@@ -64,7 +67,7 @@ class Page:
         while not self._stopped.is_set():
             while not self._wishes.empty():
                 self._fulfil(self._wishes.get())
-            if not self._paused and not self.session.ended:
+            if self._drives():
                 self.step()
             due = max(due + self.period_s, time.perf_counter() - self.period_s)
             self._stopped.wait(max(0.0, due - time.perf_counter()))
@@ -77,6 +80,24 @@ class Page:
     def period_s(self) -> float:
         """Time from one step to the next, s."""
         return 1.0 / self.session.setup.control_hz
+
+    def _wait(self) -> None:
+        """Let no time pass before somebody moves, or sees a maneuver move."""
+        self._waiting = True
+        self._remark = _BEGIN if self.session.driver == BY_HAND else ""
+
+    def _drives(self) -> bool:
+        """Whether time passes."""
+        if self._waiting and not self._paused and (self._keys.used or self._shown_maneuver()):
+            self._start()
+        return not (self._paused or self._waiting or self.session.ended)
+
+    def _shown_maneuver(self) -> bool:
+        return self.session.driver != BY_HAND and self._view.watched
+
+    def _start(self) -> None:
+        if self._waiting:
+            self._waiting, self._remark = False, ""
 
     def step(self) -> None:
         """One control step, by keys and sliders or by the maneuver that drives."""
@@ -104,6 +125,8 @@ class Page:
             saved = self._saved()
         except InputError as error:
             self._say(str(error))
+        else:
+            self._say(_AGAIN)
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
@@ -113,7 +136,10 @@ class Page:
 
     def _begin(self) -> None:
         """The same patient again."""
-        self._remark, self._score.content = "", ""
+        self._score.content = ""
+        self._paused = False
+        self._keys.take()
+        self._wait()
         self._set_sliders(np.zeros(len(CHANNELS)))
         self._shown = self.session.begin()
         self._show()
@@ -153,6 +179,7 @@ class Page:
     def _single_step(self) -> None:
         if not self._paused:
             self._pause()
+        self._start()
         if not self.session.ended:
             self.step()
 
@@ -201,6 +228,7 @@ class Page:
 
     def _hand_over_to_slider(self) -> None:
         """A slider that is moved takes over from a maneuver, and keeps where it was moved to."""
+        self._start()
         if self.session.driver != BY_HAND:
             self.session.hand_over(BY_HAND)
             self._driver.value = BY_HAND

@@ -32,9 +32,9 @@ def running(page):
         assert not thread.is_alive()
 
 
-def look_at(browser, server, width=700):
+def look_at(browser, server, width=700, scheme="light"):
     """A tab with what it complains of in ``complaints``."""
-    tab = browser.new_page(viewport={"width": width, "height": 500})
+    tab = browser.new_page(viewport={"width": width, "height": 500}, color_scheme=scheme)
     tab.complaints = []
     tab.on("console", lambda message: tab.complaints.append(message.text) if message.type == "error" else None)
     tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
@@ -71,8 +71,9 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
     with browser_of_tests() as browser, serving(0) as server:
         page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
         with running(page):
-            tab, other = look_at(browser, server), look_at(browser, server, 480)
+            tab, other = look_at(browser, server), look_at(browser, server, 480, "dark")
             before = worst(tab)
+            assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
             tab.keyboard.down("KeyS")
             wait_until(lambda: page.session.steering.hand[0] > 0.4)
             tab.keyboard.up("KeyS")
@@ -81,8 +82,14 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
             tab.keyboard.press("KeyD")
             wait_until(lambda: page.session.steering.hand[1] > held[1])
             assert page.session.steering.hand[0] == pytest.approx(held[0])
+            other.evaluate("navigator.getGamepads = () => [null, {axes: [0, 0, 0.9, 0.2], buttons: []}]")
+            wait_until(lambda: page.session.steering.hand[3] > held[3])
+            other.evaluate("navigator.getGamepads = () => []")
+            wait_until(lambda: not page._keys.take())
             wait_until(lambda: worst(tab) < 0.7 * before and worst(other) < 0.7 * before)
             assert tab.complaints == other.complaints == []
+            schemes = [each.evaluate("document.documentElement.dataset.mantineColorScheme") for each in (tab, other)]
+            assert schemes == ["light", "dark"]
             assert other.evaluate("document.documentElement.scrollWidth") <= 480
 
 
@@ -103,6 +110,9 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
             words = tab.inner_text("#score")
             assert "refined" in words and "slow opening" in words and "you and refined" in words
             assert tab.complaints == []
+            tab.get_by_text("Again", exact=True).click()
+            wait_until(lambda: page.session.outcome().duration_s == 0.0)
+            assert page.session.driver == BY_HAND and page._score.content == ""
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".yaml"]
 
 
