@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
@@ -23,7 +23,7 @@ from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Known, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
-from jawenv.playing.protocol import Array
+from jawenv.playing.protocol import Agent, Array
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
@@ -40,19 +40,27 @@ class Page:
         server: a ``viser.ViserServer``.
         setup: of the first session.
         folder: where drives are saved.
-        driver: who drives at first: ``you`` or a maneuver.
+        driver: who drives at first: ``you``, an agent or a maneuver.
+        agents: who may drive beside the maneuvers, and is in the score; see `jawenv.live.session.Session`.
 
     Raises:
         InputError: the setup or the driver is refused.
     """
 
-    def __init__(self, server: Any, setup: Setup, folder: Path, driver: str = BY_HAND) -> None:
+    def __init__(
+        self,
+        server: Any,
+        setup: Setup,
+        folder: Path,
+        driver: str = BY_HAND,
+        agents: Mapping[str, Agent] | None = None,
+    ) -> None:
         self._folder = folder
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
-        self.session = Session(setup)
+        self.session = Session(setup, agents)
         self.session.hand_over(driver)
         self._shown = self.session.shown()
         self._view = View(server, self._shown)
@@ -128,7 +136,7 @@ class Page:
         else:
             self._say(_AGAIN)
         if not self._rivals:
-            self._rivals = outcomes_of_rivals(self.session.setup)
+            self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
 
     def _saved(self) -> list[str]:
@@ -149,7 +157,7 @@ class Page:
         values = {name: handle.value for name, handle in self._choices.items()}
         setup = Setup(**(values | {"seed": int(values["seed"])}))
         self._say("making the environment: the first of a model compiles for up to a minute")
-        session = Session(setup)
+        session = Session(setup, self.session.agents)
         session.hand_over(self._driver.value)
         self.session, self._rivals = session, []
         self._view.renew(session.shown())
@@ -212,7 +220,7 @@ class Page:
         for slider in self._sliders:
             slider.on_update(self._wish(self._hand_over_to_slider))
         gui.add_html(keys_html())
-        self._driver = gui.add_dropdown("Driver", (BY_HAND, *maneuver_names()), initial_value=self._first_driver())
+        self._driver = gui.add_dropdown("Driver", self._drivers(), initial_value=self._first_driver())
         self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
         self._buttons = gui.add_button_group("Drive", tuple(self._button_wishes()))
         self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
@@ -224,7 +232,10 @@ class Page:
 
     def _first_driver(self) -> str:
         driver = self.session.driver
-        return driver if driver in maneuver_names() else BY_HAND
+        return driver if driver in self._drivers() else BY_HAND
+
+    def _drivers(self) -> tuple[str, ...]:
+        return (BY_HAND, *self.session.agents, *maneuver_names())
 
     def _hand_over_to_slider(self) -> None:
         """A slider that is moved takes over from a maneuver, and keeps where it was moved to."""
