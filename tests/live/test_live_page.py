@@ -15,7 +15,7 @@ from jawenv.live.playback_page import PlaybackPage
 from jawenv.live.server import serving, url_of
 from jawenv.live.session import BY_HAND
 from jawenv.live.setup import Setup
-from tests.eval.report.browser import executable
+from tests.browser import new_page
 
 FEW_PIXELS = "/?fixedDpr=0.25"  # these browsers draw without a graphics card
 
@@ -32,28 +32,16 @@ def running(page):
         assert not thread.is_alive()
 
 
-def look_at(browser, server, width=700, scheme="light"):
+@contextmanager
+def looking_at(server, width=700, scheme="light"):
     """A tab with what it complains of in ``complaints``."""
-    tab = browser.new_page(viewport={"width": width, "height": 500}, color_scheme=scheme)
-    tab.complaints = []
-    tab.on("console", lambda message: tab.complaints.append(message.text) if message.type == "error" else None)
-    tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
+    tab = new_page(viewport={"width": width, "height": 500}, color_scheme=scheme)
     tab.goto(url_of(server) + FEW_PIXELS)
     tab.wait_for_selector("[data-worst]", timeout=60_000)
-    return tab
-
-
-@contextmanager
-def browser_of_tests():
-    from playwright.sync_api import sync_playwright
-
-    path = executable()
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        try:
-            yield browser
-        finally:
-            browser.close()
+    try:
+        yield tab
+    finally:
+        tab.context.close()
 
 
 def worst(tab):
@@ -68,10 +56,9 @@ def wait_until(condition, seconds=30.0):
 
 
 def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
-    with browser_of_tests() as browser, serving(0) as server:
+    with serving(0) as server:
         page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
-        with running(page):
-            tab, other = look_at(browser, server), look_at(browser, server, 480, "dark")
+        with running(page), looking_at(server) as tab, looking_at(server, 480, "dark") as other:
             before = worst(tab)
             assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
             tab.keyboard.down("KeyS")
@@ -94,12 +81,11 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
 
 
 def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path):
-    with browser_of_tests() as browser, serving(0) as server:
+    with serving(0) as server:
         page = Page(server, Setup(seed=500, episode_s=4.0), tmp_path, driver="refined")
         assert page._driver.value == "refined"
         page._pause()
-        with running(page):
-            tab = look_at(browser, server)
+        with running(page), looking_at(server) as tab:
             tab.get_by_text("Step", exact=True).click()
             wait_until(lambda: page.steps == 1)
             tab.get_by_text("Pause", exact=True).click()
@@ -122,9 +108,8 @@ def test_a_recording_plays_in_the_same_view(tmp_path):
         while not page.session.ended:
             page.step()
     playback = Playback(load_record(tmp_path / "my_drive_1.csv"), "my_drive_1")
-    with browser_of_tests() as browser, serving(0) as server:
-        with running(PlaybackPage(server, playback)):
-            tab = look_at(browser, server)
+    with serving(0) as server:
+        with running(PlaybackPage(server, playback)), looking_at(server) as tab:
             first = worst(tab)
             wait_until(lambda: worst(tab) != first)
             assert "driven by my_drive_1" in tab.inner_text("#status") and tab.complaints == []
