@@ -123,7 +123,7 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
 def _corrected(folder: Path) -> tuple[str, int] | None:
     """The maneuver that a run's policy corrects, and the run's steps so far."""
     from training.run.config import TrainingConfig
-    from training.run.evaluations import read_evaluations
+    from training.run.evaluation_table import read_evaluations
     from training.run.folder import RunFolder
 
     run = RunFolder(folder)

@@ -7,7 +7,7 @@ from typing import Any
 
 from jawenv.live import panels
 from jawenv.live.jaw3d import Jaw3D
-from jawenv.live.keys import script_html
+from jawenv.live.look import DARK_DIGIT, SCRIPTS, STYLE
 from jawenv.live.session import Shown
 
 _NARROW = 0.6  # width over height of the picture
@@ -15,29 +15,6 @@ _WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every st
 _PANEL_PX = 390
 _THEME = {"show_logo": False, "show_share_button": False}
 _BRAND = {False: (24, 92, 138), True: (86, 160, 211)}  # on a light, on a dark page
-_DARK = 9  # the digit of a hotkey; with shift, a light page
-# Tells by that hotkey that the reader prefers dark pages.
-_SCHEME = f"""
-if (!window.jawenvScheme) {{
-  window.jawenvScheme = window.matchMedia('(prefers-color-scheme: dark)');
-  const tell = () => document.documentElement.dispatchEvent(new KeyboardEvent('keydown',
-    {{key: '{_DARK}', code: 'Digit{_DARK}', shiftKey: !window.jawenvScheme.matches, bubbles: true}}));
-  window.jawenvScheme.addEventListener('change', tell);
-  if (window.jawenvScheme.matches) setTimeout(tell, 200);
-}}
-"""
-# The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
-_STYLE = """
-<style>
-:root { --live-ink: #222a35; --live-soft: #606873; --live-card: #fff; --live-line: #e2ded5; --live-track: #eeebe5;
-  --live-remark: #8a4b08; }
-[data-mantine-color-scheme=dark] { --live-ink: #e6e8ea; --live-soft: #a9b0b8; --live-card: #25282d;
-  --live-line: #3d4147; --live-track: #4a4e55; --live-remark: #f0b45c; }
-@media (max-width: 36em) {
-  [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
-  [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
-}</style>
-"""
 
 
 class View:
@@ -57,13 +34,13 @@ class View:
         self._jaw = Jaw3D(server, first.scene)
         self.gui.configure_theme(**_THEME, brand_color=_BRAND[False])
         for label, dark, modifier in (("Dark page", True, None), ("Light page", False, "shift")):
-            command = self.gui.add_command(label, hotkey=str(_DARK), modifier=modifier)
+            command = self.gui.add_command(label, hotkey=str(DARK_DIGIT), modifier=modifier)
             command.on_trigger(lambda event, dark=dark: _set_scheme(event.client, dark))
         self.gui.set_panel_label("jawenv live")
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(_PANEL_PX)
         self._status = self.gui.add_html("")
-        self.gui.add_html(_STYLE + script_html(_SCHEME))
+        self.gui.add_html(STYLE + SCRIPTS)
         panel = self.gui.add_panel()
         with panel.add_tab("Knowledge"):
             self._posterior, self._comfort = self.gui.add_html(""), self.gui.add_html("")

@@ -6,6 +6,7 @@ import time
 from contextlib import contextmanager
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record
@@ -78,6 +79,9 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
             schemes = [each.evaluate("document.documentElement.dataset.mantineColorScheme") for each in (tab, other)]
             assert schemes == ["light", "dark"]
             assert other.evaluate("document.documentElement.scrollWidth") <= 480
+            other.wait_for_selector("[role=slider][aria-label='Opening']", state="attached")
+            found = Axe().run(other).response["violations"]
+            assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
 
 
 def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path):
