@@ -27,6 +27,7 @@ from jawenv.playing.protocol import Agent, Array
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
+_NOBODY = "nobody"
 _BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
 _AGAIN = "Again: the same patient once more. Patient and model: another one."
 
@@ -60,6 +61,7 @@ class Page:
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
+        self._ghost: Session | None = None
         self.session = Session(setup, agents)
         self.session.hand_over(driver)
         self._shown = self.session.shown()
@@ -117,6 +119,8 @@ class Page:
             hand = moved(hand, down, self.period_s)
         self._shown = self.session.drive(hand)
         self.steps += 1
+        if self._ghost is not None:
+            self._view.show_ghost(self._ghost.drive())
         if down or self.session.driver != BY_HAND:
             self._set_sliders(hand if down else self._shown.targets)
         self._show()
@@ -151,6 +155,8 @@ class Page:
         self._set_sliders(np.zeros(len(CHANNELS)))
         self._shown = self.session.begin()
         self._show()
+        if self._ghost is not None:
+            self._view.show_ghost(self._ghost.begin())
 
     def _change(self) -> None:
         """Another patient, model, control or knowledge."""
@@ -161,7 +167,22 @@ class Page:
         session.hand_over(self._driver.value)
         self.session, self._rivals = session, []
         self._view.renew(session.shown())
+        self._call_ghost()
         self._begin()
+
+    def _call_ghost(self) -> None:
+        """Let another driver move the same patient beside, as far as this drive has come."""
+        self._ghost, name = None, self._ghosts.value
+        self._view.show_ghost(None)
+        if name == _NOBODY:
+            return
+        ghost = Session(self.session.setup, self.session.agents)
+        ghost.hand_over(name)
+        shown = ghost.shown()
+        for _ in range(self.session.steps):
+            shown = ghost.drive()
+        self._ghost = ghost
+        self._view.show_ghost(shown)
 
     def _hand_over(self, name: str) -> None:
         self.session.hand_over(name)
@@ -222,6 +243,8 @@ class Page:
         gui.add_html(keys_html())
         self._driver = gui.add_dropdown("Driver", self._drivers(), initial_value=self._first_driver())
         self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
+        self._ghosts = gui.add_dropdown("Ghost", (_NOBODY, *self._drivers()[1:]), initial_value=_NOBODY)
+        self._ghosts.on_update(self._wish(self._call_ghost))
         self._buttons = gui.add_button_group("Drive", tuple(self._button_wishes()))
         self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
         self._score = gui.add_html("")

@@ -107,6 +107,14 @@ def status_html(shown: Shown, remark: str = "") -> str:
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
 
 
+def ghost_html(shown: Shown) -> str:
+    """How far the ghost has come."""
+    outcome = shown.outcome
+    words = f"worst sd {100 * outcome.worst_sd:.1f} %, all to 5 % {_seconds(outcome.time_to_s[1])}"
+    style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:0 20px 4px"
+    return f"<div id='ghost' style='{style}'>ghost of {escape(shown.driver.replace('_', ' '))}: {words}</div>"
+
+
 def score_html(outcomes: Sequence[Outcome], saved: Sequence[str] = ()) -> str:
     """What the drive and the maneuvers reached on this patient."""
     head = f"<tr><th></th>{_heads(_SCORE_HEADS)}</tr>"

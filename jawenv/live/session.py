@@ -126,6 +126,11 @@ class Session:
         return BY_HAND if self.steering.driver is None else self.steering.driver.name
 
     @property
+    def steps(self) -> int:
+        """Control steps of this episode so far."""
+        return len(self._times)
+
+    @property
     def ended(self) -> bool:
         """Whether the episode is over."""
         return self._ended

@@ -39,7 +39,7 @@ class View:
         self.gui.set_panel_label("jawenv live")
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(_PANEL_PX)
-        self._status = self.gui.add_html("")
+        self._status, self._beside = self.gui.add_html(""), self.gui.add_html("")
         self.gui.add_html(STYLE + SCRIPTS)
         panel = self.gui.add_panel()
         with panel.add_tab("Knowledge"):
@@ -66,6 +66,11 @@ class View:
             self._posterior.content = panels.posterior_html(shown.scene)
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)
+
+    def show_ghost(self, shown: Shown | None) -> None:
+        """Show where another driver has the jaw of the same patient, and how far it has come; None for nobody."""
+        self._jaw.show_ghost(None if shown is None else shown.scene)
+        self._beside.content = "" if shown is None else panels.ghost_html(shown)
 
     def say(self, shown: Shown, remark: str) -> None:
         """Change only the figures and the remark."""

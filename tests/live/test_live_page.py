@@ -5,6 +5,7 @@ import threading
 import time
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
@@ -14,7 +15,7 @@ from jawenv.live.page import Page
 from jawenv.live.playback import Playback
 from jawenv.live.playback_page import PlaybackPage
 from jawenv.live.server import serving, url_of
-from jawenv.live.session import BY_HAND
+from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import Setup
 from tests.browser import new_page
 
@@ -133,6 +134,29 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         page._fulfil(page._change)
         assert page.session.setup.model == "sides"
         assert "knowledge is not exact" in page._view._status.content
+
+
+def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=2.0), tmp_path)
+        for _ in range(3):
+            page.step()
+        page._ghosts.value = "refined"
+        page._fulfil(page._call_ghost)
+        assert page._ghost.steps == 3 and page._ghost.driver == "refined"
+        page.step()
+        alone = Session(page.session.setup)
+        alone.hand_over("refined")
+        for _ in range(4):
+            expected = alone.drive()
+        np.testing.assert_array_equal(page._ghost.shown().scene.contact_m, expected.scene.contact_m)
+        assert "ghost of refined" in page._view._beside.content
+        page._choices["seed"].value = 501
+        page._fulfil(page._change)
+        assert page._ghost.setup.seed == 501 and page._ghost.steps == 0
+        page._ghosts.value = "nobody"
+        page._fulfil(page._call_ghost)
+        assert page._ghost is None and page._view._beside.content == ""
 
 
 def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):
