@@ -14,6 +14,7 @@ from eval.calibration.commands import calibrate_command
 from eval.comparison.commands import card_command, compare_command, replay_command, report_command
 from eval.dataset.commands import dataset_command
 from eval.information.commands import information_command
+from eval.live import live_command
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
 from jawenv.commands.running import Commands, run
@@ -47,6 +48,7 @@ app.command("calibrate")(calibrate_command)
 app.command("dataset")(dataset_command)
 app.command("information")(information_command)
 app.command("benchmark")(benchmark_command)
+app.command("live")(live_command)
 
 
 @app.command("play")

@@ -5,10 +5,18 @@ import pytest
 from hypothesis import settings
 
 from jawenv.mechanics import build_jaw
+from tests import browser
 
 # No deadline: the first call compiles, and machines are shared. Always the same examples.
 settings.register_profile("jawenv", deadline=None, derandomize=True)
 settings.load_profile("jawenv")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_browser_stays():
+    """End the browser that tests of pages share."""
+    yield
+    browser.close()
 
 
 @pytest.fixture

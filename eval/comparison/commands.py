@@ -89,6 +89,11 @@ def report_command(
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
     largest_violation: options.LargestViolation = 0.01,
+    patient: Annotated[
+        int | None,
+        typer.Option(help="Seed of the patient whose motion is shown; the first by default.", metavar="SEED"),
+    ] = None,
+    trust: options.Trust = False,
     details: options.Details = False,
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
@@ -96,7 +101,12 @@ def report_command(
     from eval.comparison.admission import Admission
 
     admission = Admission(largest_discomfort_s, largest_violation)
-    _present(results.load(folder), folder, reference, admission, terminal(), details)
+    study, console = results.load(folder), terminal()
+    if patient is not None:
+        from eval.comparison.replayed import play_patient
+
+        study = play_patient(study, patient, console, trust=trust)
+    _present(study, folder, reference, admission, console, details)
 
 
 def card_command(
@@ -151,6 +161,7 @@ def _present(
     from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
     from eval.report import page, table
+    from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
     table.show(ranking, console, details=details)
@@ -159,7 +170,7 @@ def _present(
         console.print("drawing the report")
     with alone(output), console.status("drawing the report"):
         written = page.write(study, ranking, output / "report.html")
-    table.show_verdict(ranking, console)
+    table.show_verdict(ranking, learned(study, ranking), console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
         soft_wrap=True,

@@ -27,7 +27,8 @@ _ROW_PX, _MARGIN_PX = 34, 70
 _BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _POINTS = 120
 _LEAST_DISCOMFORT = 1e-3  # s per 30 s: what is shown of less, on a log axis
-_NEES_TICKS: Chart = {"tickvals": [mantissa * 10**k for k in range(-1, 7) for mantissa in (1, 1.5, 2, 3, 5, 7)]}
+_COARSE, _FINE = (1, 1.5, 2, 3, 5, 7), (1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)
+_NARROW = 3.0  # highest over lowest NEES of a chart, below which it needs the finer marks
 _SD_TICKS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
 
@@ -135,7 +136,7 @@ def nees(ranking: Ranking) -> Chart:
     for i, row in enumerate(ranking.rows):
         hover = f"{words.label(row.entry)}<br>mean NEES {words.with_interval(row.nees)}: {ranking.calibration(row)}"
         traces.append(_point(ranking, i, row.nees.value, i, row.nees, hover))
-    chart = _down(ranking, traces, {"title": "mean NEES at the end", "type": "log", **_NEES_TICKS})
+    chart = _down(ranking, traces, {"title": "mean NEES at the end", "type": "log", **_nees_ticks(ranking)})
     chart["layout"]["shapes"] = [_band(ranking, "x")]
     return chart
 
@@ -143,9 +144,16 @@ def nees(ranking: Ranking) -> Chart:
 def nees_over_time(study: Results, ranking: Ranking) -> Chart:
     """Mean NEES of every entry over time, with the band of honest filters."""
     traces = [_line(study, ranking, i, "nees", "NEES %{y:.1f}") for i in range(len(ranking.rows))]
-    chart = _over_time(traces, {"title": "mean NEES", "type": "log", **_NEES_TICKS}, 380)
+    chart = _over_time(traces, {"title": "mean NEES", "type": "log", **_nees_ticks(ranking)}, 380)
     chart["layout"]["shapes"] = [_band(ranking, "y")]
     return chart
+
+
+def _nees_ticks(ranking: Ranking) -> Chart:
+    """Marks of an axis of NEES, so close that the chart shows two at least."""
+    shown = [end for row in ranking.rows for end in (row.nees.value, row.nees.low, row.nees.high) if end > 0.0]
+    narrow = not shown or max(shown) < _NARROW * min(shown)
+    return {"tickvals": [round(each * 10.0**k, 6) for k in range(-1, 7) for each in (_FINE if narrow else _COARSE)]}
 
 
 def reached(study: Results, ranking: Ranking, target: float) -> Chart:

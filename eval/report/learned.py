@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from eval import statistics
-from eval.comparison.ranking import Ranking, Row
+from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S, Results
 from eval.report import words
 from eval.statistics import Interval
@@ -68,6 +69,15 @@ class Learned:
     changes: tuple[Change, ...]
 
     @property
+    def sooner(self) -> str:
+        """How soon all parameters are known, before and after."""
+        before, after = (row.time_to[KNOWN].value for row in (self.base, self.entry))
+        said = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
+        base, entry = words.label(self.base.entry), words.label(self.entry.entry)
+        known = f"knows all parameters to {100.0 * KNOWN:g} % {said[0]}"
+        return f"{entry} began as {base}. In half of the patients that {known}, {entry} {said[1]}."
+
+    @property
     def verdict(self) -> str:
         """What learning did, and what it did not."""
         base = words.label(self.base.entry)
@@ -113,7 +123,7 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
 def _corrected(folder: Path) -> tuple[str, int] | None:
     """The maneuver that a run's policy corrects, and the run's steps so far."""
     from training.run.config import TrainingConfig
-    from training.run.evaluations import read_evaluations
+    from training.run.evaluation_table import read_evaluations
     from training.run.folder import RunFolder
 
     run = RunFolder(folder)

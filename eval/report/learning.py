@@ -65,7 +65,7 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
     """Evaluations by the number of the row, of the runs that are still where they were."""
-    from training.run.evaluations import read_evaluations
+    from training.run.evaluation_table import read_evaluations
     from training.run.folder import RunFolder
 
     found, notes = {}, []

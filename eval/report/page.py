@@ -103,6 +103,7 @@ def render(study: Results, ranking: Ranking) -> str:
         learning_entries=_entries_in(learning, data["entries"]),
         learning_notes=learning_notes,
         learned=learned(study, ranking),
+        played=_played(study),
         data=_embedded(data),
         plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)
         assets={file.name: Markup(file.read_text(encoding="utf-8")) for file in _own_assets()},  # noqa: S704
@@ -112,6 +113,13 @@ def render(study: Results, ranking: Ranking) -> str:
 def _episode_s(study: Results) -> float:
     """Length of the longest episode."""
     return float(study.patients["duration_s"].max())
+
+
+def _played(study: Results) -> str:
+    """Whose motion is shown."""
+    first_seed = study.about["settings"]["seed"]
+    seed = study.about.get("played_seed", first_seed)
+    return f"the {'first ' if seed == first_seed else ''}patient (seed {seed})"
 
 
 def _entries_in(found: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:

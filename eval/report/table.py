@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -12,6 +12,7 @@ from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S
 from eval.report import first, verdict, words
+from eval.report.learned import Learned
 from eval.statistics import Interval
 from eval.terminal import printed_table
 
@@ -35,14 +36,16 @@ def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
         console.print(Text(f"{len(hidden)} more entries, and more about each: --details", style="dim"))
 
 
-def show_verdict(ranking: Ranking, console: Console) -> None:
-    """Print which entry is best and whether that can be believed."""
+def show_verdict(ranking: Ranking, learnt: Sequence[Learned], console: Console) -> None:
+    """Print which entry is best, whether that can be believed, and what trained entries have learned."""
     believed = first.belief(ranking)
     answer = first.answer(ranking)
     console.print(Text(answer[0].upper() + answer[1:], style="bold"), soft_wrap=True)
     console.print(
         Text(f"Can it be believed? {'Yes' if believed.yes else 'No'}, because {believed.because}"), soft_wrap=True
     )
+    for each in learnt:
+        console.print(Text(f"What was learned? {each.sooner}"), soft_wrap=True)
 
 
 def _show_all(ranking: Ranking, console: Console) -> None:

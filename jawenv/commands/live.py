@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from jawenv.live.server import serving, url_of
+from jawenv.playing.protocol import Agent
 
 
 class _Page(Protocol):
@@ -16,7 +17,14 @@ class _Page(Protocol):
     def stop(self) -> None: ...
 
 
-def drive(settings: Mapping[str, Any], driver: str, port: int, folder: Path, open_browser: bool) -> None:
+def drive(
+    settings: Mapping[str, Any],
+    driver: str,
+    port: int,
+    folder: Path,
+    open_browser: bool,
+    agents: Mapping[str, Agent] | None = None,
+) -> None:
     """Show a page on which a patient is driven, until Ctrl-C.
 
     Args:
@@ -25,6 +33,7 @@ def drive(settings: Mapping[str, Any], driver: str, port: int, folder: Path, ope
         port: of the page.
         folder: where drives are saved.
         open_browser: whether to open a browser.
+        agents: who may drive beside the maneuvers, by name.
 
     Raises:
         InputError: a setting is refused, or the port is taken.
@@ -35,7 +44,7 @@ def drive(settings: Mapping[str, Any], driver: str, port: int, folder: Path, ope
 
     setup = Setup(**settings)
     with serving(port) as server:
-        _show(Page(server, setup, folder, driver), server, open_browser)
+        _show(Page(server, setup, folder, driver, agents), server, open_browser)
 
 
 def play_back(path: Path, port: int, open_browser: bool) -> None:

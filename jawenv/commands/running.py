@@ -1,4 +1,4 @@
-"""How commands are run, and their help: a flag is shown without a value, which it does not take."""
+"""How commands are run, and their help: no flag is shown with a value, and no argument with a type of Python."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from typing import Any
 
 import typer
-from typer.core import TyperGroup, TyperOption
+from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from jawenv.errors import InputError, out_of_memory
 
@@ -35,6 +35,8 @@ def _without_values(params: list[Any]) -> list[Any]:
     for param in params:
         if isinstance(param, TyperOption) and param.is_bool_flag:
             param.metavar = ""
+        elif isinstance(param, TyperArgument):
+            setattr(param, "display_type_rich", lambda ctx: None)  # noqa: B010  (a method; its name says what it takes)
     return params
 
 

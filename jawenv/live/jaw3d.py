@@ -24,6 +24,7 @@ _LOOK_AT_M = np.array([0.040, 0.0, -0.020])
 _AROUND, _ABOVE = 0.7, 2.3  # intensities of the lights
 _LIGHT_AT = (3.0, -6.0, 6.0)  # from the viewer's upper left
 _BONE = palette.mix(palette.BONE_SHADOW, palette.BONE_LIGHT, 0.6)
+_GHOST_OPACITY = 0.28
 _BONE_PLATE: palette.Colour = (168, 156, 134)
 
 
@@ -41,6 +42,7 @@ class Jaw3D:
         self._lines = len(scene.muscle_names)
         _prepare(server)
         self._add_skull(scene)
+        self._ghost: Any = None
         self._jaw = self._viser.add_frame("/jaw", show_axes=False)
         self._add_mesh("/jaw/bone", outlines.mandible(), _BONE)
         self._add_mesh("/jaw/teeth", outlines.lower_teeth(), palette.TOOTH_LIGHT)
@@ -83,6 +85,17 @@ class Jaw3D:
             self._set(handle, f"size {i}", "scale", (round(radius, 4), round(radius, 4), round(length, 3)))
             self._set(handle, f"colour {i}", "color", colours[i])
 
+    def show_ghost(self, scene: Scene | None) -> None:
+        """Move the ghost, a translucent mandible, to another drive's moment of the same patient; None hides it."""
+        if self._ghost is None:
+            if scene is None:
+                return
+            self._ghost = self._viser.add_frame("/ghost", show_axes=False)
+            self._add_mesh("/ghost/bone", outlines.mandible(), palette.ACCENT, _GHOST_OPACITY)
+        self._set(self._ghost, "ghost seen", "visible", scene is not None)
+        if scene is not None:
+            self._place("ghost", self._ghost, scene.rotation, scene.contact_m)
+
     def remove(self) -> None:
         """Take all of it out of the scene, for another patient."""
         self._viser.reset()
@@ -105,11 +118,12 @@ class Jaw3D:
             curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
             self._add_line(f"/skull/path_{side}", curve, palette.FOSSA)
 
-    def _add_mesh(self, name: str, mesh: Mesh, colour: palette.Colour) -> Any:
+    def _add_mesh(self, name: str, mesh: Mesh, colour: palette.Colour, opacity: float | None = None) -> Any:
         faces = np.vstack([mesh.faces[:, :3], mesh.faces[:, [0, 2, 3]]])
         unit = 1.0 if name.startswith("/muscles") else _UNITS_PER_MM
         vertices = (mesh.vertices * unit).astype(np.float32)
-        return self._viser.add_mesh_simple(name, vertices, faces.astype(np.uint32), color=colour, side="front")
+        triangles = faces.astype(np.uint32)
+        return self._viser.add_mesh_simple(name, vertices, triangles, color=colour, side="front", opacity=opacity)
 
     def _add_plate(self, name: str, outline_mm: Array, y_mm: float, opacity: float) -> None:
         """A flat, translucent piece of the skull, of its outline (N, 2) in x and z."""

@@ -2,11 +2,13 @@
 
 viser has hotkeys, which say that a key was pressed and not that it was let go, and its camera moves with the keys that
 drive here. So a script of the page catches those keys before the camera does, and hands each press and release to a
-hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's.
+hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's. A gamepad
+holds the same keys, with sticks beyond half of their way.
 """
 
 from __future__ import annotations
 
+import json
 import threading
 from typing import Any
 
@@ -27,7 +29,20 @@ DRIVE_KEYS: dict[str, tuple[str, int, float]] = {
 }
 """Code of a key -> what it does, its channel, and how fast it moves the target, 1/s."""
 
-HELP = "<b>W S</b> close, open · <b>A D</b> right, left · <b>↑ ↓</b> forward, back · <b>← →</b> roll"
+# Axes and buttons of a gamepad of the standard layout.
+_STICKS = (
+    (0, -1, "KeyA"),
+    (0, 1, "KeyD"),
+    (1, -1, "KeyW"),
+    (1, 1, "KeyS"),
+    (2, -1, "ArrowLeft"),
+    (2, 1, "ArrowRight"),
+    (3, -1, "ArrowUp"),
+    (3, 1, "ArrowDown"),
+)
+_BUTTONS = ((12, "ArrowUp"), (13, "ArrowDown"), (14, "ArrowLeft"), (15, "ArrowRight"))
+
+HELP = "<b>S W</b> open, close · <b>A D</b> right, left · <b>↑ ↓</b> push, pull · <b>← →</b> roll · or a gamepad"
 
 
 class Keys:
@@ -47,6 +62,12 @@ class Keys:
             press.on_trigger(lambda event, code=code: self.press(code, event.client_id))
             release.on_trigger(lambda event, code=code: self.release(code, event.client_id))
         server.on_client_disconnect(lambda client: self.forget(client.client_id))
+
+    @property
+    def used(self) -> bool:
+        """Whether a key is held, or was pressed since the last ``take``."""
+        with self._lock:
+            return bool(self._tapped) or any(self._held.values())
 
     def press(self, code: str, client: int) -> None:
         """A key goes down in a browser."""
@@ -86,7 +107,7 @@ def moved(targets: Array, down: set[str], seconds: float) -> Array:
 _SCRIPT = """
 if (!window.jawenvKeys) {
   window.jawenvKeys = true;
-  const codes = CODES, held = new Set();
+  const codes = CODES, held = new Set(), padded = new Set();
   const tell = (code, up) => {
     const digit = String(codes.indexOf(code) + 1);
     document.documentElement.dispatchEvent(new KeyboardEvent('keydown',
@@ -103,13 +124,34 @@ if (!window.jawenvKeys) {
   window.addEventListener('keydown', (event) => on(event, false), true);
   window.addEventListener('keyup', (event) => on(event, true), true);
   window.addEventListener('blur', () => { held.forEach((code) => tell(code, true)); held.clear(); });
+  const sticks = STICKS, buttons = BUTTONS;
+  setInterval(() => {
+    const now = new Set();
+    for (const pad of navigator.getGamepads ? navigator.getGamepads() : []) {
+      if (!pad) continue;
+      sticks.forEach(([axis, way, code]) => way * (pad.axes[axis] || 0) > 0.5 && now.add(code));
+      buttons.forEach(([button, code]) => pad.buttons[button] && pad.buttons[button].pressed && now.add(code));
+    }
+    codes.forEach((code) => {
+      if (now.has(code) === padded.has(code)) return;
+      now.has(code) ? padded.add(code) : padded.delete(code);
+      tell(code, !now.has(code));
+    });
+  }, 50);
 }
 """
 
 
 def keys_html() -> str:
-    """The help line, and the script, which an image that cannot be loaded starts."""
-    codes = "[" + ",".join(f"'{code}'" for code in DRIVE_KEYS) + "]"
-    script = " ".join(_SCRIPT.replace("CODES", codes).split()).replace('"', "&quot;")
-    style = "font:12px/1.4 system-ui,sans-serif;color:#606873;margin:4px 12px"
-    return f'<div id="keys" style="{style}">{HELP}<img alt="" src="data:," hidden onerror="{script}"></div>'
+    """The help line, and the script."""
+    script = _SCRIPT
+    for name, values in (("CODES", list(DRIVE_KEYS)), ("STICKS", _STICKS), ("BUTTONS", _BUTTONS)):
+        script = script.replace(name, json.dumps(values))
+    style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:4px 12px"
+    return f'<div id="keys" style="{style}">{HELP}{script_html(script)}</div>'
+
+
+def script_html(script: str) -> str:
+    """An image that cannot be loaded, which starts a script where viser's page puts the HTML."""
+    words = " ".join(script.split()).replace('"', "&quot;")
+    return f'<img alt="" src="data:," hidden onerror="{words}">'

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from jawenv.controls import takes_targets
 from jawenv.live.setup import Setup
 from jawenv.metrics import score
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play
 
 RIVALS = ("refined", "slow_opening")
@@ -53,17 +55,30 @@ class Outcome:
         )
 
 
-def outcomes_of_rivals(setup: Setup, names: Sequence[str] = RIVALS) -> list[Outcome]:
-    """What maneuvers that come with jawenv reach on the patient of a setup, with the same noise."""
-    return [_played(setup, Maneuver.named(name)) for name in names]
+def outcomes_of_rivals(
+    setup: Setup, agents: Mapping[str, Agent] | None = None, names: Sequence[str] = RIVALS
+) -> list[Outcome]:
+    """What agents and maneuvers that come with jawenv reach on the patient of a setup, with the same noise.
+
+    Args:
+        setup: whom, and how.
+        agents: by name; in targets control they are played, deciding as often as there.
+        names: of maneuvers.
+
+    Raises:
+        InputError: an agent refuses the setup.
+    """
+    able = dict(agents or {}) if takes_targets(setup.control) else {}
+    players = [Player(Maneuver.named(name), control=setup.control, control_hz=setup.control_hz) for name in names]
+    of_agents = [_played(setup, name, agent, None) for name, agent in able.items()]
+    return of_agents + [_played(setup, player.name, player, setup.control_hz) for player in players]
 
 
-def _played(setup: Setup, maneuver: Maneuver) -> Outcome:
-    player = Player(maneuver, control=setup.control, control_hz=setup.control_hz)
-    kwargs = setup.env_kwargs | {"track_bound": False, "record": False}
+def _played(setup: Setup, name: str, player: Agent, control_hz: float | None) -> Outcome:
+    kwargs = setup.env_kwargs | {"track_bound": False, "record": False, "control_hz": control_hz}
     reached = score(play(player, patients=1, seed=setup.seed, env_kwargs=kwargs, env_id=setup.env_id), targets=KNOWN)
     return Outcome(
-        maneuver.name,
+        name,
         (float(reached.time_to_s[KNOWN[0]][0]), float(reached.time_to_s[KNOWN[1]][0])),
         float(reached.worst_sd[0]),
         float(reached.discomfort_s[0]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
@@ -23,10 +23,13 @@ from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Known, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
-from jawenv.playing.protocol import Array
+from jawenv.playing.protocol import Agent, Array
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
+_NOBODY = "nobody"
+_BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
+_AGAIN = "Again: the same patient once more. Patient and model: another one."
 
 
 class Page:
@@ -38,24 +41,34 @@ class Page:
         server: a ``viser.ViserServer``.
         setup: of the first session.
         folder: where drives are saved.
-        driver: who drives at first: ``you`` or a maneuver.
+        driver: who drives at first: ``you``, an agent or a maneuver.
+        agents: who may drive beside the maneuvers, and is in the score; see `jawenv.live.session.Session`.
 
     Raises:
         InputError: the setup or the driver is refused.
     """
 
-    def __init__(self, server: Any, setup: Setup, folder: Path, driver: str = BY_HAND) -> None:
+    def __init__(
+        self,
+        server: Any,
+        setup: Setup,
+        folder: Path,
+        driver: str = BY_HAND,
+        agents: Mapping[str, Agent] | None = None,
+    ) -> None:
         self._folder = folder
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopped = threading.Event()
-        self._paused, self._remark, self._rivals = False, "", list[Outcome]()
+        self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
-        self.session = Session(setup)
+        self._ghost: Session | None = None
+        self.session = Session(setup, agents)
         self.session.hand_over(driver)
         self._shown = self.session.shown()
         self._view = View(server, self._shown)
         self._keys = Keys(server)
         self._lay_out(self._view.gui)
+        self._wait()
         self._show()
 
     def run(self) -> None:
@@ -64,7 +77,7 @@ class Page:
         while not self._stopped.is_set():
             while not self._wishes.empty():
                 self._fulfil(self._wishes.get())
-            if not self._paused and not self.session.ended:
+            if self._drives():
                 self.step()
             due = max(due + self.period_s, time.perf_counter() - self.period_s)
             self._stopped.wait(max(0.0, due - time.perf_counter()))
@@ -78,6 +91,24 @@ class Page:
         """Time from one step to the next, s."""
         return 1.0 / self.session.setup.control_hz
 
+    def _wait(self) -> None:
+        """Let no time pass before somebody moves, or sees a maneuver move."""
+        self._waiting = True
+        self._remark = _BEGIN if self.session.driver == BY_HAND else ""
+
+    def _drives(self) -> bool:
+        """Whether time passes."""
+        if self._waiting and not self._paused and (self._keys.used or self._shown_maneuver()):
+            self._start()
+        return not (self._paused or self._waiting or self.session.ended)
+
+    def _shown_maneuver(self) -> bool:
+        return self.session.driver != BY_HAND and self._view.watched
+
+    def _start(self) -> None:
+        if self._waiting:
+            self._waiting, self._remark = False, ""
+
     def step(self) -> None:
         """One control step, by keys and sliders or by the maneuver that drives."""
         down = self._keys.take()
@@ -88,6 +119,8 @@ class Page:
             hand = moved(hand, down, self.period_s)
         self._shown = self.session.drive(hand)
         self.steps += 1
+        if self._ghost is not None:
+            self._view.show_ghost(self._ghost.drive())
         if down or self.session.driver != BY_HAND:
             self._set_sliders(hand if down else self._shown.targets)
         self._show()
@@ -104,8 +137,10 @@ class Page:
             saved = self._saved()
         except InputError as error:
             self._say(str(error))
+        else:
+            self._say(_AGAIN)
         if not self._rivals:
-            self._rivals = outcomes_of_rivals(self.session.setup)
+            self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
 
     def _saved(self) -> list[str]:
@@ -113,21 +148,41 @@ class Page:
 
     def _begin(self) -> None:
         """The same patient again."""
-        self._remark, self._score.content = "", ""
+        self._score.content = ""
+        self._paused = False
+        self._keys.take()
+        self._wait()
         self._set_sliders(np.zeros(len(CHANNELS)))
         self._shown = self.session.begin()
         self._show()
+        if self._ghost is not None:
+            self._view.show_ghost(self._ghost.begin())
 
     def _change(self) -> None:
         """Another patient, model, control or knowledge."""
         values = {name: handle.value for name, handle in self._choices.items()}
         setup = Setup(**(values | {"seed": int(values["seed"])}))
         self._say("making the environment: the first of a model compiles for up to a minute")
-        session = Session(setup)
+        session = Session(setup, self.session.agents)
         session.hand_over(self._driver.value)
         self.session, self._rivals = session, []
         self._view.renew(session.shown())
+        self._call_ghost()
         self._begin()
+
+    def _call_ghost(self) -> None:
+        """Let another driver move the same patient beside, as far as this drive has come."""
+        self._ghost, name = None, self._ghosts.value
+        self._view.show_ghost(None)
+        if name == _NOBODY:
+            return
+        ghost = Session(self.session.setup, self.session.agents)
+        ghost.hand_over(name)
+        shown = ghost.shown()
+        for _ in range(self.session.steps):
+            shown = ghost.drive()
+        self._ghost = ghost
+        self._view.show_ghost(shown)
 
     def _hand_over(self, name: str) -> None:
         self.session.hand_over(name)
@@ -153,6 +208,7 @@ class Page:
     def _single_step(self) -> None:
         if not self._paused:
             self._pause()
+        self._start()
         if not self.session.ended:
             self.step()
 
@@ -185,8 +241,10 @@ class Page:
         for slider in self._sliders:
             slider.on_update(self._wish(self._hand_over_to_slider))
         gui.add_html(keys_html())
-        self._driver = gui.add_dropdown("Driver", (BY_HAND, *maneuver_names()), initial_value=self._first_driver())
+        self._driver = gui.add_dropdown("Driver", self._drivers(), initial_value=self._first_driver())
         self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
+        self._ghosts = gui.add_dropdown("Ghost", (_NOBODY, *self._drivers()[1:]), initial_value=_NOBODY)
+        self._ghosts.on_update(self._wish(self._call_ghost))
         self._buttons = gui.add_button_group("Drive", tuple(self._button_wishes()))
         self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
         self._score = gui.add_html("")
@@ -197,10 +255,14 @@ class Page:
 
     def _first_driver(self) -> str:
         driver = self.session.driver
-        return driver if driver in maneuver_names() else BY_HAND
+        return driver if driver in self._drivers() else BY_HAND
+
+    def _drivers(self) -> tuple[str, ...]:
+        return (BY_HAND, *self.session.agents, *maneuver_names())
 
     def _hand_over_to_slider(self) -> None:
         """A slider that is moved takes over from a maneuver, and keeps where it was moved to."""
+        self._start()
         if self.session.driver != BY_HAND:
             self.session.hand_over(BY_HAND)
             self._driver.value = BY_HAND

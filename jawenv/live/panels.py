@@ -12,10 +12,10 @@ from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
 
 _BEST_SD = 0.01
-_TRACK = "#eeebe5"
+_TRACK = "var(--live-track)"
 _CARD = (
-    "font:13px/1.35 system-ui,sans-serif;color:#222a35;background:#fff;border:1px solid #e2ded5;"
-    "border-radius:8px;padding:10px 12px;margin:8px"
+    "font:13px/1.35 system-ui,sans-serif;color:var(--live-ink);background:var(--live-card);"
+    "border:1px solid var(--live-line);border-radius:8px;padding:10px 12px;margin:8px"
 )
 _SHORT = {"anterior": "ant.", "posterior": "post.", "medial": "med.", "superficial": "sup.", "left": "L", "right": "R"}
 
@@ -24,7 +24,7 @@ def posterior_html(scene: Scene) -> str:
     """A row for each muscle, a bar for each of its two parameters: longer and bluer the better it is known."""
     worst = float(scene.prior_sd.max())
     index = {name: i for i, name in enumerate(scene.parameter_names)}
-    head = "<tr><th></th><th>F<sub>o</sub>, N</th><th>sd</th><th>b</th><th>sd</th></tr>"
+    head = f"<tr><th></th>{_heads(_POSTERIOR_HEADS)}</tr>"
     rows = []
     for muscle in scene.muscles:
         cells = []
@@ -40,6 +40,20 @@ def posterior_html(scene: Scene) -> str:
     return f"<div id='posterior' style='{_CARD}'>{title}{table}</div>"
 
 
+def legend_html() -> str:
+    """What colours and sizes of the jaw mean."""
+    steps = [math.exp(math.log(palette.UNKNOWN_SD) * (1 - i / 6) + math.log(_BEST_SD) * i / 6) for i in range(7)]
+    ramp = ",".join(_css(palette.knowledge(sd)) for sd in steps)
+    scale = (
+        f"<div style='display:flex;gap:8px;align-items:center'><span>{100 * palette.UNKNOWN_SD:.0f} %</span>"
+        f"<div style='flex:1;height:10px;border-radius:5px;background:linear-gradient(90deg,{ramp})'></div>"
+        f"<span>{100 * _BEST_SD:.0f} %</span></div>"
+    )
+    words = "The thicker a muscle, the harder it pulls. The arrow is the force of the device."
+    title = "<b>Colour of a muscle</b> sd of its parameters"
+    return f"<div id='legend' style='{_CARD};font-size:12px'>{title}{scale}{words}</div>"
+
+
 def comfort_html(scene: Scene) -> str:
     """A bar for each comfort limit: used share of the soft limit, with the soft limit as a line."""
     if not scene.comfort:
@@ -49,7 +63,7 @@ def comfort_html(scene: Scene) -> str:
         hard = scene.comfort_hard[name]
         colour = _css(palette.comfort(used, hard))
         share = 72.0 * min(used, 1.0) + 28.0 * min(max((used - 1.0) / (hard - 1.0), 0.0), 1.0)
-        mark = "<i style='position:absolute;left:72%;top:-2px;width:2px;height:14px;background:#222a35'></i>"
+        mark = "<i style='position:absolute;left:72%;top:-2px;width:2px;height:14px;background:var(--live-ink)'></i>"
         label = escape(name.replace("_", " ").replace("fore aft", "fore-aft"))
         rows.append(
             f"<tr><th style='{_NAME}'>{label}</th><td style='width:52%'>{_bar(share, colour, mark)}</td>"
@@ -65,30 +79,45 @@ def status_html(shown: Shown, remark: str = "") -> str:
     scene, outcome = shown.scene, shown.outcome
     worst = f"{100 * outcome.worst_sd:.1f}"
     allowed = LARGEST_DISCOMFORT_S * scene.episode_s / 30.0
+    discomfort = f"{outcome.discomfort_s:.2f} s"
+    if outcome.discomfort_s > allowed:
+        discomfort = f"<span style='color:var(--live-remark)'>{discomfort}</span>"
     figures = (
         ("time", f"{scene.time_s:.1f} s", f"of {scene.episode_s:g} s"),
-        ("worst sd", f"<span data-worst='{worst}'>{worst} %</span>", f"driven by {escape(shown.driver)}"),
+        (
+            _hint("worst sd", _WORST),
+            f"<span data-worst='{worst}'>{worst} %</span>",
+            f"driven by {escape(shown.driver)}",
+        ),
         ("all to 10 %", _seconds(outcome.time_to_s[0]), ""),
         ("all to 5 %", _seconds(outcome.time_to_s[1]), ""),
-        ("discomfort", f"{outcome.discomfort_s:.2f} s", f"allowed {allowed:.2g} s"),
+        ("discomfort", discomfort, f"allowed {allowed:.2g} s"),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
     )
     cells = "".join(
-        f"<div><div style='color:#606873;font-size:11.5px'>{name}</div><b style='font-size:17px'>{value}</b>"
-        f"<div style='color:#606873;font-size:11px;min-height:14px'>{below}</div></div>"
+        f"<div><div style='color:var(--live-soft);font-size:11.5px'>{name}</div><b style='font-size:17px'>{value}</b>"
+        f"<div style='color:var(--live-soft);font-size:11px;min-height:14px'>{below}</div></div>"
         for name, value, below in figures
     )
     words = [escape(each) for each in (shown.why, remark) if each]
     if shown.misfit > 1.0:
         words.append("The readings do not fit the model.")
-    below = "".join(f"<div style='margin-top:4px;color:#8a4b08'>{each}</div>" for each in words)
+    below = "".join(f"<div style='margin-top:4px;color:var(--live-remark)'>{each}</div>" for each in words)
     grid = "display:grid;grid-template-columns:repeat(3,1fr);gap:4px 8px"
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
 
 
+def ghost_html(shown: Shown) -> str:
+    """How far the ghost has come."""
+    outcome = shown.outcome
+    words = f"worst sd {100 * outcome.worst_sd:.1f} %, all to 5 % {_seconds(outcome.time_to_s[1])}"
+    style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:0 20px 4px"
+    return f"<div id='ghost' style='{style}'>ghost of {escape(shown.driver.replace('_', ' '))}: {words}</div>"
+
+
 def score_html(outcomes: Sequence[Outcome], saved: Sequence[str] = ()) -> str:
     """What the drive and the maneuvers reached on this patient."""
-    head = "<tr><th></th><th>10 %</th><th>5 %</th><th>worst</th><th>discomfort</th></tr>"
+    head = f"<tr><th></th>{_heads(_SCORE_HEADS)}</tr>"
     rows = []
     for one in outcomes:
         figures = (
@@ -104,7 +133,31 @@ def score_html(outcomes: Sequence[Outcome], saved: Sequence[str] = ()) -> str:
     return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{files}</div>"
 
 
+_WORST = "standard deviation of the natural log of the least known parameter: 5 % is 0.05"
+_POSTERIOR_HEADS = (
+    ("F<sub>o</sub>, N", "pull of the muscle in the closed jaw"),
+    ("sd", "standard deviation of its natural log"),
+    ("b", "how quickly the pull grows with stretch: at 7 a stretch of 10 % doubles it"),
+    ("sd", "standard deviation of its natural log"),
+)
+_SCORE_HEADS = (
+    ("10 %", "time until every parameter is known to 10 %"),
+    ("5 %", "time until every parameter is known to 5 %"),
+    ("worst", f"{_WORST}, at the end"),
+    ("discomfort", "how far comfort limits were exceeded, times how long"),
+)
 _NAME = "text-align:left;font-weight:400;white-space:nowrap;padding:1px 6px 1px 0"
+
+
+def _hint(words: str, meaning: str) -> str:
+    """Words that say what they mean when one points at them."""
+    return f"<abbr title='{escape(meaning)}' style='text-underline-offset:3px'>{words}</abbr>"
+
+
+def _heads(heads: Sequence[tuple[str, str]]) -> str:
+    return "".join(
+        f"<th style='text-align:right;padding-left:6px;white-space:nowrap'>{_hint(*head)}</th>" for head in heads
+    )
 
 
 def _sd_cell(sd: float, worst: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,18 +11,20 @@ import gymnasium as gym
 import numpy as np
 
 import jawenv.envs.registration  # noqa: F401  (the ids)
+from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import save_record
 from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.laboratory.recordings.record import Record
+from jawenv.live.deciding import Deciding
 from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, Outcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.protocol import Array
+from jawenv.playing.protocol import Agent, Array
 from jawenv.rendering.scene import Scene
 
 BY_HAND = "you"
@@ -56,17 +59,19 @@ class Session:
 
     Args:
         setup: whom, and how.
+        agents: who may drive beside the maneuvers, agents of targets control by name.
 
     Attributes:
         setup: as given.
+        agents: as given.
         steering: who says where the jaw is to go.
 
     Raises:
         InputError: the environment refuses the setup.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        self.setup = setup
+    def __init__(self, setup: Setup, agents: Mapping[str, Agent] | None = None) -> None:
+        self.setup, self.agents = setup, dict(agents or {})
         made: Any = gym.make(setup.env_id, disable_env_checker=True, **setup.env_kwargs)
         self._env = made.unwrapped
         self.steering = Steering(setup.control, setup.control_hz)
@@ -77,6 +82,8 @@ class Session:
         driver = self.steering.driver
         self.steering = Steering(self.setup.control, self.setup.control_hz)
         self.steering.driver = driver
+        if isinstance(driver, Deciding):
+            driver.begin()
         self._observation, info = self._env.reset(seed=self.setup.seed)
         self._times: list[float] = []
         self._targets: list[Array] = []
@@ -89,25 +96,39 @@ class Session:
         return self.shown()
 
     def hand_over(self, name: str) -> None:
-        """Let a maneuver drive, or the hand.
+        """Let a maneuver, an agent or the hand drive.
 
         Args:
-            name: of a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
+            name: of an agent or a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
 
         Raises:
-            InputError: no such maneuver.
+            InputError: no such maneuver, or an agent that cannot drive this session.
         """
         if name == BY_HAND:
             # The hand goes on from where the jaw was sent.
             self.steering.hand = np.clip(self.steering.asked, *_LIMITS)
             self.steering.driver = None
+        elif name in self.agents:
+            self.steering.driver = self._deciding(name)
         else:
             self.steering.driver = Maneuver.load(name) if Path(name).suffix else Maneuver.named(name)
+
+    def _deciding(self, name: str) -> Deciding:
+        if not takes_targets(self.setup.control):
+            raise InputError(f"control: {self.setup.control} given; allowed where {name} drives: targets")
+        deciding = Deciding(name, self.agents[name], self.setup.control_hz)
+        deciding.try_out(self._observation)
+        return deciding
 
     @property
     def driver(self) -> str:
         """Who drives."""
         return BY_HAND if self.steering.driver is None else self.steering.driver.name
+
+    @property
+    def steps(self) -> int:
+        """Control steps of this episode so far."""
+        return len(self._times)
 
     @property
     def ended(self) -> bool:

@@ -1,4 +1,4 @@
-"""Who says where the jaw is to go: a hand, or a maneuver that may be taken over at any time and given back."""
+"""Who says where the jaw is to go: a hand, or a maneuver or agent that may be taken over and given back at any time."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import numpy as np
 from jawenv.controls import Control
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.errors import InputError, shown
+from jawenv.live.deciding import Deciding
+from jawenv.playing.agents import Memory
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import Channels, Targets
 from jawenv.playing.maneuvers.signals import KeyframePoint, Keyframes
-from jawenv.playing.protocol import Array
+from jawenv.playing.protocol import Action, Array, Mask, Observation
 
 _ZERO = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0),))
 # The hand has all four channels, the roll among them.
@@ -24,7 +26,7 @@ _BY_HAND = Maneuver(
 
 
 class Steering(Player):
-    """An agent of one world whose targets come from a hand or from a maneuver, in every control mode.
+    """An agent of one world whose targets come from a hand, a maneuver or another agent, in every control mode.
 
     Args:
         control: control mode of the environment.
@@ -33,14 +35,14 @@ class Steering(Player):
     Attributes:
         hand: (4,) where the hand wants the jaw, as fractions of the patient's comfort; see ``channels.CHANNELS``.
         asked: (4,) what was asked for in the last step, by whoever drove.
-        driver: the maneuver that drives; None while the hand does.
+        driver: the maneuver or agent that drives; None while the hand does.
     """
 
     def __init__(self, control: Control, control_hz: float) -> None:
         super().__init__(_BY_HAND, control=control, control_hz=control_hz)
         self.hand: Array = np.zeros(len(CHANNELS))
         self.asked: Array = np.zeros(len(CHANNELS))
-        self.driver: Maneuver | None = None
+        self.driver: Maneuver | Deciding | None = None
 
     def set_hand(self, targets: object) -> None:
         """Say where the hand wants the jaw.
@@ -64,11 +66,21 @@ class Steering(Player):
 
     def targets(self, time: Array) -> Targets:
         """See `Player.targets`; the hand's move no faster than the device moves them."""
-        if self.driver is not None:
+        if isinstance(self.driver, Maneuver):
             wanted = self.driver.targets(time)
         else:
-            reach = np.array(FASTEST_TARGET) * self._dt
-            value = self.asked + np.clip(self.hand - self.asked, -reach, reach)
+            value = self._by_hand() if self.driver is None else self.driver.next(self._seen, self.asked)
             wanted = Targets(value[None], (value - self.asked)[None] / self._dt)
         self.asked = wanted.value[0]
         return wanted
+
+    def _by_hand(self) -> Array:
+        reach = np.array(FASTEST_TARGET) * self._dt
+        value: Array = self.asked + np.clip(self.hand - self.asked, -reach, reach)
+        return value
+
+    def _decide(
+        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, Memory]:
+        self._seen = rows[0]
+        return super()._decide(rows, memory, starts, deterministic)

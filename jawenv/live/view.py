@@ -7,18 +7,14 @@ from typing import Any
 
 from jawenv.live import panels
 from jawenv.live.jaw3d import Jaw3D
+from jawenv.live.look import DARK_DIGIT, SCRIPTS, STYLE
 from jawenv.live.session import Shown
 
 _NARROW = 0.6  # width over height of the picture
 _WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
 _PANEL_PX = 390
-# The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
-_STYLE = """
-<style>@media (max-width: 36em) {
-  [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
-  [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
-}</style>
-"""
+_THEME = {"show_logo": False, "show_share_button": False}
+_BRAND = {False: (24, 92, 138), True: (86, 160, 211)}  # on a light, on a dark page
 
 
 class View:
@@ -36,19 +32,28 @@ class View:
         self._server, self.gui = server, server.gui
         self._whole_at = 0.0
         self._jaw = Jaw3D(server, first.scene)
-        self.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 92, 138))
+        self.gui.configure_theme(**_THEME, brand_color=_BRAND[False])
+        for label, dark, modifier in (("Dark page", True, None), ("Light page", False, "shift")):
+            command = self.gui.add_command(label, hotkey=str(DARK_DIGIT), modifier=modifier)
+            command.on_trigger(lambda event, dark=dark: _set_scheme(event.client, dark))
         self.gui.set_panel_label("jawenv live")
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(_PANEL_PX)
-        self._status = self.gui.add_html("")
-        self.gui.add_html(_STYLE)
+        self._status, self._beside = self.gui.add_html(""), self.gui.add_html("")
+        self.gui.add_html(STYLE + SCRIPTS)
         panel = self.gui.add_panel()
         with panel.add_tab("Knowledge"):
             self._posterior, self._comfort = self.gui.add_html(""), self.gui.add_html("")
+            self.gui.add_html(panels.legend_html())
         panel.dock_left()
         panel.set_width(_PANEL_PX)
         panel.expand()
         server.on_client_connect(_fit)
+
+    @property
+    def watched(self) -> bool:
+        """Whether a browser shows the page."""
+        return bool(self._server.get_clients())
 
     def show(self, shown: Shown, remark: str = "") -> None:
         """Show a moment, and a remark below the figures."""
@@ -62,6 +67,11 @@ class View:
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)
 
+    def show_ghost(self, shown: Shown | None) -> None:
+        """Show where another driver has the jaw of the same patient, and how far it has come; None for nobody."""
+        self._jaw.show_ghost(None if shown is None else shown.scene)
+        self._beside.content = "" if shown is None else panels.ghost_html(shown)
+
     def say(self, shown: Shown, remark: str) -> None:
         """Change only the figures and the remark."""
         self._status.content = panels.status_html(shown, remark)
@@ -70,6 +80,11 @@ class View:
         """Another patient or model: another jaw."""
         self._jaw.remove()
         self._jaw = Jaw3D(self._server, first.scene)
+
+
+def _set_scheme(client: Any, dark: bool) -> None:
+    """Make the page of one browser dark or light."""
+    client.gui.configure_theme(dark_mode=dark, **_THEME, brand_color=_BRAND[dark])
 
 
 def _fit(client: Any) -> None:

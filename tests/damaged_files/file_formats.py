@@ -29,7 +29,7 @@ from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.reality.options import Reality
 from training.run.config import TrainingConfig
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 from training.search.distill import Distillation, Labels
 from training.search.log import SearchLog

@@ -5,7 +5,9 @@ import threading
 import time
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record
@@ -13,9 +15,9 @@ from jawenv.live.page import Page
 from jawenv.live.playback import Playback
 from jawenv.live.playback_page import PlaybackPage
 from jawenv.live.server import serving, url_of
-from jawenv.live.session import BY_HAND
+from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import Setup
-from tests.eval.report.browser import executable
+from tests.browser import new_page
 
 FEW_PIXELS = "/?fixedDpr=0.25"  # these browsers draw without a graphics card
 
@@ -32,28 +34,16 @@ def running(page):
         assert not thread.is_alive()
 
 
-def look_at(browser, server, width=700):
+@contextmanager
+def looking_at(server, width=700, scheme="light"):
     """A tab with what it complains of in ``complaints``."""
-    tab = browser.new_page(viewport={"width": width, "height": 500})
-    tab.complaints = []
-    tab.on("console", lambda message: tab.complaints.append(message.text) if message.type == "error" else None)
-    tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
+    tab = new_page(viewport={"width": width, "height": 500}, color_scheme=scheme)
     tab.goto(url_of(server) + FEW_PIXELS)
     tab.wait_for_selector("[data-worst]", timeout=60_000)
-    return tab
-
-
-@contextmanager
-def browser_of_tests():
-    from playwright.sync_api import sync_playwright
-
-    path = executable()
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        try:
-            yield browser
-        finally:
-            browser.close()
+    try:
+        yield tab
+    finally:
+        tab.context.close()
 
 
 def worst(tab):
@@ -68,11 +58,11 @@ def wait_until(condition, seconds=30.0):
 
 
 def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
-    with browser_of_tests() as browser, serving(0) as server:
+    with serving(0) as server:
         page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
-        with running(page):
-            tab, other = look_at(browser, server), look_at(browser, server, 480)
+        with running(page), looking_at(server) as tab, looking_at(server, 480, "dark") as other:
             before = worst(tab)
+            assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
             tab.keyboard.down("KeyS")
             wait_until(lambda: page.session.steering.hand[0] > 0.4)
             tab.keyboard.up("KeyS")
@@ -81,18 +71,26 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
             tab.keyboard.press("KeyD")
             wait_until(lambda: page.session.steering.hand[1] > held[1])
             assert page.session.steering.hand[0] == pytest.approx(held[0])
+            other.evaluate("navigator.getGamepads = () => [null, {axes: [0, 0, 0.9, 0.2], buttons: []}]")
+            wait_until(lambda: page.session.steering.hand[3] > held[3])
+            other.evaluate("navigator.getGamepads = () => []")
+            wait_until(lambda: not page._keys.take())
             wait_until(lambda: worst(tab) < 0.7 * before and worst(other) < 0.7 * before)
             assert tab.complaints == other.complaints == []
+            schemes = [each.evaluate("document.documentElement.dataset.mantineColorScheme") for each in (tab, other)]
+            assert schemes == ["light", "dark"]
             assert other.evaluate("document.documentElement.scrollWidth") <= 480
+            other.wait_for_selector("[role=slider][aria-label='Opening']", state="attached")
+            found = Axe().run(other).response["violations"]
+            assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
 
 
 def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path):
-    with browser_of_tests() as browser, serving(0) as server:
+    with serving(0) as server:
         page = Page(server, Setup(seed=500, episode_s=4.0), tmp_path, driver="refined")
         assert page._driver.value == "refined"
         page._pause()
-        with running(page):
-            tab = look_at(browser, server)
+        with running(page), looking_at(server) as tab:
             tab.get_by_text("Step", exact=True).click()
             wait_until(lambda: page.steps == 1)
             tab.get_by_text("Pause", exact=True).click()
@@ -103,6 +101,9 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
             words = tab.inner_text("#score")
             assert "refined" in words and "slow opening" in words and "you and refined" in words
             assert tab.complaints == []
+            tab.get_by_text("Again", exact=True).click()
+            wait_until(lambda: page.session.outcome().duration_s == 0.0)
+            assert page.session.driver == BY_HAND and page._score.content == ""
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".yaml"]
 
 
@@ -112,9 +113,8 @@ def test_a_recording_plays_in_the_same_view(tmp_path):
         while not page.session.ended:
             page.step()
     playback = Playback(load_record(tmp_path / "my_drive_1.csv"), "my_drive_1")
-    with browser_of_tests() as browser, serving(0) as server:
-        with running(PlaybackPage(server, playback)):
-            tab = look_at(browser, server)
+    with serving(0) as server:
+        with running(PlaybackPage(server, playback)), looking_at(server) as tab:
             first = worst(tab)
             wait_until(lambda: worst(tab) != first)
             assert "driven by my_drive_1" in tab.inner_text("#status") and tab.complaints == []
@@ -134,6 +134,29 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         page._fulfil(page._change)
         assert page.session.setup.model == "sides"
         assert "knowledge is not exact" in page._view._status.content
+
+
+def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=2.0), tmp_path)
+        for _ in range(3):
+            page.step()
+        page._ghosts.value = "refined"
+        page._fulfil(page._call_ghost)
+        assert page._ghost.steps == 3 and page._ghost.driver == "refined"
+        page.step()
+        alone = Session(page.session.setup)
+        alone.hand_over("refined")
+        for _ in range(4):
+            expected = alone.drive()
+        np.testing.assert_array_equal(page._ghost.shown().scene.contact_m, expected.scene.contact_m)
+        assert "ghost of refined" in page._view._beside.content
+        page._choices["seed"].value = 501
+        page._fulfil(page._change)
+        assert page._ghost.setup.seed == 501 and page._ghost.steps == 0
+        page._ghosts.value = "nobody"
+        page._fulfil(page._call_ghost)
+        assert page._ghost is None and page._view._beside.content == ""
 
 
 def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):

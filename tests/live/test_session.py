@@ -11,7 +11,7 @@ from jawenv.live.outcome import Outcome, outcomes_of_rivals
 from jawenv.live.playback import Playback
 from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import Setup
-from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver, Player
 
 SHORT = Setup(seed=500, episode_s=3.0)
 
@@ -72,6 +72,36 @@ def test_a_session_that_a_maneuver_drives_reaches_what_the_rival_reaches():
     assert shown.outcome.worst_sd == pytest.approx(refined.worst_sd, rel=1e-9)
     assert shown.outcome.discomfort_s == pytest.approx(refined.discomfort_s, abs=1e-9)
     assert slow.name == "slow_opening" and slow.worst_sd > refined.worst_sd
+
+
+def test_an_agent_that_decides_five_times_a_second_drives_as_in_its_own_environment():
+    agents = {"five_hz": Player("refined", control="targets")}
+    session = Session(SHORT, agents)
+    session.hand_over("five_hz")
+    while not session.ended:
+        shown = session.drive()
+    own = outcomes_of_rivals(SHORT, agents)[0]
+    assert shown.driver == own.name == "five_hz"
+    assert shown.outcome.worst_sd == pytest.approx(own.worst_sd, rel=0.02)
+    assert shown.outcome.time_to_s == pytest.approx(own.time_to_s, abs=0.2)
+
+
+def test_an_agent_is_taken_over_given_back_and_refused_where_it_cannot_drive():
+    agents = {"own": Player("refined", control="targets")}
+    session = Session(SHORT, agents)
+    session.hand_over("own")
+    for _ in range(8):
+        sent = session.drive().targets
+    session.hand_over(BY_HAND)
+    np.testing.assert_allclose(session.drive().targets, np.clip(sent, [0, -1, -1, -1], 1))
+    session.hand_over("own")
+    assert session.drive().outcome.name == "you and own"
+    with pytest.raises(InputError, match="control: force given; allowed where own drives: targets"):
+        Session(Setup(seed=500, control="force"), agents).hand_over("own")
+    assert [one.name for one in outcomes_of_rivals(Setup(seed=500, episode_s=1.0, control="force"), agents)] == [
+        "refined",
+        "slow_opening",
+    ]
 
 
 def test_the_file_of_a_drive_plays_it_again(driven, tmp_path):

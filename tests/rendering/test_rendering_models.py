@@ -132,3 +132,10 @@ def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohor
     assert build_scene(env.simulation).moment == pytest.approx(moment_of(env.simulation))
     env.reset()
     assert len(renderer._trace) == 1
+
+
+def test_a_governor_that_acts_all_the_time_is_drawn():
+    env = gym.make("jawenv/Jaw-v2").unwrapped
+    env.reset(seed=0)
+    env.simulation.worlds["truth"]["governor"] = np.nextafter(1.0, 2.0)  # as a sum of shares rounds
+    assert build_scene(env.simulation).governor == 1.0

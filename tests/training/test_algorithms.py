@@ -13,7 +13,7 @@ from training.cli import main
 from training.run.algorithms import ALGORITHMS, make_model
 from training.run.callbacks import FallingNoise
 from training.run.config import TrainingConfig
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 from training.run.vec_env import NativeVecEnv
 

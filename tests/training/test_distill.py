@@ -13,7 +13,7 @@ from agents.replay import Recorder
 from jawenv.errors import InputError
 from training.cli import main
 from training.run.config import TrainingConfig
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.export import export
 from training.run.folder import RunFolder
 from training.run.train import Session, base_targets, world_seed

@@ -12,7 +12,8 @@ import jawenv
 from agents.residual import BASE_FILE, ResidualPolicy
 from jawenv.playing.maneuvers import Player
 from training.cli import main
-from training.run.evaluations import Evaluations, read_evaluations
+from training.run.evaluation_table import read_evaluations
+from training.run.evaluations import Evaluations
 from training.run.folder import RunFolder
 
 CONFIG = """

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from training.cli import main
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 from training.run.several import parse_seeds
 

@@ -9,7 +9,7 @@ import yaml
 from pydantic import Field, JsonValue, model_validator
 
 from agents.residual import Residual
-from jawenv.errors import InputError
+from jawenv.errors import InputError, meant
 from jawenv.files import InputModel, read_model, validate, write_text
 from jawenv.seeds import VALIDATION
 from training.run.algorithm_configs import (
@@ -39,7 +39,8 @@ def config_file(name: str) -> Path:
     names = sorted(path.stem for path in CONFIGS.glob("*.yaml"))
     if name not in names:
         raise InputError(
-            f"configuration {name!r}: unknown; allowed: {', '.join(names)}, a file ({', '.join(SUFFIXES)})"
+            f"configuration {name!r}: unknown; {meant(name, names)}allowed: {', '.join(names)}, a file "
+            f"({', '.join(SUFFIXES)})"
         )
     return CONFIGS / f"{name}.yaml"
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from typing import NamedTuple
 
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from jawenv.errors import InputError
 from jawenv.progress import Progress
-from jawenv.reading import read_text
 from training.run.config import EvaluationConfig
 from training.run.evaluate import Evaluation, evaluate
+from training.run.evaluation_table import add_row, read_evaluations
 from training.run.folder import RunFolder
 
 COLUMNS = (
@@ -130,7 +128,7 @@ class Evaluations(BaseCallback):
         if self._compare(figures | {"steps": self.last}):
             self._run.save_model(self.model, self._run.best_model)
             self._show_best()
-        _append(self._run, self.last, row)
+        add_row(self._run, self.last, row)
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
         self.logger.dump(self.last)
@@ -156,34 +154,3 @@ class Evaluations(BaseCallback):
     def _show_best(self) -> None:
         if self.best is not None:
             self._progress.note("best", f"best evaluation: {self.best[0].said()} at {self.best[1]:,}")
-
-
-def _append(run: RunFolder, steps: int, row: dict[str, float]) -> None:
-    """Add a row; the table of a run that goes on keeps its columns."""
-    new = not run.evaluations.exists()
-    names = ["steps", *row] if new else read_text(run.evaluations).partition("\n")[0].strip().split(",")
-    with run.evaluations.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names, extrasaction="ignore")
-        if new:
-            writer.writeheader()
-        writer.writerow({"steps": steps} | {name: f"{value:.6g}" for name, value in row.items()})
-
-
-def read_evaluations(run: RunFolder) -> list[dict[str, float]]:
-    """The rows of ``evaluations.csv`` so far.
-
-    Raises:
-        InputError: the table is damaged.
-    """
-    if not run.evaluations.exists():
-        return []
-    try:
-        lines = read_text(run.evaluations).splitlines()
-        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
-        if any(not {"steps", "return"} <= set(row) for row in rows):
-            raise ValueError("a column 'steps' or 'return' is missing")
-    except InputError:
-        raise
-    except (ValueError, TypeError, AttributeError, csv.Error) as error:
-        raise InputError(f"{run.evaluations} is damaged: {' '.join(str(error).split())[:120]}") from error
-    return rows

@@ -14,7 +14,7 @@ from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
 from jawenv.locks import alone
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 
 if TYPE_CHECKING:

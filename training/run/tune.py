@@ -17,7 +17,7 @@ from jawenv.errors import InputError
 from training.run import train
 from training.run.algorithm_configs import PPOConfig
 from training.run.config import TrainingConfig
-from training.run.evaluations import read_evaluations
+from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 
 WARM_UP_TRIALS = 5

@@ -38,6 +38,36 @@
     });
   }
 
+  // What a cell says, in the unit of its heading, without interval and badge.
+  const said = (cell) => {
+    const copy = cell.cloneNode(true);
+    for (const part of copy.querySelectorAll(".ci, .badge, br")) part.replaceWith(" ");
+    return copy.textContent.trim().replace(/\s+/g, " ").replaceAll("−", "-");
+  };
+
+  function csv(table) {
+    const [heads, above] = [...table.tHead.rows].reverse();
+    const groups = above ? [...above.cells].flatMap((cell) => Array(cell.colSpan).fill(said(cell))) : [];
+    const names = [...heads.cells].map((cell, i) => `${groups[i] || ""} ${said(cell)}`.trim());
+    const rows = [...table.tBodies].flatMap((body) => [...body.rows].map((row) => [...row.cells].map(said)));
+    return [names, ...rows].map((row) => row.map((text) => `"${text.replaceAll('"', '""')}"`).join(",")).join("\r\n") + "\r\n";
+  }
+
+  for (const box of document.querySelectorAll(".scroll:has(table.sortable)")) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "csv";
+    button.textContent = "Save as CSV";
+    button.addEventListener("click", () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([csv(box.querySelector("table"))], { type: "text/csv" }));
+      link.download = `${box.getAttribute("aria-label").replaceAll(" ", "_")}.csv`;
+      link.click();
+      URL.revokeObjectURL(link.href);
+    });
+    box.after(button);
+  }
+
   const search = document.getElementById("filter");
   const count = document.getElementById("count");
   search?.addEventListener("input", () => {

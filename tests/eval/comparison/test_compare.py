@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
+from rich.console import Console
 
 from eval.cli import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
+from eval.comparison.replayed import play_patient
 from eval.entries import env_of_runs, load_entries, maneuver_names
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Run
@@ -329,3 +331,15 @@ def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):
     )
     studied = play_study(design, tmp_path, Run(workers=1))
     pd.testing.assert_frame_equal(studied[compared.columns], compared, check_exact=True)
+
+
+def test_another_patient_is_played_again_for_the_films(tmp_path):
+    assert run("hold_still", "slow_opening", *SHORT, "--output", str(tmp_path)) == 0
+    kept, quiet = results.load(tmp_path), Console(quiet=True)
+    assert play_patient(kept, 0, quiet).motions == kept.motions
+    other = play_patient(kept, 1, quiet)
+    assert set(other.motions) == set(kept.motions) and other.about["played_seed"] == 1
+    assert other.motions["slow_opening"] != kept.motions["slow_opening"]
+    with pytest.raises(InputError, match="patient: 2 given, allowed are the seeds of the comparison, 0 to 1"):
+        play_patient(kept, 2, quiet)
+    assert main(["report", str(tmp_path), "--patient", "1"]) == 0

@@ -1,7 +1,7 @@
 """``python -m eval patient`` and ``diagnose`` as a user types them."""
 
 import re
-import subprocess
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -18,7 +18,7 @@ from eval.patient.verdicts import UNKNOWN, verdicts
 from eval.settings import Settings
 from jawenv import MUSCLE_NAMES, Patient
 from jawenv.anatomy import cohort
-from tests.eval.report.browser import executable
+from tests.browser import executable, new_page
 
 RICH = "opening_with_swings_and_fore_aft"
 SHORT = ["--episode-s", "0.5", "--seed", "5200"]
@@ -187,31 +187,42 @@ def test_a_course_goes_on_where_it_was_interrupted(tmp_path, monkeypatch, capsys
     pd.testing.assert_frame_equal(rows, whole)
 
 
-def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_exactly(tmp_path):
-    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
-    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1") == 0
-    text = words_of((tmp_path / "patient-5200.html").read_text(encoding="utf-8"))
+IMAGED = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
+
+
+@pytest.fixture(scope="module")
+def changed(tmp_path_factory):
+    """Two treatments of a patient whose anatomy is not known exactly: the folder, and what the page says."""
+    folder = tmp_path_factory.mktemp("changed")
+    assert run(folder, *IMAGED, "--treatments", "2", "--drift", "0.1") == 0
+    return folder, words_of((folder / "patient-5200.html").read_text(encoding="utf-8"))
+
+
+def test_the_change_stands_beside_the_estimates_where_the_anatomy_is_not_known_exactly(changed, tmp_path):
+    folder, text = changed
     told = re.findall(r"change: (softer|stiffer) by \d+ % \(−?\d+ … −?\d+\)", text)
     assert len(told) == 12 and "errors that come of the anatomy are alike in both" in text
-    table = pd.read_parquet(tmp_path / "verdicts.parquet")
+    table = pd.read_parquet(folder / "verdicts.parquet")
     first, second = (table[table["treatment"] == number] for number in (1, 2))
     assert second["F_o_change"].between(second["F_o_change_low"], second["F_o_change_high"]).all()
     assert first["F_o_change"].isna().all() and second["b_change_low"].notna().all()
-    assert run(tmp_path / "exact", *arguments[:-2], "--treatments", "2") == 0
+    assert run(tmp_path / "exact", *IMAGED[:-2], "--treatments", "2") == 0
     exact = pd.read_parquet(tmp_path / "exact" / "verdicts.parquet")
     assert exact["F_o_change"].isna().all()
     assert "change:" not in words_of((tmp_path / "exact" / "patient-5200.html").read_text(encoding="utf-8"))
 
 
-def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(tmp_path):
-    arguments = ["refined", "--episode-s", "2", "--seed", "5200", "--control", "targets", "--knowledge", "imaged"]
-    assert run(tmp_path, *arguments, "--treatments", "2", "--drift", "0.1", "--show-truth") == 0
-    sheet = tmp_path / "sheet.pdf"
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer", f"--print-to-pdf={sheet}"]
-    subprocess.run(  # noqa: S603
-        [executable(), *flags, (tmp_path / "patient-5200.html").as_uri()], check=True, capture_output=True, timeout=120
-    )
-    assert len(re.findall(rb"/Type\s*/Page[^s]", sheet.read_bytes())) == 1
+def test_a_page_with_all_that_it_can_hold_prints_on_one_sheet(changed, monkeypatch):
+    folder, _ = changed
+    executable()
+    arguments = [*IMAGED, "--treatments", "2", "--drift", "0.1", "--show-truth"]
+    monkeypatch.setattr(sys, "argv", ["eval", "patient", *arguments])  # which the page prints
+    assert run(folder, *arguments) == 0
+    page = new_page()
+    page.goto((folder / "patient-5200.html").as_uri())
+    sheet = page.pdf(prefer_css_page_size=True)
+    page.context.close()
+    assert len(re.findall(rb"/Type\s*/Page[^s]", sheet)) == 1
 
 
 def test_a_damaged_file_says_what_to_do(tmp_path, capsys):

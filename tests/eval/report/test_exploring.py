@@ -2,12 +2,14 @@
 
 import itertools
 
+import pandas as pd
 import pytest
 
 from eval.cli import main
 from eval.comparison.ranking import rank
 from eval.report.page import write
-from tests.eval.report.browser import executable, opened
+from tests.browser import executable
+from tests.eval.report.browser import opened
 from tests.eval.studies import many_entries
 
 
@@ -27,6 +29,18 @@ def page(path):
         yield page
 
 
+@pytest.fixture(scope="module")
+def narrow(path):
+    with opened(path, 480, "dark") as page:
+        yield page
+
+
+@pytest.fixture(params=["wide and light", "narrow and dark"])
+def both(request, page, narrow):
+    """The report at 1,400 pixels in light, and at 480 in dark colours."""
+    return page if request.param == "wide and light" else narrow
+
+
 def names(page):
     return page.eval_on_selector_all("#ranking-table td.text .name", "cells => cells.map(c => c.textContent.trim())")
 
@@ -35,44 +49,55 @@ def time_s(page):
     return float(page.input_value("#time-slider"))
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
-def test_it_is_drawn_without_a_complaint_or_the_network(path, width, scheme):
-    with opened(path, width, scheme) as page:
-        assert page.complaints == []
-        assert [url for url in page.requests if not url.startswith(("data:", "blob:"))] == [path.as_uri()]
-        assert page.locator(".chart").count() == page.locator(".chart[data-ready]").count() > 12
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        smallest = "texts => Math.min(...texts.map(text => parseFloat(getComputedStyle(text).fontSize)))"
-        assert page.eval_on_selector_all(".chart svg text", smallest) >= 11.0
+def test_it_is_drawn_without_a_complaint_or_the_network(path, both):
+    assert both.complaints == []
+    assert [url for url in both.requests if not url.startswith(("data:", "blob:"))] == [path.as_uri()]
+    assert both.locator(".chart").count() == both.locator(".chart[data-ready]").count() > 12
+    assert both.evaluate("document.documentElement.scrollWidth") <= both.viewport_size["width"]
+    smallest = "texts => Math.min(...texts.map(text => parseFloat(getComputedStyle(text).fontSize)))"
+    assert both.eval_on_selector_all(".chart svg text", smallest) >= 11.0
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
-def test_no_mark_hides_another(path, width, scheme):
-    with opened(path, width, scheme) as page:
-        places = page.locator("#discomfort .annotation-text")
-        assert sorted(places.all_text_contents()) == sorted(page.evaluate("report.data.entries.map(e => e.place)"))
-        boxes = [place.bounding_box() for place in places.all()]
-        for one, other in itertools.combinations(boxes, 2):
-            beside = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
-            assert beside or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
-        marks = page.evaluate("report.data.charts.information.data.filter(t => t.marker.symbol === 'diamond-open')")
-        assert all(abs(mark["y"][0] - mark["meta"]) > 0.2 for mark in marks) and len(marks) == len(boxes)
+def test_no_mark_hides_another(both):
+    places = both.locator("#discomfort .annotation-text")
+    assert sorted(places.all_text_contents()) == sorted(both.evaluate("report.data.entries.map(e => e.place)"))
+    boxes = [place.bounding_box() for place in places.all()]
+    for one, other in itertools.combinations(boxes, 2):
+        beside = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
+        assert beside or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
+    marks = both.evaluate("report.data.charts.information.data.filter(t => t.marker.symbol === 'diamond-open')")
+    assert all(abs(mark["y"][0] - mark["meta"]) > 0.2 for mark in marks) and len(marks) == len(boxes)
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (480, "dark")])
-def test_the_first_screen_has_the_answer_its_reason_the_bars_and_two_films(path, width, scheme):
-    with opened(path, width, scheme) as page:
-        best = page.evaluate("report.data.entries[0].name")
-        answer = page.locator("#answer .answer")
-        assert best in answer.inner_text().lower() and "3 patients" in answer.inner_text()
-        assert answer.bounding_box()["y"] + answer.bounding_box()["height"] < 450
-        assert "NEES" in page.inner_text("#answer .belief") and "alarm" in page.inner_text("#answer .belief")
-        assert "known exactly" in page.inner_text("#answer .assumption")
-        assert page.locator("#answer .bars tbody tr").count() == 3
-        bars = page.locator("#answer .bars .bar")
-        assert bars.count() == 9 and all(bar.bounding_box()["width"] > 30 for bar in bars.all())
-        assert page.locator("#films figure b").all_text_contents() == [best, "slow opening"]
-        assert page.complaints == []
+def test_the_first_screen_has_the_answer_its_reason_the_bars_and_two_films(both):
+    best = both.evaluate("report.data.entries[0].name")
+    answer = both.locator("#answer .answer")
+    both.evaluate("scrollTo(0, 0)")
+    assert best in answer.inner_text().lower() and "3 patients" in answer.inner_text()
+    assert answer.bounding_box()["y"] + answer.bounding_box()["height"] < 450
+    assert "NEES" in both.inner_text("#answer .belief") and "alarm" in both.inner_text("#answer .belief")
+    assert "known exactly" in both.inner_text("#answer .assumption")
+    assert both.locator("#answer .bars tbody tr").count() == 3
+    bars = both.locator("#answer .bars .bar")
+    assert bars.count() == 9 and all(bar.bounding_box()["width"] > 30 for bar in bars.all())
+    assert both.locator("#films figure b").all_text_contents() == [best, "slow opening"]
+    assert both.complaints == []
+
+
+def test_a_table_is_saved_in_the_units_of_its_headings(page, tmp_path):
+    with page.expect_download() as saving:
+        page.locator(".scroll:has(#ranking-table) + .csv").click()
+    saving.value.save_as(tmp_path / "table.csv")
+    table = pd.read_csv(tmp_path / "table.csv")
+    assert saving.value.suggested_filename == "ranking.csv" and len(table) == 3
+    assert sorted(table["maneuver"]) == sorted(names(page))
+    shown = page.locator("#ranking-table tbody tr").first.locator("td").nth(12).inner_text()
+    assert table["patient discomfort s per 30 s"][0] == float(shown)
+    assert table["worst of the 12 sd, % median"].between(1.0, 100.0).all()
+
+
+def test_the_axis_of_nees_has_marks(both):
+    assert both.locator("#nees .xtick").count() >= 2 and both.locator("#nees_over_time .ytick").count() >= 2
 
 
 def test_the_films_play_pause_and_stop_where_nobody_looks(path):
@@ -88,16 +113,14 @@ def test_the_films_play_pause_and_stop_where_nobody_looks(path):
         assert page.complaints == []
 
 
-@pytest.mark.parametrize("width", [1400, 480])
-def test_the_navigation_stays_and_hides_no_heading(path, width):
-    with opened(path, width) as page:
-        for link in page.locator("nav a").all():
-            target = link.get_attribute("href")
-            page.evaluate("address => { location.hash = address; }", target)
-            page.wait_for_timeout(50)
-            bar, heading = page.locator("nav").bounding_box(), page.locator(target).bounding_box()
-            assert bar["y"] == 0
-            assert heading["y"] >= bar["y"] + bar["height"] - 1 or target == "#answer"
+def test_the_navigation_stays_and_hides_no_heading(both):
+    for link in both.locator("nav a").all():
+        target = link.get_attribute("href")
+        both.evaluate("address => { location.hash = address; }", target)
+        both.wait_for_timeout(50)
+        bar, heading = both.locator("nav").bounding_box(), both.locator(target).bounding_box()
+        assert bar["y"] == 0
+        assert heading["y"] >= bar["y"] + bar["height"] - 1 or target == "#answer"
 
 
 def test_the_rest_of_many_entries_is_behind_a_click(tmp_path):

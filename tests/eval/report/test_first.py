@@ -96,7 +96,7 @@ def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
 def test_the_terminal_shows_one_short_table_and_the_verdict():
     ranking, console = rank(many_entries()), Console(file=io.StringIO(), width=100)
     table.show(ranking, console)
-    table.show_verdict(ranking, console)
+    table.show_verdict(ranking, (), console)
     lines = [line.rstrip() for line in console.file.getvalue().splitlines()]
     assert len(lines) < 20
     assert any("my own" in line for line in lines) and not any("no 6" in line for line in lines)

@@ -11,7 +11,8 @@ from eval.comparison.ranking import rank
 from eval.report.page import write
 from eval.report.playback import legend
 from jawenv.rendering import Renderer, palette
-from tests.eval.report.browser import executable, opened
+from tests.browser import executable
+from tests.eval.report.browser import opened
 from tests.eval.studies import GOOD, study
 from tests.rendering.jaw_scenes import scene
 

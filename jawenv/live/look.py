@@ -1,0 +1,54 @@
+"""What is added to viser's page: colours for light and dark, a layout for narrow pages, names of fields for readers."""
+
+from __future__ import annotations
+
+from jawenv.live.keys import script_html
+
+DARK_DIGIT = 9
+"""The hotkey by which a browser tells that its reader prefers dark pages; with shift, light ones."""
+
+# The controls of a narrow page stand in a sheet below the jaw, as wide as the page.
+STYLE = """
+<style>
+:root { --live-ink: #222a35; --live-soft: #5b636e; --live-card: #fff; --live-line: #e2ded5; --live-track: #eeebe5;
+  --live-remark: #8a4b08; --live-accent: #185c8a; }
+[data-mantine-color-scheme=dark] { --live-ink: #e6e8ea; --live-soft: #a9b0b8; --live-card: #25282d;
+  --live-line: #3d4147; --live-track: #4a4e55; --live-remark: #f0b45c; --live-accent: #86bfe4; }
+p > label { color: var(--live-soft); }
+.mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
+@media (max-width: 36em) {
+  [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
+  [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }
+}</style>
+"""
+
+_SCHEME = f"""
+if (!window.jawenvScheme) {{
+  window.jawenvScheme = window.matchMedia('(prefers-color-scheme: dark)');
+  const tell = () => document.documentElement.dispatchEvent(new KeyboardEvent('keydown',
+    {{key: '{DARK_DIGIT}', code: 'Digit{DARK_DIGIT}', shiftKey: !window.jawenvScheme.matches, bubbles: true}}));
+  window.jawenvScheme.addEventListener('change', tell);
+  if (window.jawenvScheme.matches) setTimeout(tell, 200);
+}}
+"""
+
+# viser's sliders, their numbers and its icons have no names that a screen reader could say.
+_NAMES = """
+if (!window.jawenvNames) {
+  const name = (field, words) => field.getAttribute('aria-label') || field.setAttribute('aria-label', words);
+  window.jawenvNames = setInterval(() => {
+    document.querySelectorAll('p > label').forEach((label) => {
+      const row = label.parentElement.parentElement.parentElement;
+      row.querySelectorAll('[role=slider], input').forEach((field) => name(field, label.textContent));
+    });
+    document.querySelectorAll('button').forEach((button) => {
+      const icon = button.querySelector('svg');
+      if (!icon || button.textContent.trim()) return;
+      const kind = /tabler-icon-([a-z-]+)/.exec(icon.getAttribute('class') || '');
+      name(button, kind ? kind[1].replaceAll('-', ' ') : 'close');
+    });
+  }, 1000);
+}
+"""
+
+SCRIPTS = script_html(_SCHEME) + script_html(_NAMES)
