@@ -109,10 +109,6 @@ class Configuration:
         if (self.filter_model == "bilateral" or model.plant == "contact") and not self.build_knowledge().exact:
             why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
             raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
-        if self.record and not self.build_knowledge().exact:
-            raise InputError("record is true; allowed with knowledge that is exact, as the filters of records have it")
-        if self.record and self.build_device().unmodelled_time_s > 0.0:
-            raise InputError("record is true; allowed with unmodelled_time_s 0, as the filters of records have it")
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)

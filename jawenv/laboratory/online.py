@@ -34,11 +34,10 @@ from jawenv.filter.tick import (
 )
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
-from jawenv.laboratory.record_filter import FilterRun
+from jawenv.laboratory.filter_settings import sds_of, settings_of_record
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.unknowns import directions
 
 Array = NDArray[np.float64]
 
@@ -151,10 +150,10 @@ class OnlineFilter:
 
     @classmethod
     def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
-        """The filter with a record's geometry, noise, prior, length of a tick, and motion before the first reading."""
+        """The filter with a record's geometry, knowledge, noise, prior, length of a tick, and motion at the start."""
         online = cls.__new__(cls)
         online._start = record.start_mean, record.start_sd
-        online._prepare(record.jaw, FilterRun(record).settings, record.parameter_names, every)
+        online._prepare(record.jaw, settings_of_record(record), record.parameter_names, every)
         return online
 
     def _prepare(self, jaw: Any, settings: Any, names: tuple[str, ...], every: int) -> None:
@@ -296,17 +295,11 @@ class OnlineFilter:
 
 
 def _settings_of(simulation: Simulation, jaw: Any) -> Any:
-    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``.
-
-    The sds are those of the default mandible with the head upright, as an environment has them.
-    """
+    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
     theirs, muscles = simulation.settings["filter"][0], simulation.cohort.muscles
     disturbance, prior = len(theirs["disturbance_variance"]), simulation.cohort.prior
     states = len(theirs["start_sd"]) - disturbance
-    upright, default = jaw.copy(), defaults.geometry(simulation.model.name)
-    for name in ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity"):
-        upright[name] = default[name]
-    sds = directions(simulation.knowledge, muscles, upright, prior.mean)
+    upright, sds = sds_of(jaw, simulation.model, simulation.knowledge, prior)
     settings = record_zeros(1, filter_settings_dtype(len(muscles), states, len(muscles.muscle), len(sds), disturbance))[
         0
     ]
