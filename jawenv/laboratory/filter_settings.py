@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.filter.known_within import write_nuisances
@@ -19,7 +20,9 @@ from jawenv.mechanics.unknowns import Unknowns, directions
 _OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity")
 
 
-def sds_of(jaw: Any, model: Model, knowledge: Knowledge, prior: Any) -> tuple[Any, list[Unknowns]]:
+def sds_of(
+    jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None = None
+) -> tuple[Any, list[Unknowns]]:
     """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
 
     Sds of mass, inertia and gravity are those of the default mandible with the head upright, as an environment has
@@ -30,11 +33,12 @@ def sds_of(jaw: Any, model: Model, knowledge: Knowledge, prior: Any) -> tuple[An
         model: rung of the ladder.
         knowledge: the sds.
         prior: of the parameters.
+        motor_sds: those of a force that no load cell reads, or None.
     """
     upright, default = jaw.copy(), defaults.geometry(model.name)
     for name in _OF_THE_BODY:
         upright[name] = default[name]
-    return upright, directions(knowledge, model.muscles, upright, prior.mean)
+    return upright, directions(knowledge, model.muscles, upright, prior.mean, motor_sds)
 
 
 def settings_of_record(record: Record) -> Any:
