@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -10,6 +11,7 @@ from jawenv.anatomy import cohort
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.device.device import device_of
+from jawenv.device.force_sensor import FORCE_SENSORS
 from jawenv.errors import InputError, shown
 from jawenv.ladder import env_id_of, model_of_env
 from jawenv.playing.rollout import DEFAULT_ENV, LARGEST_SEED
@@ -37,6 +39,7 @@ class Settings:
         knowledge: what the filter knows within sds beside the muscles, fields of `jawenv.Knowledge`; all exactly by
             default.
         control_hz: control steps per second; the control's own by default.
+        force_sensor: `cell`, `motors` or `straps`.
 
     Raises:
         InputError: a value is not allowed.
@@ -54,6 +57,7 @@ class Settings:
     estimator: str | None = None
     knowledge: dict[str, float] = field(default_factory=dict)
     control_hz: float | None = None
+    force_sensor: str = "cell"
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
@@ -65,7 +69,12 @@ class Settings:
             raise InputError(f"seed: {self.seed} given, allowed is a whole number, 0 to {LARGEST_SEED}")
         if not (math.isfinite(self.episode_s) and self.episode_s > 0.0):
             raise InputError(f"episode_s: {self.episode_s} given, allowed is a number of seconds above 0")
-        for name, value, allowed in (("control", self.control, CONTROLS), ("sensors", self.sensors, SENSORS)):
+        texts: tuple[tuple[str, str, Collection[str]], ...] = (
+            ("control", self.control, CONTROLS),
+            ("sensors", self.sensors, SENSORS),
+            ("force_sensor", self.force_sensor, FORCE_SENSORS),
+        )
+        for name, value, allowed in texts:
             if value not in allowed:
                 raise InputError(f"{name}: {shown(value)} given, allowed are {', '.join(allowed)}")
         if self.estimator not in (None, *model.estimators):
@@ -97,4 +106,6 @@ class Settings:
             "knowledge": self.knowledge,
             "control_hz": self.control_hz,
         }
+        if self.force_sensor != "cell":
+            given["force_sensor"] = self.force_sensor
         return given | {name: value for name, value in changed.items() if value}

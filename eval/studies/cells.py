@@ -16,7 +16,7 @@ from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 
-FACTORS = ("environment", "cohort", "control", "sensors", "reality", "control_hz", "entry")
+FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
 """What tells cells apart, in the order of the columns."""
 
 
@@ -33,6 +33,7 @@ class Cell:
         cohort: name or file of the cohort.
         control: control mode.
         sensors: sensors.
+        force_sensor: how the device knows its force.
         reality: name of the effects.
         control_hz: control steps per second.
         entry: label.
@@ -46,6 +47,7 @@ class Cell:
     cohort: str
     control: str
     sensors: str
+    force_sensor: str
     reality: str
     control_hz: float
     entry: str
@@ -117,13 +119,14 @@ def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[L
 def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
     rates = design.control_hz or (None,)
     controls = environment.controls or design.controls
-    settings = product(design.cohorts, controls, design.sensors, design.reality, rates)
-    for cohort_name, control, sensors, reality, hz in settings:
+    settings = product(design.cohorts, controls, design.sensors, design.force_sensors, design.reality, rates)
+    for cohort_name, control, sensors, force_sensor, reality, hz in settings:
         fields: dict[str, Any] = {
             "cohort": cohort_name,
             "seed": design.seed,
             "control": control,
             "sensors": sensors,
+            "force_sensor": force_sensor,
             "episode_s": design.episode_s,
             "env": environment.env,
             "reality": design.reality[reality],
@@ -137,7 +140,7 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
                 number = min(choice.patients or design.patients, design.patients)
                 asked = Settings(patients=number, **fields)
                 entry = _checked(choice, asked, labels, trust)
-                place = (environment.name, cohort_name, control, sensors, reality, checked.steps_per_s)
+                place = environment.name, cohort_name, control, sensors, force_sensor, reality, checked.steps_per_s
                 yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
 
 

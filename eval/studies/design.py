@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from eval.studies.metrics import DEFAULT_METRICS, METRICS
 from jawenv.anatomy import cohort
 from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Sensors
 from jawenv.errors import InputError, meant, shown
 from jawenv.files import FILE_TYPES, InputModel, Number, read_model
@@ -80,6 +81,7 @@ class Side(InputModel):
         entry: label of a maneuver or agent.
         control: control mode.
         sensors: sensors.
+        force_sensor: how the device knows its force.
         reality: name of the effects.
         control_hz: control steps per second.
     """
@@ -87,6 +89,7 @@ class Side(InputModel):
     entry: str | None = None
     control: Control | None = None
     sensors: Sensors | None = None
+    force_sensor: ForceSensor | None = None
     reality: str | None = None
     control_hz: Number | None = None
 
@@ -117,6 +120,7 @@ class Design(InputModel):
         cohorts: names or files of cohorts.
         controls: control modes.
         sensors: `pose` or `point`.
+        force_sensors: `cell`, `motors` or `straps`.
         reality: by a name of one's own, effects that the filter does not know; none by default.
         control_hz: control steps per second; those of each control by default.
         patients: how many; patient i is drawn, and its noise made, by the seed `seed + i`.
@@ -138,6 +142,7 @@ class Design(InputModel):
     cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)
     controls: tuple[Control, ...] = Field(default=(DEFAULT_CONTROL,), min_length=1)
     sensors: tuple[Sensors, ...] = Field(default=("pose",), min_length=1)
+    force_sensors: tuple[ForceSensor, ...] = Field(default=("cell",), min_length=1)
     reality: dict[str, dict[str, Number]] = Field(default={"none": {}}, min_length=1)
     control_hz: tuple[Number, ...] = ()
     patients: int = Field(ge=1, le=MOST_PATIENTS)
@@ -146,7 +151,9 @@ class Design(InputModel):
     metrics: tuple[str, ...] = Field(default=DEFAULT_METRICS, min_length=1)
     pairs: tuple[Pair, ...] = ()
 
-    @field_validator("entries", "environments", "cohorts", "controls", "sensors", "control_hz", "metrics")
+    @field_validator(
+        "entries", "environments", "cohorts", "controls", "sensors", "force_sensors", "control_hz", "metrics"
+    )
     @classmethod
     def _no_repeats(cls, given: tuple[Any, ...]) -> tuple[Any, ...]:
         return _different(given)

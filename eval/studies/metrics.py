@@ -50,6 +50,13 @@ def _per_parameter(name: str) -> Callable[[pd.DataFrame, int], Array]:
     return lambda rows, parameters: rows[name].to_numpy(dtype=np.float64) / parameters
 
 
+def _median_sd(rows: pd.DataFrame, parameters: int) -> Array:
+    """Of the parameters that the model has."""
+    sds = rows[[name for name in map(str, rows) if name.startswith("sd/")]].to_numpy(dtype=np.float64)
+    median: Array = np.nanmedian(sds, axis=1)
+    return median
+
+
 def _rings(rows: pd.DataFrame, parameters: int) -> Array:
     return alarm_rings(rows["misfit"].to_numpy(dtype=np.float64)).astype(np.float64)
 
@@ -65,6 +72,7 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "inside_2_sigma": Metric("inside 2 sd, %", _column("inside_2_sigma"), None, scale=100.0),
         "inside_3_sigma": Metric("inside 3 sd, %", _column("inside_3_sigma"), None, scale=100.0),
         "worst_sd": Metric("worst sd, %", _column("worst_sd"), "lower", "median", 100.0, 2),
+        "median_sd": Metric("median sd of the parameters, %", _median_sd, "lower", "median", 100.0, 2),
         "early_worst_sd": Metric("worst sd after 10 s, %", _column("early_worst_sd"), "lower", "median", 100.0, 2),
         "worst_sd_p90": Metric("worst sd, p90, %", _column("worst_sd"), "lower", "p90", 100.0, 2),
         "early_worst_sd_p90": Metric(

@@ -95,11 +95,15 @@ def identify_command(
     cohort: Annotated[
         str | None, typer.Option(help="Population that the patient is believed to come from.", metavar="NAME")
     ] = None,
+    knowledge: Annotated[
+        str | None,
+        typer.Option(help="What is known of anatomy and device: exact or imaged, or a file.", metavar="NAME"),
+    ] = None,
 ) -> None:
     """Estimate F_o and b of every muscle from a recording, with their standard deviations (docs/recordings.md)."""
     from jawenv.commands.recordings import identify
 
-    identify(recording, cohort)
+    identify(recording, cohort, knowledge)
 
 
 @app.command("list")

@@ -10,13 +10,13 @@ from jawenv.laboratory.record_filter import TensionFilter
 from jawenv.laboratory.recordings.files import load_record
 
 
-def identify(path: Path, cohort: str | None) -> None:
+def identify(path: Path, cohort: str | None, knowledge: str | None) -> None:
     """Print what the environments' filter finds in a recording.
 
     Raises:
-        InputError: the file cannot be read, is damaged, or the cohort is unknown.
+        InputError: the file cannot be read, is damaged, or cohort or knowledge are unknown.
     """
-    record = load_record(path, cohort=cohort)
+    record = load_record(path, cohort=cohort, knowledge=knowledge)
     found = TensionFilter().estimate(record)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
     print(f"{'':32}{'estimate':>10}{'sd':>9}{'truth':>9}")

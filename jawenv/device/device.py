@@ -80,6 +80,16 @@ class Device(NumericFields):
         cell_force_N: Noise of one sample of the load cell, three per 10 ms (G: 0.02-0.2 N).
         cell_moment_N_m: The same for its moments (G).
         cell_gain: Sd of the load cell's gain error, one value for a whole episode (G: 1 %).
+        motor_table_gain: Sd of the error of each motor's force-velocity table, relative (G: 5-10 %). This and what
+            follows up to ``strap_pretension_N`` matters where ``force_sensor`` says so, in place of the load cell's.
+        motor_table_N: Noise of one reading of each motor's force, three per 10 ms (G).
+        motor_coulomb_N: Sd of the level of each motor's Coulomb friction beyond what the table has, at the mouthpiece
+            (G: a few per cent of what a motor gives there).
+        motor_viscous_N_s_m: The same for viscous friction (G).
+        strap_gain: Sd of the gain error of each strap's sensor (G: 1-3 %).
+        strap_N: Noise of one reading of each strap's tension (G).
+        strap_direction_deg: Sd of each of the two angles by which each strap's direction is off (G: 1-3 degrees).
+        strap_pretension_N: Tension of each strap while its motor does nothing; 0 for straps that only pull (G).
         encoder_position_mm: Noise of the mouthpiece position (G: 0.05-0.3 mm).
         encoder_angle_deg: Noise of the mouthpiece angles (M: optical tracker 0.126 deg, Mueller 2025).
         encoder_velocity_mm_s: Noise of the mouthpiece velocity (G: 0.5-3 mm/s).
@@ -109,6 +119,14 @@ class Device(NumericFields):
     cell_force_N: float = number(0.04, 4.0, "N")
     cell_moment_N_m: float = number(0.0008, 0.08, "N m")
     cell_gain: float = number(0.01, 0.5, "1")
+    motor_table_gain: float = number(0.07, 0.2, "1")
+    motor_table_N: float = number(0.05, 4.0, "N")
+    motor_coulomb_N: float = number(0.3, 10.0, "N")
+    motor_viscous_N_s_m: float = number(2.0, 1000.0, "N s/m")
+    strap_gain: float = number(0.02, 0.2, "1")
+    strap_N: float = number(0.05, 4.0, "N")
+    strap_direction_deg: float = number(2.0, 10.0, "deg")
+    strap_pretension_N: float = number(10.0, 1000.0, "N")
     encoder_position_mm: float = number(0.1, 10.0, "mm", zero=False)
     encoder_angle_deg: float = number(0.1, 180.0, "deg", zero=False)
     encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s", zero=False)

@@ -26,7 +26,7 @@ def follow_bound(model, world, settings, scratch, path):
         row = path[k % rows]
         if not begun:
             before = path[(k - 1) % rows].state
-            true = (truth.muscles, before, row.state, row.wrench, row.trend)
+            true = (truth.muscles, before, row.state, row.wrench, row.trend, row.friction_share)
             move_bound(jaw, truth.bound, true, known, settings.noise_variance, scratch)
         read_bound(jaw, row.state, truth.bound, known.used, known, scratch)
     truth.log_det_bound = decompose_parameters(truth.bound, first_parameter(truth.bound, known), scratch.matrix)

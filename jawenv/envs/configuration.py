@@ -15,6 +15,7 @@ from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.device import Device, device_of
+from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, shown
@@ -47,6 +48,7 @@ class Arguments(TypedDict, total=False):
     model: str
     estimator: Estimator | None
     knowledge: str | Knowledge | Source | None
+    force_sensor: ForceSensor
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,7 @@ class Configuration:
     model: str = "jaw"
     estimator: Estimator | None = None
     knowledge: str | Knowledge | Source | None = None
+    force_sensor: ForceSensor = "cell"
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -77,7 +80,8 @@ class Configuration:
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        for name, kind in (("control", Control), ("sensors", Sensors), ("reward", Reward)):
+        kinds = ("control", Control), ("sensors", Sensors), ("reward", Reward), ("force_sensor", ForceSensor)
+        for name, kind in kinds:
             value = getattr(self, name)
             if not isinstance(value, str) or value not in get_args(kind):
                 raise InputError(f"{name} is {shown(value)}; allowed: {', '.join(get_args(kind))}")
@@ -109,10 +113,21 @@ class Configuration:
         if (self.filter_model == "bilateral" or model.plant == "contact") and not self.build_knowledge().exact:
             why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
             raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
-        if self.record and not self.build_knowledge().exact:
-            raise InputError("record is true; allowed with knowledge that is exact, as the filters of records have it")
-        if self.record and self.build_device().unmodelled_time_s > 0.0:
-            raise InputError("record is true; allowed with unmodelled_time_s 0, as the filters of records have it")
+        self._check_force_sensor()
+
+    def _check_force_sensor(self) -> None:
+        """A force without a load cell is for one reference point, and a recording does not say of it.
+
+        Raises:
+            InputError: it is asked for together with what does not know it.
+        """
+        if self.force_sensor == "cell":
+            return
+        model = model_named(self.model)
+        if self.filter_model == "bilateral" or model.plant == "contact":
+            raise InputError(f"force_sensor is {self.force_sensor!r}; allowed in {model.title}: 'cell'")
+        if self.record:
+            raise InputError(f"force_sensor is {self.force_sensor!r}; allowed where record is true: 'cell'")
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from jawenv.device.device import N_MOTORS
 from jawenv.envs.plants import true_state
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
@@ -19,6 +20,7 @@ def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
     fields = [
         ("wrench", "f8", (N_SAMPLES, N_WRENCH)),  # during it
         ("trend", "f8", N_WRENCH),  # of the load cell, at its start
+        ("friction_share", "f8", N_MOTORS),  # of the motors at its end, where no load cell reads the force
         ("state", "f8", (n_states,)),  # the motion at its end
     ]
     return record_dtype(fields)
@@ -45,5 +47,6 @@ def keep_truth(model, truth, tick, wrench, trend, path):
         for k in range(6):
             row.wrench[i, k] = wrench[i, k]
     row.trend[:] = trend
+    row.friction_share[:] = truth.friction_share
     for i in range(row.state.shape[0]):
         row.state[i] = true_state(model, truth, i)

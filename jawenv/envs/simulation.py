@@ -11,6 +11,13 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, default_mandible
 from jawenv.device.device import N_MOTORS
+from jawenv.device.force_sensor import (
+    device_with_sensor,
+    friction_noise,
+    motor_errors,
+    sds_of_sensor,
+    slack_force,
+)
 from jawenv.envs.bound_kernel import track_bound
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
@@ -55,13 +62,16 @@ class Simulation:
         self.model = model_named(configuration.model)
         muscles = self.model.muscles
         self.cohort = configuration.build_cohort()
-        self.device = configuration.build_device().records()
+        device = configuration.build_device()
+        self.device = device_with_sensor(configuration.force_sensor, device)
+        self._motor_sds = sds_of_sensor(configuration.force_sensor, device)
+        self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
         self._known_condyles = 2 if known else 1
         self.knowledge = configuration.build_knowledge()
-        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical)
+        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical, self._motor_sds)
         disturbance = N_WRENCH if self.device[0]["unmodelled_time"] > 0.0 else 0
         sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
@@ -129,7 +139,8 @@ class Simulation:
         settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
-        write_nuisances(settings["nuisances"], self._jaw, self.knowledge, self.cohort.muscles, self._sds)
+        about = self._jaw, self.knowledge, self.cohort.muscles, self._sds
+        write_nuisances(settings["nuisances"], *about, self.force_errors)
 
     def _set_disturbance(self, settings: Any) -> None:
         """The wrench that is not known: process noise of the filter, and where it has memory states as well."""
@@ -152,7 +163,8 @@ class Simulation:
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
-        constant = [unmodelled[0] + cell_force, unmodelled[1] + cell_moment]
+        friction = friction_noise(self.configuration.force_sensor, self.configuration.build_device())
+        constant = [unmodelled[k] + friction[k] ** 2 + (cell_force, cell_moment)[k] for k in range(2)]
         # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
         variance: NDArray[np.float64] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
         return variance
@@ -226,6 +238,10 @@ class Simulation:
         truth["jaw"], truth["log_parameters"] = self._jaw, log_parameters
         values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
         truth["nuisances"] = [along(values, each) for each in self._sds]
+        truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
+        truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
+        if self._motor_sds is not None:
+            truth["motor_errors"] = motor_errors(self._motor_sds, values.motors, self.device[0])
 
     def _read_first(self, chosen: NDArray[np.bool_]) -> None:
         """Read the sensors of the chosen worlds, whose episodes have begun, for the first time."""
@@ -252,6 +268,11 @@ class Simulation:
         """The bound of the active worlds at the end of their control period, if it is asked for."""
         if self.configuration.needs_bound:
             track_bound(self.models, self.worlds, active, self.settings, self._bound_scratches, self.paths)
+
+    @property
+    def force_errors(self) -> tuple[NDArray[np.float64], Any] | None:
+        """Sds of the motors' errors and the device's record where no load cell reads the force."""
+        return None if self._motor_sds is None else (self._motor_sds, self.device[0])
 
     @property
     def nuisance_sds(self) -> list[Unknowns]:

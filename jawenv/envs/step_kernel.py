@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
 from jawenv.device.device import N_MOTORS
+from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
 from jawenv.envs.condyles import true_motion
 from jawenv.envs.information import refresh_information
@@ -110,12 +111,14 @@ def scratch_dtype(
 
 @njit
 def read_load_cell(device, truth, scratch):
-    """The load cell's samples: one gain error for the episode, fresh noise for each sample."""
+    """The load cell's samples, or those of what is in its place: errors of the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
         for k in range(6):
             noise = device.cell_force if k < 3 else device.cell_moment
             value = scratch.wrench[i, k] / (1.0 + truth.cell_gain)
             scratch.samples[i, k] = value + noise * scratch.normals[_CELL + 6 * i + k]
+    if truth.no_cell:
+        read_force(device, truth.jaw, truth, TICK, scratch.samples)
     biased(truth.reality, scratch.samples)
     turn_samples(truth, scratch.samples)
 

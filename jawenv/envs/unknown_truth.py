@@ -18,6 +18,7 @@ from jawenv.mechanics.unknowns import (
     no_unknowns,
     offset_of,
     turn_of,
+    with_motors,
 )
 from jawenv.reality import Reality, perturb_geometry
 
@@ -28,11 +29,12 @@ class Streams(NamedTuple):
     patient: np.random.Generator
     geometry: np.random.Generator
     untold: np.random.Generator
+    motors: np.random.Generator
 
     @classmethod
     def of(cls, key: NDArray[np.uint64]) -> Streams:
         """Those of an episode; streams of different numbers share none."""
-        counters = [np.array([0, 0, 0, number], dtype=np.uint64) for number in range(3)]
+        counters = [np.array([0, 0, 0, number], dtype=np.uint64) for number in range(4)]
         return cls(*(np.random.Generator(np.random.Philox(key=key, counter=counter)) for counter in counters))
 
 
@@ -61,7 +63,7 @@ def draw_truth(
     perturb_geometry(reality, muscles, truth["jaw"], streams.geometry)
     if not untold.exact:
         _add(truth, untold, muscles, draw_unknowns(lines, streams.untold))
-    return values
+    return with_motors(values, streams.motors)
 
 
 def _add(truth: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from jawenv.device.channels import TRACKER
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
+from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.bound_recursion import bound_size
 from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
@@ -40,6 +41,11 @@ def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_b
         ("cell_offset", "f8", 6),
         ("turn", "f8", 3),  # of the mouthpiece about body axes: what the encoders show is turned by it
         ("cell_turn", "f8", 3),  # what the load cell shows is turned by this
+        ("no_cell", "u1"),  # whether the force is read without a load cell (``device.force_sensor``)
+        ("motor_errors", "f8", (N_MOTORS, N_ERRORS)),  # of that
+        ("slack_below", "f8"),  # force of a motor, N
+        ("friction_share", "f8", N_MOTORS),  # of Coulomb's friction that acts
+        ("motor_rate", "f8", N_MOTORS),  # at the end of the last tick, m/s
         ("state", "f8", N_STATES),
         ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
         ("body", "f8", (n_body,)),  # of the plant with two condyles

@@ -76,13 +76,13 @@ def begin_bound(settings, covariance):
 
 @njit
 def move_bound(jaw, covariance, tick, settings, noise_variance, scratch):
-    """Through a tick; ``tick`` is (muscles, motion before, motion after, wrench, the load cell's trend), all true."""
-    muscles, before, after, wrench, trend = tick
+    """Through a tick; ``tick`` is (muscles, motion before and after, wrench, cell's trend, friction), all true."""
+    muscles, before, after, wrench, trend, friction = tick
     joint, recursion = scratch.joint, scratch.recursion
     joint.state[:] = before
     propagate(jaw, muscles, joint.state, wrench, trend, 0.0, settings.dt, joint)
     extend_total(joint.total, settings.disturbance_decay, first_parameter(covariance, settings), recursion.total)
-    move_by_nuisances(jaw, muscles, (before, after, wrench), settings, scratch)
+    move_by_nuisances(jaw, muscles, (before, after, wrench, friction), settings, scratch)
     predict_covariance(covariance, noise_variance, recursion)
     first = joint.total.shape[0]
     for k in range(settings.disturbance_variance.shape[0]):
@@ -135,7 +135,8 @@ def _choose_motion(jaw, muscles, tick, settings, scratch):
 @njit
 def add_columns(jaw, muscles, tick, settings, scratch):
     """``move_by_nuisances`` where there are some."""
-    before, after, wrench = tick
+    before, after, wrench, friction = tick
+    scratch.nuisances.friction_share[:] = friction
     pose, _ = middle_of(jaw, before, after)
     u, rate = middle_rates(before, after, settings.dt)
     mean = (

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
+from jawenv.device.force_sensor import motor_errors
 from jawenv.filter.nuisances import STEP
 from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 
@@ -17,7 +18,14 @@ _IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 
 
-def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet, sds: list[Unknowns]) -> None:
+def write_nuisances(
+    record: Any,
+    jaw: Any,
+    known: Knowledge,
+    muscles: MuscleSet,
+    sds: list[Unknowns],
+    force: tuple[NDArray[np.float64], Any] | None = None,
+) -> None:
     """Fill a record of dtype ``nuisance_dtype`` with the changes per sd, taken over ``STEP`` sds.
 
     Args:
@@ -26,7 +34,10 @@ def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet,
         known: the sds.
         muscles: the jaw's.
         sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
+        force: sds of the errors of a force that no load cell reads, and the device's record; None where one does.
     """
+    if force is not None:
+        record["linkage"]["point"], record["linkage"]["direction"] = force[1]["point"], force[1]["direction"]
     for j, values in enumerate(sds):
         small = Unknowns(*(STEP * value for value in values))
         changed = changed_jaw(jaw, known, muscles, small)
@@ -44,6 +55,9 @@ def write_nuisances(record: Any, jaw: Any, known: Knowledge, muscles: MuscleSet,
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
         record["in_cell"][j] = np.any(record["offset"][j] != 0.0) or np.any(record["cell_turn"][j] != 0.0)
         record["turns"][j] = np.any(record["turn"][j] != 0.0)
+        if force is not None and np.any(values.motors != 0.0):
+            record["motor_errors"][j] = motor_errors(force[0], values.motors, force[1])
+            record["of_motors"][j] = True
         record["reads"][j] = any(np.any(record[name][j] != 0.0) for name in _SEEN_BY_ENCODERS)
 
 

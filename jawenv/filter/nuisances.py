@@ -18,8 +18,18 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
+from jawenv.device.device import N_MOTORS
+from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.encoders import N_MEASUREMENTS, read_motion
 from jawenv.filter.turned import turn_readings, turn_wrench
+from jawenv.filter.without_cell import (
+    LINKAGE,
+    correct_motors,
+    has_motors,
+    motors_of,
+    move_friction,
+    set_motor_column,
+)
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
@@ -54,6 +64,9 @@ def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
         ("in_cell", "u1", (n,)),  # whether the load cell reads it
         ("turns", "u1", (n,)),  # whether it turns what the encoders read
         ("reads", "u1", (n,)),  # whether the encoders read it at the same motion
+        ("of_motors", "u1", (n,)),  # whether it is one of a force that no load cell reads, and of nothing else
+        ("motor_errors", "f8", (n, N_MOTORS, N_ERRORS)),  # see ``device.force_sensor``
+        ("linkage", LINKAGE),
     ]
     return record_dtype(fields)
 
@@ -64,6 +77,8 @@ def nuisance_fields(n_lines: int, n: int) -> list[Any]:
         ("jaw", jaw_dtype(n_lines if n else 1)),
         ("expected", "f8", (N_MEASUREMENTS,)),
         ("changed", "f8", (N_MEASUREMENTS,)),
+        ("motor_errors", "f8", (N_MOTORS, N_ERRORS)),
+        ("friction_share", "f8", (N_MOTORS,)),  # half way through the tick
     ]
 
 
@@ -174,7 +189,11 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
     base_x, base_y, base_turn = left_over(jaw, muscles, pose, u, reading, rate)
+    motors = motors_of(nuisances, jaw, (pose, u, body_to_head, reading), scratch)
     for j in range(nuisances.mass.shape[0]):
+        if nuisances.of_motors[j]:
+            set_motor_column(nuisances, j, (body_to_head, motors), first + j, line_wrench)
+            continue
         x, y, moment = 0.0, 0.0, (0.0, 0.0, 0.0)
         if nuisances.line[j] >= 0:
             force, moment = line_change(jaw, muscles, nuisances, j, contact, body_to_head)
@@ -340,8 +359,43 @@ def copy_jaw(jaw, copied):
     copied.insertion[:, :] = jaw.insertion
 
 
+def correct_samples(jaw, belief, settings, samples, scratch):
+    """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(correct_samples, inline="always")
+def _choose_correction(jaw, belief, settings, samples, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, settings, samples, scratch: None
+
+    def call(jaw, belief, settings, samples, scratch):
+        correct_offsets(belief, settings.nuisances, samples)
+        if has_motors(settings.nuisances):
+            correct_motors(jaw, belief, settings, samples, scratch)
+
+    return call
+
+
+def follow_friction(jaw, belief, settings, scratch):
+    """The shares of the motors' friction at the end of a tick, from the motion; compiled where there are nuisances."""
+    raise NotImplementedError("only called by compiled kernels")
+
+
+@overload(follow_friction, inline="always")
+def _choose_friction(jaw, belief, settings, scratch):
+    if belief.typeof("nuisances").shape[0] == 0:
+        return lambda jaw, belief, settings, scratch: None
+
+    def call(jaw, belief, settings, scratch):
+        if has_motors(settings.nuisances):
+            move_friction(jaw, belief, settings, scratch.start_motion)
+
+    return call
+
+
 @njit
-def correct_samples(belief, nuisances, samples):
+def correct_offsets(belief, nuisances, samples):
     """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]

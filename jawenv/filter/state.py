@@ -18,6 +18,7 @@ from functools import cache
 
 import numpy as np
 
+from jawenv.device.device import N_MOTORS
 from jawenv.filter.basis import N_NODES, basis_dtype, set_coefficients
 from jawenv.filter.drift import begin_drift, drift_dtype
 from jawenv.filter.encoders import N_MEASUREMENTS
@@ -66,6 +67,7 @@ def belief_dtype(
         ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
         ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
         ("nuisances_replayed_at", "f8", (n_nuisances,)),
+        ("friction_share", "f8", (N_MOTORS if n_nuisances else 0,)),  # see ``device.force_sensor``
         ("jaw", jaw_dtype(n_lines if n_nuisances else 1)),  # the filter's model at that mean, where there are nuisances
         (
             "predicted",
@@ -158,6 +160,7 @@ def forget_readings(belief):
     belief.score[:] = 0.0
     belief.trend[:] = 0.0
     belief.smoothed[:] = 0.0
+    belief.friction_share[:] = 0.0
     begin_block(belief.block)
     belief.block.largest, belief.block.second, belief.block.waits = 0.0, 0.0, 0
     belief.readings = 0

@@ -22,7 +22,7 @@ from jawenv.filter.measurement_update import (
     update_motion,
 )
 from jawenv.filter.misfit import add_to_block, is_resolved
-from jawenv.filter.nuisances import copy_jaw, correct_readings, correct_samples, nuisance_dtype
+from jawenv.filter.nuisances import copy_jaw, correct_readings, follow_friction, nuisance_dtype
 from jawenv.filter.screening import mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
@@ -163,7 +163,6 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
         left_out += repair_samples(belief, samples, settings.dt, scratch.wrench_variance, scratch.samples)
-        correct_samples(belief, settings.nuisances, scratch.samples)
         add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
@@ -177,6 +176,8 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         scratch.verdict = update_motion(jaw, belief, scratch.measured, scratch.used, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED:
             add_to_block(belief, scratch.update)
+    if tick > 0:
+        follow_friction(jaw, belief, settings, scratch.time)
     if jaw.condyles == 2 and tick < SETTLING_TICKS:
         belief.score[:] = 0.0
         belief.information[:, :] = 0.0

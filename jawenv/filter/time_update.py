@@ -13,7 +13,7 @@ from jawenv.filter.disturbance import add_disturbance, decay_disturbance, set_to
 from jawenv.filter.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
 from jawenv.filter.joint_step import N_SAMPLES, set_muscles
 from jawenv.filter.motion_step import move, step_dtype
-from jawenv.filter.nuisances import nuisance_fields, set_nuisance_wrenches
+from jawenv.filter.nuisances import correct_samples, nuisance_fields, set_nuisance_wrenches
 from jawenv.filter.regressors import middle_of, set_line_wrenches
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
@@ -49,6 +49,8 @@ def time_update_fields(
 def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
 
+    The samples are corrected in place by what the belief knows of nuisances.
+
     ``noise_variance`` (6) is the process noise: unmodelled wrench and load-cell noise, constant over a tick and
     independent between ticks. Where the prediction is not finite, the mean of the motion stays and its covariance
     becomes that of the ``settings``' ``start_sd`` (n).
@@ -57,6 +59,7 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
     predict_from_past(jaw, belief, dt, scratch)
+    correct_samples(jaw, belief, settings, samples, scratch)
     add_disturbance(belief, scratch.instrument.motion.shape[0], samples, scratch.driven)
     move(jaw, belief.motion, scratch.driven, dt, scratch.step)
     if not (all_finite(belief.motion) and all_finite(scratch.instrument.motion)):

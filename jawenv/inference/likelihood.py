@@ -35,8 +35,9 @@ def log_likelihood(record: Record, theta: ArrayLike) -> Array:
         (m,) or (), nats; -inf where the model's motion is no number.
 
     Raises:
-        InputError: another shape, or parameters that are not finite.
+        InputError: another shape, parameters that are not finite, or a record that is not exact.
     """
+    record.require_exact("log_likelihood")
     one = np.ndim(theta) == 1
     rows = log_parameters(np.asarray(theta)[None] if one else theta, len(record.parameter_names))
     problem, scratch = _problem(record), working_memory(record)

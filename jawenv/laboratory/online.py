@@ -12,6 +12,7 @@ from jawenv.anatomy import Cohort
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.checks import real_number, whole_number
 from jawenv.device.device import Device
+from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Configuration, Sensors
 from jawenv.envs.kept_ticks import keep_reading
 from jawenv.envs.simulation import Simulation
@@ -34,11 +35,10 @@ from jawenv.filter.tick import (
 )
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
-from jawenv.laboratory.record_filter import FilterRun
+from jawenv.laboratory.filter_settings import sds_of, settings_of_record
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.unknowns import directions
 
 Array = NDArray[np.float64]
 
@@ -100,6 +100,8 @@ class OnlineFilter:
         device: With its noise of encoders and load cell.
         sensors: ``"pose"``, or ``"point"`` for place and velocity of the mouthpiece alone.
         knowledge: What is known of anatomy and mounting within sds.
+        force_sensor: How the device knows its force: the samples are those of the load cell, or the wrench that the
+            motors' or straps' readings make along their believed directions.
         head_tilt_deg: Pitch of the head, positive looking down.
         jaw: A geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``, which has the tilt;
             sds of mass and inertia are relative to the default mandible's.
@@ -124,6 +126,7 @@ class OnlineFilter:
         device: Device | Source | None = None,
         sensors: Sensors = "pose",
         knowledge: str | Knowledge | Source | None = None,
+        force_sensor: ForceSensor = "cell",
         head_tilt_deg: float = 0.0,
         jaw: Any | None = None,
         every: int = 5,
@@ -135,7 +138,13 @@ class OnlineFilter:
                 f"head_tilt_deg is {shown(head_tilt_deg)}; allowed: -{STEEPEST_TILT:g} to {STEEPEST_TILT:g}"
             )
         configuration = Configuration(
-            model=model, cohort=cohort, device=device, sensors=sensors, knowledge=knowledge, episode_s=1.0
+            model=model,
+            cohort=cohort,
+            device=device,
+            sensors=sensors,
+            knowledge=knowledge,
+            force_sensor=force_sensor,
+            episode_s=1.0,
         )
         own = defaults.geometry(model, tilt)
         if jaw is not None:
@@ -151,10 +160,10 @@ class OnlineFilter:
 
     @classmethod
     def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
-        """The filter with a record's geometry, noise, prior, length of a tick, and motion before the first reading."""
+        """The filter with a record's geometry, knowledge, noise, prior, length of a tick, and motion at the start."""
         online = cls.__new__(cls)
         online._start = record.start_mean, record.start_sd
-        online._prepare(record.jaw, FilterRun(record).settings, record.parameter_names, every)
+        online._prepare(record.jaw, settings_of_record(record), record.parameter_names, every)
         return online
 
     def _prepare(self, jaw: Any, settings: Any, names: tuple[str, ...], every: int) -> None:
@@ -296,17 +305,12 @@ class OnlineFilter:
 
 
 def _settings_of(simulation: Simulation, jaw: Any) -> Any:
-    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``.
-
-    The sds are those of the default mandible with the head upright, as an environment has them.
-    """
+    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
     theirs, muscles = simulation.settings["filter"][0], simulation.cohort.muscles
     disturbance, prior = len(theirs["disturbance_variance"]), simulation.cohort.prior
     states = len(theirs["start_sd"]) - disturbance
-    upright, default = jaw.copy(), defaults.geometry(simulation.model.name)
-    for name in ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia_contact_inverse", "gravity"):
-        upright[name] = default[name]
-    sds = directions(simulation.knowledge, muscles, upright, prior.mean)
+    force = simulation.force_errors
+    upright, sds = sds_of(jaw, simulation.model, simulation.knowledge, prior, None if force is None else force[0])
     settings = record_zeros(1, filter_settings_dtype(len(muscles), states, len(muscles.muscle), len(sds), disturbance))[
         0
     ]
@@ -315,7 +319,7 @@ def _settings_of(simulation: Simulation, jaw: Any) -> Any:
             settings[name] = theirs[name]
     settings["start_sd"][:states] = start_sd(jaw, int(jaw["condyles"]))
     set_prior(settings, jaw, prior)
-    write_nuisances(settings["nuisances"], upright, simulation.knowledge, muscles, sds)
+    write_nuisances(settings["nuisances"], upright, simulation.knowledge, muscles, sds, force)
     return settings
 
 

@@ -10,19 +10,13 @@ from numpy.typing import NDArray
 from jawenv.errors import InputError
 from jawenv.filter.learn import learn
 from jawenv.filter.state import belief_dtype
-from jawenv.filter.tick import (
-    begin_filter,
-    filter_scratch_dtype,
-    filter_settings_dtype,
-    filter_tick,
-    set_prior,
-    tick_dtype,
-)
+from jawenv.filter.tick import begin_filter, filter_scratch_dtype, filter_tick, tick_dtype
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
+from jawenv.laboratory.filter_settings import settings_of_record
+from jawenv.laboratory.online import OnlineFilter
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record
-from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
 
@@ -47,11 +41,21 @@ class TensionFilter:
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at the start and after every ``every`` ticks."""
-        run = FilterRun(record)
         times, size = record.time[:: self.every], len(record.prior.mean)
         mean, cov = np.empty((len(times), size)), np.empty((len(times), size, size))
-        filter_record(run.arguments, self.every, mean, cov)
+        if record.exact:
+            filter_record(FilterRun(record).arguments, self.every, mean, cov)
+        else:
+            self._update_through(record, mean, cov)
         return Estimate(self.name, times, mean, cov)
+
+    def _update_through(self, record: Record, means: Array, covs: Array) -> None:
+        """The same, tick by tick: the kernels of nuisances are compiled for the online filter alone."""
+        online = OnlineFilter.of_record(record, every=self.every)
+        for tick, measured in enumerate(record.measured):
+            belief = online.update(measured, record.samples[tick - 1] if tick > 0 else None)
+            if tick % self.every == 0:
+                means[tick // self.every], covs[tick // self.every] = belief.log_mean, belief.log_cov
 
 
 class Arguments(NamedTuple):
@@ -78,6 +82,9 @@ class FilterRun:
     Args:
         record: the record.
 
+    Raises:
+        InputError: geometry or disturbance are not exactly known.
+
     Attributes:
         arguments: as the kernels take them.
         last: number of the last row.
@@ -86,13 +93,9 @@ class FilterRun:
 
     def __init__(self, record: Record) -> None:
         """Make the arrays; the belief is the prior."""
+        record.require_exact("FilterRun")
         states, muscles = len(record.start_mean), len(record.parameter_names) // 2
-        settings = record_zeros(1, filter_settings_dtype(muscles, states))[0]
-        settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
-        settings["measurement_variance"] = record.measurement_sd**2
-        settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
-        settings["used"], settings["start_sd"] = True, record.start_sd
-        set_prior(settings, record.jaw, record.prior)
+        settings = settings_of_record(record)
         rows: Any = record_zeros(len(record.time), tick_dtype(states))
         rows["measured"], rows["samples"][1:] = record.measured, record.samples
         rows["believed"][0] = record.start_mean

@@ -208,16 +208,14 @@ class Session:
         """What the device has measured in this episode.
 
         Raises:
-            InputError: no step was made, or the filter does not know the anatomy exactly.
+            InputError: no step was made.
         """
-        if not self.setup.records:
-            raise InputError("recording: knowledge is imaged; allowed: exact, as the filters of records have it")
         if not self._times:
             raise InputError("recording: nothing was driven; allowed: one step or more")
         return record_of(self._env.simulation, 0)
 
     def save(self, folder: Path) -> list[Path]:
-        """Write what was driven into a folder: a maneuver file, and a recording where anatomy is known exactly.
+        """Write what was driven into a folder: a maneuver file and a recording.
 
         Returns:
             The files, with a number that none in the folder has.
@@ -234,7 +232,5 @@ class Session:
             number += 1
         path = folder / f"my_drive_{number}.yaml"
         write_maneuver(path, self.maneuver(path.stem))
-        if not self.setup.records:
-            return [path]
         save_record(self.record(), path.with_suffix(".csv"))
         return [path, path.with_suffix(".csv")]

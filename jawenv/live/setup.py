@@ -62,11 +62,6 @@ class Setup:
         return model_named(self.model).env_id
 
     @property
-    def records(self) -> bool:
-        """Whether what the device measures is kept; filters of records take the anatomy for known."""
-        return self.knowledge == "exact"
-
-    @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
         return {
@@ -75,5 +70,5 @@ class Setup:
             "cohort": self.cohort,
             "episode_s": self.episode_s,
             "knowledge": self.knowledge,
-            "record": self.records,
+            "record": True,
         }

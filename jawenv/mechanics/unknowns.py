@@ -20,6 +20,7 @@ POSES = [(x, 0.0, pitch, yaw, 0.0) for x, pitch in ((2e-3, 0.04), (5e-3, 0.14), 
 # tick, hides a constant force of 0.002 N in 30 s.
 NEGLIGIBLE = 2e-3
 
+N_MOTORS, N_MOTOR_ERRORS = 4, 5
 FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
 
 
@@ -36,6 +37,8 @@ class Unknowns(NamedTuple):
         offset: (6,) of the load cell.
         inertia: (1,) the whole tensor. The filter has no column for it: a tenth moves nothing that can be measured.
         cell_turn: (3,) of the load cell's axes, beside ``turn``.
+        motors: (4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous
+            friction, and direction about two axes (``device.force_sensor``).
     """
 
     origin: NDArray[np.float64]
@@ -47,17 +50,28 @@ class Unknowns(NamedTuple):
     offset: NDArray[np.float64]
     inertia: NDArray[np.float64]
     cell_turn: NDArray[np.float64]
+    motors: NDArray[np.float64]
 
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(n) for n in (6, 3, 3, 3, 6, 1, 3)))
+    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS))
+    return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(shape) for shape in rest))
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
-    """Standard normals for all, none beyond ``FARTHEST``: a mass stays positive."""
-    draws = (generator.standard_normal(values.shape) for values in no_unknowns(lines))
-    return Unknowns(*(np.clip(values, -FARTHEST, FARTHEST) for values in draws))
+    """Standard normals for all but the motors, none beyond ``FARTHEST``: a mass stays positive."""
+    none = no_unknowns(lines)
+    return Unknowns(*(_normals(values, generator) for values in none))._replace(motors=none.motors)
+
+
+def with_motors(values: Unknowns, generator: np.random.Generator) -> Unknowns:
+    """The same with standard normals for the motors, none beyond ``FARTHEST``."""
+    return values._replace(motors=_normals(values.motors, generator))
+
+
+def _normals(values: NDArray[np.float64], generator: np.random.Generator) -> NDArray[np.float64]:
+    return np.clip(generator.standard_normal(values.shape), -FARTHEST, FARTHEST)
 
 
 def along(values: Unknowns, direction: Unknowns) -> float:
@@ -118,11 +132,24 @@ def offset_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
     return np.repeat([known.cell_offset_N, known.cell_offset_N_m], 3) * values.offset
 
 
-def directions(known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: NDArray[np.float64]) -> list[Unknowns]:
+def directions(
+    known: Knowledge,
+    muscles: MuscleSet,
+    jaw: Any,
+    log_parameters: NDArray[np.float64],
+    motor_sds: NDArray[np.float64] | None = None,
+) -> list[Unknowns]:
     """One sd of every nuisance that moves the jaw by more than the noise hides.
 
     A line's six coordinates of ends are taken in the directions in which they act: those along the line have no effect,
     and are left out.
+
+    Args:
+        known: the sds of anatomy, body and mounting.
+        muscles: the jaw's.
+        jaw: the filter's model.
+        log_parameters: (p,) of a typical patient.
+        motor_sds: (``N_MOTOR_ERRORS``,) those of each motor's force, or None where a load cell reads it.
     """
     lines, found = len(muscles.muscle), []
 
@@ -143,6 +170,8 @@ def directions(known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: N
     if known.attachments > 0.0:
         for line in range(lines):
             found += list(_of_line(known, muscles, jaw, log_parameters, line))
+    if motor_sds is not None:
+        found += [one("motors", i, k) for k in range(N_MOTOR_ERRORS) if motor_sds[k] > 0.0 for i in range(N_MOTORS)]
     return found
 
 

@@ -34,13 +34,14 @@ def test_score_prints_every_parameter_and_whether_it_can_be_believed(capsys, kno
     assert out.count("/masseter_") == 4 and "NEES" in out and "all known to 10%" in out
 
 
-def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys):
+@pytest.mark.parametrize("knowledge", ["exact", "imaged"])
+def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
     session = Session(Setup(seed=500, episode_s=1.0))
     session.hand_over("refined")
     while not session.ended:
         session.drive()
     path = session.save(tmp_path)[1]
-    assert main(["identify", str(path)]) == 0
+    assert main(["identify", str(path), "--knowledge", knowledge]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"{path}: 1 s at 100 Hz" and len(lines) == 14
 
@@ -73,6 +74,7 @@ def interrupt(page):
         (["score", "nope"], "maneuver 'nope': unknown; allowed: chirp"),
         (["score", "refined", "--model", "bird"], "model is 'bird'; allowed: hinge"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
+        (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed: -1 given"),
         (["live", "--port", "70000"], "port: 70000 given"),

@@ -9,7 +9,18 @@ from recorded import SWINGS, Waves, share
 
 import jawenv
 from agents import load_agent
+from jawenv import Device, InputError, Knowledge
+from jawenv.anatomy.knowledge import LEVELS
+from jawenv.inference.likelihood import log_likelihood
+from jawenv.laboratory.analysis.bound import bound_along
 from jawenv.laboratory.record_filter import TensionFilter
+from jawenv.laboratory.recordings.files import load_record, save_record
+from jawenv.laboratory.references.extended_kalman import ExtendedKalman
+from jawenv.laboratory.references.filterpy_filters import FilterpyExtendedKalman
+from jawenv.laboratory.references.mode_search import ModeSearch
+from jawenv.laboratory.references.smoother import IteratedSmoother
+from jawenv.laboratory.thesis_methods.least_squares import LinearLeastSquares
+from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
 from jawenv.metrics.calibration import nees_band
 
 FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
@@ -37,6 +48,57 @@ def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
     estimate = TensionFilter(every=10).estimate(run.records[0])
     np.testing.assert_array_equal(estimate.mean, run.belief_mean[0])
     np.testing.assert_array_equal(estimate.cov, run.belief_cov[0])
+
+
+@pytest.mark.parametrize("told", [{"knowledge": "imaged"}, {"device": Device(unmodelled_time_s=0.5)}])
+def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(told, tmp_path):
+    """To the rounding of a file's numbers; another file has them from the caller."""
+    run = played("jawenv/Jaw-v2", False, **told)
+    record, path = run.records[0], tmp_path / "within_sds.csv"
+    save_record(record, path)
+    estimate = TensionFilter().estimate(load_record(path))
+    np.testing.assert_allclose(estimate.mean, run.belief_mean[0], atol=1e-7)
+    np.testing.assert_allclose(estimate.cov, run.belief_cov[0], atol=1e-8)
+    save_record(replace(record, knowledge=Knowledge(), disturbance_time_s=0.0), path)
+    again = load_record(path, knowledge=told.get("knowledge"), device=told.get("device", Device()))
+    np.testing.assert_allclose(TensionFilter().estimate(again).mean[-1], run.belief_mean[0, -1], atol=1e-7)
+
+
+@pytest.mark.parametrize("told", [{"knowledge": LEVELS["imaged"]}, {"disturbance_time_s": 0.5}])
+@pytest.mark.parametrize(
+    "estimate",
+    [
+        ExtendedKalman().estimate,
+        FilterpyExtendedKalman().estimate,
+        IteratedSmoother().estimate,
+        ModeSearch().estimate,
+        LinearLeastSquares().estimate,
+        TwoStageLogLinear().estimate,
+        bound_along,
+        lambda record: log_likelihood(record, record.truth),
+    ],
+)
+def test_what_takes_all_as_exact_refuses_a_record_that_does_not(estimate, told):
+    record = replace(played("jawenv/Jaw-v2", False).records[0], **told)
+    with pytest.raises(InputError, match=r"the record has .*; allowed is none, or TensionFilter and OnlineFilter$"):
+        estimate(record)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"disturbance_time_s": -1.0}, "disturbance_time_s is -1.0"),
+        ({"disturbance_sd": np.full(6, np.nan)}, "disturbance_sd"),
+    ],
+)
+def test_a_disturbance_that_cannot_be_is_refused(fields, message):
+    with pytest.raises(InputError, match=message):
+        replace(played("jawenv/Jaw-v2", False).records[0], **fields)
+
+
+def test_two_condyles_are_known_exactly():
+    with pytest.raises(InputError, match="knowledge is not exact; allowed with two condyles is exact"):
+        replace(played("jawenv/JawBilateral-v2", False).records[0], knowledge=LEVELS["imaged"])
 
 
 def believing(record):

@@ -236,7 +236,7 @@ def test_whatever_is_done_a_model_stays_one():
     assert 1.0 < np.abs(believed).max() <= FARTHEST
 
 
-@pytest.mark.parametrize("given", [{"model": "bilateral"}, {"model": "sagittal"}, {"record": True}])
+@pytest.mark.parametrize("given", [{"model": "bilateral"}, {"model": "sagittal"}])
 def test_what_cannot_be_had_together_is_one_line(given):
     with pytest.raises(InputError, match="allowed"):
         configure({"knowledge": "imaged"} | given)

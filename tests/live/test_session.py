@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from eval.entries import load_entries
+from jawenv.anatomy.knowledge import LEVELS
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.live.drive_file import maneuver_of_drive
@@ -136,12 +137,12 @@ def test_the_same_patient_begins_again(driven):
     np.testing.assert_array_equal(session.drive([0.4, 0.0, 0.0, 0.0]).scene.belief_mean, first.scene.belief_mean)
 
 
-def test_imaged_knowledge_is_driven_and_has_no_recording(tmp_path):
+def test_the_recording_of_a_drive_says_what_was_known(tmp_path):
     session = Session(Setup(seed=500, episode_s=3.0, knowledge="imaged"))
     session.drive([0.4, 0.0, 0.0, 0.0])
-    assert [path.suffix for path in session.save(tmp_path)] == [".yaml"]
-    with pytest.raises(InputError, match="knowledge is imaged; allowed: exact"):
-        session.record()
+    paths = session.save(tmp_path)
+    assert [path.suffix for path in paths] == [".yaml", ".csv"]
+    assert load_record(paths[1]).knowledge == LEVELS["imaged"]
 
 
 def test_samples_on_a_line_are_left_out():

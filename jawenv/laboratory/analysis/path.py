@@ -54,8 +54,10 @@ def path_of(record: Record, parameters: Array | None = None) -> Path:
         parameters: (p,) natural-log parameters; None for the record's ``truth``.
 
     Raises:
-        InputError: the record has no states, or no truth and no parameters are given, or they are not p finite numbers.
+        InputError: the record is not exact, has no states, or no truth and no parameters are given, or they are not p
+            finite numbers.
     """
+    record.require_exact("bound or analysis along a path")
     if record.states is None:
         raise InputError("record: states is None, allowed is a record with the true motion, or with an estimate of it")
     values = record.truth if parameters is None else np.asarray(parameters, dtype=np.float64)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.device.device import Device
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.ladder import MODELS, model_named
+from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
@@ -29,6 +29,16 @@ def geometry(model: str, head_tilt_deg: float = 0.0) -> Any:
     return build_jaw(
         rung.muscles, free=rung.free, condyles=2 if rung.estimator == "bilateral" else 1, head_tilt_deg=head_tilt_deg
     )
+
+
+def matching_models(parameter_names: tuple[str, ...], size: int) -> list[Model]:
+    """Models with these parameters and a motion of ``size`` numbers; the reference first where it is among them."""
+    condyles = "bilateral" if size == N_BODY else "midline"
+    return [
+        model
+        for model in MODELS.values()
+        if model.muscles.parameter_names == parameter_names and model.estimator == condyles
+    ]
 
 
 def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
@@ -55,9 +65,11 @@ def wrench_sd(device: Device, dt: float) -> Array:
     """(6,) sd of the wrench not known over a tick of ``dt`` seconds: the unmodelled one, and the load cell's noise.
 
     The unmodelled wrench is new every ``UNMODELLED_TIME``, so its mean over a tick falls as the root of the tick's
-    length. The mean of a tick's readings has half the variance of one: Simpson's weights (1, 4, 1)/6 of three
-    readings, or the two ends' mean where the middle is interpolated.
+    length; one with memory is no part of it (``disturbance_sd``). The mean of a tick's readings has half the variance
+    of one: Simpson's weights (1, 4, 1)/6 of three readings, or the two ends' mean where the middle is interpolated.
     """
+    if device.unmodelled_time_s > 0.0:
+        return cell_sd(device)
     device_record = device.records()[0]
     variance = [
         float(device_record[f"unmodelled_{kind}"]) ** 2 * UNMODELLED_TIME / dt
@@ -65,6 +77,13 @@ def wrench_sd(device: Device, dt: float) -> Array:
         for kind in ("force", "moment")
     ]
     sd: Array = np.sqrt(np.repeat(variance, 3))
+    return sd
+
+
+def disturbance_sd(device: Device) -> Array:
+    """(6,) sd of the unmodelled wrench at any time, as it has it with memory."""
+    device_record = device.records()[0]
+    sd: Array = np.repeat([float(device_record["unmodelled_force"]), float(device_record["unmodelled_moment"])], 3)
     return sd
 
 

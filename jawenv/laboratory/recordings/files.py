@@ -16,17 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior, cohort
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.anatomy.knowledge import knowledge as knowledge_of
 from jawenv.controls import Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
+from jawenv.files import Source
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.recordings.table import Table, checked_path, read_table, write_table
-from jawenv.ladder import MODELS, model_named
-from jawenv.mechanics.bilateral import N_BODY
+from jawenv.ladder import model_named
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -45,6 +47,9 @@ _ABOUT = (
     "gain_sd",
     "start_mean",
     "start_sd",
+    "knowledge",
+    "disturbance_time_s",
+    "disturbance_sd",
     "device",
     "control",
     "truth",
@@ -79,6 +84,7 @@ def load_record(
     jaw: Any | None = None,
     cohort: str | None = None,
     prior: Prior | None = None,
+    knowledge: str | Knowledge | Source | None = None,
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
@@ -94,6 +100,7 @@ def load_record(
         jaw: a geometry of one's own with that model's muscles, from ``jawenv.mechanics.build_jaw``.
         cohort: population whose prior is the belief before the record; ``"trismus"``.
         prior: a belief of one's own, in natural logs.
+        knowledge: within which sds geometry, mass and mounting are known, as the environments take it; ``"exact"``.
         device: that measured, with its noise of encoders and load cell; the noise of ``jawenv.Device()``.
         start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
         start_sd: (n,) its sd; so wide that the first reading decides.
@@ -117,6 +124,8 @@ def load_record(
     measured = _encoders(table)
     noise = device or Device()
     noise_values = about if device is None else {}
+    time_constant = float(noise_values.get("disturbance_time_s", noise.unmodelled_time_s))
+    remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
     measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
     start = start_mean if start_mean is not None else about.get("start_mean")
     start_spread = start_sd if start_sd is not None else about.get("start_sd")
@@ -134,6 +143,9 @@ def load_record(
         wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt))),
         cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise))),
         gain_sd=float(noise_values.get("gain_sd", noise.cell_gain)),
+        knowledge=_knowledge(knowledge, about.get("knowledge"), table.path),
+        disturbance_time_s=time_constant,
+        disturbance_sd=np.array(noise_values.get("disturbance_sd", remembered)),
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
@@ -148,12 +160,12 @@ def load_record(
 def _about(record: Record) -> dict[str, Any]:
     """What the file says besides its columns, SI units, all arrays as lists."""
     match = defaults.model_of_geometry(record.jaw)
-    names = {model: model_named(model).muscles.parameter_names for model in _matching_models(record)}
+    names = [model.name for model in defaults.matching_models(record.parameter_names, len(record.start_mean))]
     about: dict[str, Any] = {}
     if match is not None and match[0] in names:
         about["model"], about["head_tilt_deg"] = match
     elif names:
-        about["model"] = next(iter(names))
+        about["model"] = names[0]
         about["jaw"] = {name: np.asarray(record.jaw[name]).tolist() for name in record.jaw.dtype.names}
     else:
         raise InputError(
@@ -165,6 +177,11 @@ def _about(record: Record) -> dict[str, Any]:
         for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
     about["gain_sd"] = record.gain_sd
+    if not record.knowledge.exact:
+        about["knowledge"] = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+    if record.disturbance_time_s > 0.0:
+        about["disturbance_time_s"] = record.disturbance_time_s
+        about["disturbance_sd"] = record.disturbance_sd.tolist()
     about["control"] = record.control
     if record.device is not None:
         about["device"] = asdict(record.device)
@@ -177,7 +194,7 @@ def _checked_about(table: Table) -> dict[str, Any]:
     """What the file says about itself, with numbers where numbers belong."""
     texts = {"model", "cohort", "control"}
     for name, value in table.about.items():
-        if name in ("jaw", "device"):
+        if name in ("jaw", "device", "knowledge"):
             continue
         try:
             right = isinstance(value, str) if name in texts else np.isfinite(np.array(value, dtype=np.float64)).all()
@@ -187,16 +204,6 @@ def _checked_about(table: Table) -> dict[str, Any]:
             allowed = "a name in quotation marks" if name in texts else "a finite number, or a list of them"
             raise InputError(f"{table.path}: {name} is {str(value)[:40]!r}; allowed: {allowed}")
     return table.about
-
-
-def _matching_models(record: Record) -> list[str]:
-    """Models with the record's parameters and as many states; the reference first."""
-    condyles = "bilateral" if len(record.start_mean) == N_BODY else "midline"
-    return [
-        model.name
-        for model in MODELS.values()
-        if model.muscles.parameter_names == record.parameter_names and model.estimator == condyles
-    ]
 
 
 def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
@@ -230,6 +237,16 @@ def _device(device: Device | None, fields: Any, path: str) -> Device | None:
         return Device(**fields)
     except TypeError:
         raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
+
+
+def _knowledge(given: str | Knowledge | Source | None, stored: Any, path: str) -> Knowledge:
+    """What is given, or the file's own."""
+    if given is not None or stored is None:
+        return knowledge_of(given)
+    try:
+        return knowledge_of(stored)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def _prior(prior: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:

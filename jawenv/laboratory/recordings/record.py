@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
+from jawenv.anatomy.knowledge import Knowledge
 from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_WRENCH
 
 Array = NDArray[np.float64]
@@ -35,12 +37,15 @@ class Record:
         start_sd: (n,) its sd; 0 for a coordinate that cannot move.
         measurement_sd: (12,) noise of the encoders.
         wrench_sd: (6,) sd of the wrench not known, constant over a tick and new in each: what no model explains, and
-            the noise of the mean of a tick's load-cell samples.
+            the noise of the mean of a tick's load-cell samples. Of a disturbance with memory the latter alone.
         cell_sd: (6,) sd of the latter alone.
         gain_sd: sd of the load cell's relative gain error, one value for the record.
         jaw: geometry and mass as the estimator believes them, a record of dtype ``jaw_dtype``.
         prior: belief about the parameters before the record.
         parameter_names: p names.
+        knowledge: within which sds geometry, mass, mounting and load cell are known.
+        disturbance_time_s: time constant of the memory of the unmodelled wrench; 0 for none.
+        disturbance_sd: (6,) its sd where it has memory.
         device: that measured it, None if unknown; no estimator reads it.
         control: of its motors, "force", "trajectory" or "targets"; no estimator reads it.
         truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
@@ -63,6 +68,9 @@ class Record:
     jaw: Any
     prior: Prior
     parameter_names: tuple[str, ...]
+    knowledge: Knowledge = Knowledge()
+    disturbance_time_s: float = 0.0
+    disturbance_sd: Array = field(default_factory=lambda: np.zeros(N_WRENCH))
     device: Device | None = None
     control: Control = "force"
     truth: Array | None = None
@@ -79,6 +87,7 @@ class Record:
             "measurement_sd": (N_MEASUREMENTS,),
             "wrench_sd": (N_WRENCH,),
             "cell_sd": (N_WRENCH,),
+            "disturbance_sd": (N_WRENCH,),
             "truth": (parameters,),
             "states": (ticks + 1, size),
             "wrenches": (ticks, N_SAMPLES, N_WRENCH),
@@ -98,11 +107,33 @@ class Record:
                 raise InputError(f"record: {name} is {getattr(self, name)}, allowed are numbers above 0")
         if not ((self.cell_sd >= 0.0) & (self.cell_sd <= self.wrench_sd)).all():
             raise InputError(f"record: cell_sd is {self.cell_sd}, allowed are numbers from 0 to wrench_sd")
+        if not (0.0 <= self.disturbance_time_s < np.inf and (self.disturbance_sd >= 0.0).all()):
+            raise InputError(
+                f"record: disturbance_time_s is {self.disturbance_time_s}, disturbance_sd {self.disturbance_sd}; "
+                "allowed are numbers from 0 on"
+            )
+        if size == N_BODY and not self.knowledge.exact:
+            raise InputError("record: knowledge is not exact; allowed with two condyles is exact")
 
     @property
     def dt(self) -> float:
         """Length of a tick, s."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    @property
+    def exact(self) -> bool:
+        """Whether geometry and mounting are known exactly and no disturbance has memory."""
+        return self.knowledge.exact and self.disturbance_time_s == 0.0
+
+    def require_exact(self, method: str) -> None:
+        """Check that ``method`` can be used, which integrates nothing out but the load cell's gain error.
+
+        Raises:
+            InputError: the record is not ``exact``.
+        """
+        if not self.exact:
+            known = "a disturbance with memory" if self.knowledge.exact else "knowledge that is not exact"
+            raise InputError(f"{method}: the record has {known}; allowed is none, or TensionFilter and OnlineFilter")
 
     @property
     def noise_variance(self) -> Array:

@@ -21,7 +21,11 @@ def initial_belief(record: Record) -> tuple[Array, Array]:
 
     Returns:
         (n + p + 1,) and (n + p + 1, n + p + 1).
+
+    Raises:
+        InputError: the record is not exact.
     """
+    record.require_exact("reference filter or smoother")
     mean = np.concatenate([record.start_mean, record.prior.mean, [0.0]])
     sd = np.concatenate([record.start_sd, record.prior.sd, [record.gain_sd]])
     return mean, np.diag(sd**2)

@@ -62,6 +62,7 @@ class ModeSearch:
 
     def estimate(self, record: Record) -> Estimate:
         """The belief at ``times``, each from the record until then alone."""
+        record.require_exact(self.name)
         run, size = FilterRun(record), len(record.prior.mean)
         ends = np.array([run.last] if self.times is None else np.round(np.array(self.times) / record.dt), dtype=int)
         if ends[-1] > run.last:

@@ -173,6 +173,7 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     Raises:
         InputError: unknown rows, a window that does not fit the record, or a record that is not usable.
     """
+    record.require_exact("balance of moments")
     if rows not in ("moment", "all"):
         raise InputError(f"rows is {rows!r}, allowed are 'moment', 'all'")
     if not (np.isfinite(record.measured).all() and np.isfinite(record.samples).all()):

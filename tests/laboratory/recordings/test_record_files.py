@@ -45,6 +45,11 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
         jaw=jaw,
         prior=cohort("wide", rung.muscles).prior,
         parameter_names=names,
+        knowledge=jawenv.Knowledge(mass=0.1, cell_deg=0.5)
+        if seed % 3 == 1 and model != "bilateral"
+        else jawenv.Knowledge(),
+        disturbance_time_s=0.5 * (seed % 3),
+        disturbance_sd=rng.random(6) * min(seed % 3, 1),
         device=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
         control="trajectory" if seed % 4 == 1 else "force",
         truth=rng.normal(size=len(names)),
@@ -55,7 +60,7 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
 
 def assert_same(one: Record, other: Record) -> None:
     arrays = "time measured samples start_mean start_sd measurement_sd wrench_sd cell_sd gain_sd truth states wrenches"
-    for name in arrays.split():
+    for name in f"{arrays} disturbance_sd disturbance_time_s".split():
         a, b = getattr(one, name), getattr(other, name)
         assert (a is None) == (b is None), name
         if a is not None:
@@ -63,6 +68,7 @@ def assert_same(one: Record, other: Record) -> None:
     np.testing.assert_allclose(other.prior.mean, one.prior.mean)
     np.testing.assert_allclose(other.prior.sd, one.prior.sd)
     assert other.parameter_names == one.parameter_names
+    assert other.knowledge == one.knowledge
     assert (other.device, other.control) == (one.device, one.control)
     for field in one.jaw.dtype.names:
         np.testing.assert_allclose(other.jaw[field], one.jaw[field], rtol=1e-12, atol=1e-15, err_msg=field)
