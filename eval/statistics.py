@@ -79,6 +79,24 @@ def mean(values: Array) -> Interval:
     return _over_patients(lambda x: x[..., 0].mean(axis=-1), column, "BCa")
 
 
+def mean_over_both(values: Array) -> Interval:
+    """Mean over trainings and patients; both are resampled for its interval (Owen 2007, Ann Appl Stat 1:386).
+
+    Args:
+        values: (S, N) of S trainings, each on the same N patients.
+    """
+    estimate = float(values.mean())
+    if min(values.shape) < 2 or not np.isfinite(estimate):
+        return Interval(estimate, float("nan"), float("nan"))
+    rng, (trainings, patients) = np.random.default_rng(0), values.shape
+    # A mean of resampled rows and columns is a product with how often each was drawn.
+    rows = rng.multinomial(trainings, np.full(trainings, 1.0 / trainings), RESAMPLES) / trainings
+    columns = rng.multinomial(patients, np.full(patients, 1.0 / patients), RESAMPLES) / patients
+    means = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True)
+    low, high = np.quantile(means, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
+    return Interval(estimate, float(low), float(high))
+
+
 def means_together(values: Array) -> list[Interval]:
     """Means over patients of several figures, with intervals that hold all true means at once with 95 %.
 

@@ -160,16 +160,22 @@ def _present(
 ) -> None:
     from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
+    from eval.comparison.trainings import gains
+    from eval.report import gains as gained
     from eval.report import page, table
     from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
     table.show(ranking, console, details=details)
     table.show_adaptations(adaptations(study), console)
+    found = gains(study, reference)
+    gained.show(found, console)
     if not console.is_terminal:
         console.print("drawing the report")
     with alone(output), console.status("drawing the report"):
         written = page.write(study, ranking, output / "report.html")
+        if found:
+            gained.write(found, output / "gains.md")
     table.show_verdict(ranking, learned(study, ranking), console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",
