@@ -15,6 +15,7 @@ from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.device import Device, device_of
+from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, shown
@@ -45,7 +46,7 @@ class Arguments(TypedDict, total=False):
     device: Device | Source | None
     reality: Reality | Source | None
     model: str
-    estimator: Estimator | None
+    estimator: Estimator | OwnEstimator | None
     knowledge: str | Knowledge | Source | None
 
 
@@ -68,7 +69,7 @@ class Configuration:
     device: Device | Source | None = None
     reality: Reality | Source | None = None
     model: str = "jaw"
-    estimator: Estimator | None = None
+    estimator: Estimator | OwnEstimator | None = None
     knowledge: str | Knowledge | Source | None = None
 
     def __post_init__(self) -> None:
@@ -88,9 +89,12 @@ class Configuration:
         self._set("control_hz", hz)
         self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
         model = model_named(self.model)
-        if self.estimator not in (None, *model.estimators):
-            allowed = " or ".join(model.estimators)
-            raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
+        if not (self.estimator is None or self._estimator_name() in model.estimators or self.own_estimator is not None):
+            allowed = ", ".join(model.estimators)
+            raise InputError(
+                f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}, or an object with the "
+                "methods reset(start) and update(measured, samples)"
+            )
         least = LAW_TICKS if self.mode.takes_targets else 1
         periods = 1.0 / hz / TICK / least
         if not math.isfinite(periods) or abs(periods - round(periods)) > 1e-9 or periods < 1.0:
@@ -125,7 +129,15 @@ class Configuration:
     @property
     def filter_model(self) -> Estimator:
         """The mechanics that the filter believes in."""
-        return self.estimator or model_named(self.model).estimator
+        return self._estimator_name() or model_named(self.model).estimator
+
+    def _estimator_name(self) -> Estimator | None:
+        return self.estimator if isinstance(self.estimator, str) else None
+
+    @property
+    def own_estimator(self) -> OwnEstimator | None:
+        """The user's estimator, which every world has a copy of."""
+        return cast(OwnEstimator, self.estimator) if is_own_estimator(self.estimator) else None
 
     @property
     def steps_per_s(self) -> float:

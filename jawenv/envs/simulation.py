@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient, default_mandible
 from jawenv.device.device import N_MOTORS
+from jawenv.envs.belief_kernel import show_beliefs
 from jawenv.envs.bound_kernel import track_bound
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
+from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
@@ -82,6 +84,9 @@ class Simulation:
         bound_threads = threads if configuration.needs_bound else 0
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
+        own = configuration.own_estimator
+        self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
+        """The user's estimators, where they are in the place of the device's filter."""
 
     def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
@@ -91,9 +96,11 @@ class Simulation:
         return ContactPlants(self.device, self.models, self.worlds, self.settings, *rows, sizes)
 
     def _kept_ticks(self) -> int:
-        """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
-        ticks = self.configuration.steps * self.configuration.ticks_per_step
-        return ticks if self.configuration.record else min(ticks, LAST_WINDOW)
+        """How many ticks of an episode are kept: all to be recorded or read again, or those that the filter replays."""
+        configuration = self.configuration
+        ticks = configuration.steps * configuration.ticks_per_step
+        kept = configuration.record or configuration.own_estimator is not None
+        return ticks if kept else min(ticks, LAST_WINDOW)
 
     def _kept_truths(self) -> int:
         """How many rows of the truth are kept: of an episode to be recorded, of the bound's last period, or one."""
@@ -174,6 +181,10 @@ class Simulation:
         try:
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
+            if self.own_estimators is not None:
+                starts = [self._episode_start(int(i)) for i in numbers]
+                self.own_estimators.begin(self.worlds, self.ticks, chosen, starts)
+                self._show_own_beliefs(chosen)
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
                 array[numbers] = values
@@ -236,12 +247,45 @@ class Simulation:
         self._track_bound(chosen)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
-        """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
+        """One control period of every active world with ``actions`` (N, 4) in [-1, 1].
+
+        Raises:
+            InputError: an estimator of the user's gives no belief.
+        """
+        own = self.own_estimators
+        if own is not None:
+            own.before_step(self.worlds, active)
         if self._contact is not None:
             self._contact.advance(actions, active)
         else:
             self._advance_compiled(actions, active)
         self._track_bound(active)
+        if own is not None:
+            own.after_step(self.worlds, self.ticks, active, self.configuration.ticks_per_step)
+            self._show_own_beliefs(active)
+
+    def _show_own_beliefs(self, chosen: NDArray[np.bool_]) -> None:
+        """Information and observation of the chosen worlds by the beliefs of their own estimators."""
+        shared = Shared(self.device, self.settings, self._scratches)
+        show_beliefs(shared, self.models, self.worlds, chosen, self.observation)
+
+    def _episode_start(self, index: int) -> EpisodeStart:
+        """What an own estimator of world ``index`` is told."""
+        known, noise = self.settings["filter"][0], self.settings["noise_variance"][0]
+        states = self.ticks["believed"].shape[2]
+        return EpisodeStart(
+            parameter_names=self.parameter_names,
+            prior=self.cohort.prior,
+            jaw=self.models[index].copy(),
+            start_mean=self.ticks["believed"][index, 0].copy(),
+            start_sd=known["start_sd"][:states].copy(),
+            tick_s=TICK,
+            ticks_per_step=self.configuration.ticks_per_step,
+            measurement_sd=np.sqrt(known["measurement_variance"]),
+            wrench_sd=np.sqrt(noise[:N_WRENCH]),
+            cell_sd=np.sqrt(noise[N_WRENCH:]),
+            gain_sd=float(self.device[0]["cell_gain"]),
+        )
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self._scratches)

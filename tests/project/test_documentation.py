@@ -77,9 +77,9 @@ def test_info() -> None:
 
 def test_a_cohort_of_ones_own() -> None:
     """The example runs, and its file says the same."""
-    section = TEXT.split("\n### A cohort, a device, a patient of your own\n")[1]
-    (example,) = re.findall(r"```python\n(.*?)```", section.split("\n## ")[0], re.S)
-    (file,) = re.findall(r"```toml\n(.*?)```", section.split("\n## ")[0], re.S)
+    section = re.split(r"\n##+ ", TEXT.split("\n### A cohort, a device, a patient of your own\n")[1])[0]
+    (example,) = re.findall(r"```python\n(.*?)```", section, re.S)
+    (file,) = re.findall(r"```toml\n(.*?)```", section, re.S)
     names = {"gym": gym, "jawenv": jawenv}
     exec(compile(example, "environment.md", "exec"), names)
     assert tomllib.loads(file) == names["mine"]
