@@ -109,10 +109,10 @@ class Device(NumericFields):
     cell_force_N: float = number(0.04, 4.0, "N")
     cell_moment_N_m: float = number(0.0008, 0.08, "N m")
     cell_gain: float = number(0.01, 0.5, "1")
-    encoder_position_mm: float = number(0.1, 10.0, "mm", zero=False)
-    encoder_angle_deg: float = number(0.1, 180.0, "deg", zero=False)
-    encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s", zero=False)
-    encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s", zero=False)
+    encoder_position_mm: float = number(0.1, 10.0, "mm")
+    encoder_angle_deg: float = number(0.1, 180.0, "deg")
+    encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s")
+    encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s")
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""

@@ -10,10 +10,11 @@ from typing import Any, Literal, TypedDict, TypeVar, cast, get_args
 
 import numpy as np
 
-from jawenv.anatomy import Cohort, cohort
+from jawenv.anatomy import Anatomy, Cohort, MuscleSet, anatomy_of, cohort
 from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
+from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.plants import TICK
@@ -27,6 +28,8 @@ Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 
 Initialise = TypeVar("Initialise", bound=Callable[..., None])
+
+NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
 
 LARGEST = 1e6  # of the numeric arguments
 
@@ -46,15 +49,17 @@ class Arguments(TypedDict, total=False):
     device: Device | Source | None
     reality: Reality | Source | None
     model: str
-    estimator: Estimator | OwnEstimator | None
+    estimator: Estimator | Literal["none"] | OwnEstimator | None
     knowledge: str | Knowledge | Source | None
+    comfort: Comfort | Source | None
+    anatomy: Anatomy | Source | None
 
 
 @dataclass(frozen=True)
 class Configuration:
     """The arguments that ``gymnasium.make`` passes on, checked.
 
-    Numbers become Python's own; cohort, device and reality become objects, so that a file is read once.
+    Numbers become Python's own; cohort, device, reality, comfort and anatomy become objects: a file is read once.
     """
 
     control: Control = DEFAULT_CONTROL
@@ -69,8 +74,10 @@ class Configuration:
     device: Device | Source | None = None
     reality: Reality | Source | None = None
     model: str = "jaw"
-    estimator: Estimator | OwnEstimator | None = None
+    estimator: Estimator | Literal["none"] | OwnEstimator | None = None
     knowledge: str | Knowledge | Source | None = None
+    comfort: Comfort | Source | None = None
+    anatomy: Anatomy | Source | None = None
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -89,8 +96,9 @@ class Configuration:
         self._set("control_hz", hz)
         self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
         model = model_named(self.model)
-        if not (self.estimator is None or self._estimator_name() in model.estimators or self.own_estimator is not None):
-            allowed = ", ".join(model.estimators)
+        names = (*model.estimators, NO_ESTIMATOR)
+        if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
+            allowed = ", ".join(names)
             raise InputError(
                 f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}, or an object with the "
                 "methods reset(start) and update(measured, samples)"
@@ -106,7 +114,10 @@ class Configuration:
             if not isinstance(getattr(self, name), bool | np.bool_):
                 raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: true or false")
             self._set(name, bool(getattr(self, name)))
-        self._set("cohort", cohort(self.cohort, model.muscles))
+        self._set("comfort", comfort_of(self.comfort))
+        if self.anatomy is not None:
+            self._set("anatomy", anatomy_of(self.anatomy))
+        self._set("cohort", cohort(self.cohort, self.muscles))
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
@@ -129,9 +140,10 @@ class Configuration:
     @property
     def filter_model(self) -> Estimator:
         """The mechanics that the filter believes in."""
-        return self._estimator_name() or model_named(self.model).estimator
+        name = self._estimator_name()
+        return model_named(self.model).estimator if name is None or name == "none" else name
 
-    def _estimator_name(self) -> Estimator | None:
+    def _estimator_name(self) -> Estimator | Literal["none"] | None:
         return self.estimator if isinstance(self.estimator, str) else None
 
     @property
@@ -159,6 +171,20 @@ class Configuration:
     def steps(self) -> int:
         """Control periods in an episode."""
         return round(self.episode_s * self.steps_per_s)
+
+    def build_anatomy(self) -> Anatomy:
+        """Attachments, mandible and fossa that the filter believes in; those of the truth unless something errs."""
+        return anatomy_of(self.anatomy)
+
+    @property
+    def muscles(self) -> MuscleSet:
+        """The muscles of the model with their lines of action."""
+        model = model_named(self.model)
+        return model.muscles if self.anatomy is None else self.build_anatomy().muscle_sets()[model.muscle_set]
+
+    def build_comfort(self) -> Comfort:
+        """What is allowed of patients, with the fields that the user changed."""
+        return comfort_of(self.comfort)
 
     def build_cohort(self) -> Cohort:
         """Whom ``reset`` draws, with the muscles of the model."""

@@ -82,7 +82,8 @@ class JawEnv(gym.Env[Observation, Action]):
       second of cost 1.
     * ``track_bound``: compute the bound for ``info`` as well; ``record``: keep what the device measures.
     * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
-      with them; ``reality``: the same of ``jawenv.reality.Reality``.
+      with them; ``reality``, ``comfort``, ``anatomy``: the same of ``jawenv.reality.Reality``, ``jawenv.Comfort`` and
+      ``jawenv.Anatomy``.
     * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in, or a filter of one's own
       (``jawenv.envs.own_estimators``); ``render_mode``.
 

@@ -9,11 +9,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Patient, default_mandible
+from jawenv.anatomy import Patient
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.belief_kernel import show_beliefs
 from jawenv.envs.bound_kernel import track_bound
-from jawenv.envs.configuration import Configuration
+from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
@@ -24,6 +24,7 @@ from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settin
 from jawenv.envs.unknown_truth import Streams, draw_truth
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
+from jawenv.filter import least_noise
 from jawenv.filter.bound_recursion import bound_scratch_dtype
 from jawenv.filter.initial_motion import start_sd
 from jawenv.filter.known_within import write_nuisances
@@ -55,12 +56,14 @@ class Simulation:
         """Allocate the worlds; nothing is simulated before ``reset``."""
         self.configuration = configuration
         self.model = model_named(configuration.model)
-        muscles = self.model.muscles
+        anatomy, muscles = configuration.build_anatomy(), configuration.muscles
         self.cohort = configuration.build_cohort()
         self.device = configuration.build_device().records()
         self.reality = configuration.build_reality()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
-        self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
+        self._jaw = build_jaw(
+            muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
+        )
         self._known_condyles = 2 if known else 1
         self.knowledge = configuration.build_knowledge()
         self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical)
@@ -69,7 +72,7 @@ class Simulation:
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
-        self._gravity = default_mandible().gravity
+        self._gravity = anatomy.mandible.gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = record_zeros(threads, scratch_dtype(*sizes))
@@ -115,6 +118,7 @@ class Simulation:
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
         settings["reality"] = self.reality.records()[0]
+        settings["comfort"] = self.configuration.build_comfort().records()[0]
         self._set_disturbance(settings)
         control = settings["control"]
         control["servo"] = configuration.mode.has_servos
@@ -127,13 +131,15 @@ class Simulation:
         """Fill a record of dtype ``filter_settings_dtype``."""
         configuration, device = self.configuration, self.device[0]
         settings["dt"] = TICK
+        settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
         sd = start_sd(self._jaw, self._known_condyles)
         settings["start_sd"][: len(sd)] = sd
-        noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-        settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        settings["measurement_variance"] = least_noise.encoder_sds(device) ** 2
+        cell_sd = np.repeat([float(device["cell_force"]), float(device["cell_moment"])], 3)
+        settings["cell_repeats"] = least_noise.cell_repeats(cell_sd)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
         write_nuisances(settings["nuisances"], self._jaw, self.knowledge, self.cohort.muscles, self._sds)
@@ -147,7 +153,7 @@ class Simulation:
         known["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
         if time > 0.0:
             variance = np.repeat([float(device[f"unmodelled_{kind}"]) ** 2 for kind in ("force", "moment")], 3)
-            known["wrench_variance"] -= variance
+            known["wrench_variance"] = least_noise.wrench_variance(known["wrench_variance"] - variance)
             settings["noise_variance"][:N_WRENCH] = known["wrench_variance"]
             known["start_sd"][-N_WRENCH:] = np.sqrt(variance)
             known["disturbance_decay"] = np.exp(-TICK / time)
@@ -159,9 +165,9 @@ class Simulation:
         # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
-        constant = [unmodelled[0] + cell_force, unmodelled[1] + cell_moment]
+        constant = least_noise.wrench_variance(np.repeat([unmodelled[0] + cell_force, unmodelled[1] + cell_moment], 3))
         # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
-        variance: NDArray[np.float64] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
+        variance: NDArray[np.float64] = np.sqrt([*constant, *np.repeat([cell_force, cell_moment], 3)]) ** 2
         return variance
 
     def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
+from jawenv.filter import least_noise
 from jawenv.filter.learn import learn
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import (
@@ -92,6 +93,7 @@ class FilterRun:
         settings["measurement_variance"] = record.measurement_sd**2
         settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
         settings["used"], settings["start_sd"] = True, record.start_sd
+        settings["cell_repeats"] = least_noise.cell_repeats(record.cell_sd)
         set_prior(settings, record.jaw, record.prior)
         rows: Any = record_zeros(len(record.time), tick_dtype(states))
         rows["measured"], rows["samples"][1:] = record.measured, record.samples

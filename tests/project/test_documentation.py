@@ -16,7 +16,7 @@ from eval.studies import design
 from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
 from jawenv.controls import CONTROLS
-from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
@@ -88,7 +88,8 @@ def test_a_cohort_of_ones_own() -> None:
 def test_comfort_limits() -> None:
     rows = table("Comfort")
     assert tuple(named(row[0])[0] for row in rows) == COMFORT_LIMITS
-    assert tuple(float(row[3]) for row in rows) == HARD
+    hard = [getattr(jawenv.Comfort(), f"{name}_hard") for name in COMFORT_LIMITS]
+    assert [float(row[3]) for row in rows] == hard
 
 
 def test_device() -> None:
