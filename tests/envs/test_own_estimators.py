@@ -9,6 +9,7 @@ import pytest
 from test_copies import actions, assert_same
 
 import jawenv
+from agents import load_agent
 from jawenv.envs.own_estimators import EpisodeStart, OwnEstimator
 
 ID = "jawenv/Jaw-v2"
@@ -189,6 +190,14 @@ def test_a_covariance_that_is_not_positive_definite_ends_the_episode():
     env.reset(seed=5000)
     _, reward, terminated, *_ = env.step(np.zeros(4, np.float32))
     assert terminated and np.isfinite(reward)
+
+
+def test_players_and_scores_take_it_and_planners_do_not():
+    arguments = {"estimator": Shrinking(), "episode_s": 1.0}
+    played = jawenv.play(jawenv.Player("hold_still", control="force"), patients=2, seed=5000, env_kwargs=arguments)
+    np.testing.assert_allclose(played.belief_sd[:, -1], jawenv.cohort("trismus").prior.sd / 2.01 * np.ones((2, 1)))
+    with pytest.raises(jawenv.InputError, match="estimator is the user's own; allowed for a planner"):
+        jawenv.play(load_agent("receding_horizon"), patients=1, seed=5000, env_kwargs=arguments)
 
 
 @pytest.mark.parametrize("value", ["kalman", 3, Shrinking, object()])

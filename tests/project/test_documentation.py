@@ -92,6 +92,14 @@ def test_comfort_limits() -> None:
     assert [float(row[3]) for row in rows] == hard
 
 
+def test_numbers_of_comfort() -> None:
+    """Those that are not hard limits, in the order of the class."""
+    rows = [row.strip("| ").split(" | ") for row in TEXT.split("| field of `jawenv.Comfort` |")[1].splitlines()[2:7]]
+    stated = {name: float(value) for row in rows for name, value in zip(named(row[0]), row[1].split(","), strict=True)}
+    defaults = {each.name: each.default for each in fields(jawenv.Comfort) if not each.name.endswith("_hard")}
+    assert list(stated.items()) == list(defaults.items())
+
+
 def test_device() -> None:
     stated = {named(row[0])[0]: (float(row[1]), float(row[2].replace(",", ""))) for row in table("Device and sensors")}
     highest = {name: numeric.high for name, numeric in jawenv.Device.numeric_fields().items()}
