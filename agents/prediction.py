@@ -60,13 +60,16 @@ class Prediction:
         clairvoyant: copies have the worlds' true muscles, geometry, motion, tissue and sensor errors instead.
 
     Raises:
-        InputError: worlds that are moved by another physics engine, which cannot be copied.
+        InputError: worlds that are moved by another physics engine, which cannot be copied, or that show the belief of
+            another filter than the device's.
     """
 
     def __init__(self, simulation: Simulation, candidates: int, *, goal: str, clairvoyant: bool) -> None:
         configuration = simulation.configuration
         if simulation.model.plant == "contact":
             raise InputError(f"model is {simulation.model.name!r}; allowed for a planner: one without pymunk")
+        if simulation.own_estimators is not None:
+            raise InputError("estimator is the user's own; allowed for a planner: the environment's filter")
         self._real, self._candidates, self._clairvoyant = simulation, candidates, clairvoyant
         self._goal = goal
         changes: dict[str, Any] = {} if clairvoyant else {"reality": None}

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from jawenv.envs.registration import register_environments
 
 if TYPE_CHECKING:
-    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Cohort, Patient, cohort
+    from jawenv.anatomy import COHORTS, MUSCLE_NAMES, PARAMETER_NAMES, Anatomy, Cohort, Patient, cohort
     from jawenv.anatomy.knowledge import Knowledge
     from jawenv.device import Device
+    from jawenv.device.comfort_settings import Comfort
     from jawenv.errors import InputError
     from jawenv.inference.information_gain import InformationGain, contrastive_bounds, information_gain
     from jawenv.inference.likelihood import fisher_information, log_likelihood
@@ -30,8 +31,10 @@ if TYPE_CHECKING:
     from jawenv.playing.rollout import information_bound, play
 
 _HOMES = {
+    "Anatomy": "jawenv.anatomy",
     "COHORTS": "jawenv.anatomy",
     "Cohort": "jawenv.anatomy",
+    "Comfort": "jawenv.device.comfort_settings",
     "Device": "jawenv.device",
     "InformationGain": "jawenv.inference.information_gain",
     "InputError": "jawenv.errors",
@@ -69,7 +72,9 @@ __all__ = [
     "COHORTS",
     "MUSCLE_NAMES",
     "PARAMETER_NAMES",
+    "Anatomy",
     "Cohort",
+    "Comfort",
     "Device",
     "InformationGain",
     "InputError",

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DEVICE, Device
 from jawenv.errors import InputError
 from jawenv.numeric_fields import NumericFields
 from jawenv.reality import REALITY, Reality
 
-KINDS = pytest.mark.parametrize("kind", [Device, Reality])
+KINDS = pytest.mark.parametrize("kind", [Device, Reality, Comfort])
 
 
 @KINDS
@@ -50,7 +51,7 @@ def test_names_of_the_record_that_are_not_the_fields() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "name"), [(kind, name) for kind in (Device, Reality) for name in kind.numeric_fields()]
+    ("kind", "name"), [(kind, name) for kind in (Device, Reality, Comfort) for name in kind.numeric_fields()]
 )
 def test_faulty_values_are_refused_in_one_line_that_names_them(kind: type[NumericFields], name: str) -> None:
     high, zero = kind.numeric_fields()[name].high, kind.numeric_fields()[name].zero

@@ -6,11 +6,14 @@ import numpy as np
 from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
 from matplotlib.figure import Figure
 
+from jawenv.device.comfort_settings import Comfort
 from jawenv.envs import reset_kernel
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point, rotation
 from jawenv.mechanics.linearisation import linear_dtype
+
+COMFORT = Comfort().in_si()
 
 
 def opened_slowly(F_o: float, b: float, furthest: float = 14e-3, pieces: int = 600) -> np.ndarray:
@@ -59,9 +62,9 @@ def first_fold(values: np.ndarray) -> int:
 def painless_end(branch: np.ndarray) -> int:
     """Number of the last pose of the painless range."""
     x, opening, force = branch.T
-    furthest = opening[0] + min(reset_kernel.PAINLESS_RANGE, reset_kernel.LARGEST_OPENING - opening[0])
-    condyle = reset_kernel.CREST_SHARE * build_jaw()["crest"] - reset_kernel.CONDYLE_FREE
-    return int(np.flatnonzero((force > reset_kernel.PAINLESS_FORCE) | (opening > furthest) | (x > condyle))[0]) - 1
+    furthest = opening[0] + min(COMFORT["painless_range"], COMFORT["largest_opening"] - opening[0])
+    condyle = reset_kernel.CREST_SHARE * build_jaw()["crest"] - COMFORT["condyle_free"]
+    return int(np.flatnonzero((force > COMFORT["painless_force"]) | (opening > furthest) | (x > condyle))[0]) - 1
 
 
 def equilibrium() -> Figure:
@@ -89,8 +92,8 @@ def equilibrium() -> Figure:
     ):
         pull.plot([], [], marker, color=INK, mfc=fill, label=name, ls="none")
     pull.plot([], [], color=INK, lw=1.2, ls=(0, (2, 1.5)), label="beyond the first fold")
-    pull.axhline(reset_kernel.PAINLESS_FORCE, color=GREY, lw=0.9, ls=(0, (4, 3)))
-    pull.text(0.4, reset_kernel.PAINLESS_FORCE + 0.3, f"{reset_kernel.PAINLESS_FORCE:g} N", color=GREY, size=8)
+    pull.axhline(COMFORT["painless_force"], color=GREY, lw=0.9, ls=(0, (4, 3)))
+    pull.text(0.4, COMFORT["painless_force"] + 0.3, f"{COMFORT['painless_force']:g} N", color=GREY, size=8)
     slide.axhline(1e3 * jaw["crest"], color=GREY, lw=0.9, ls=(0, (4, 3)))
     slide.text(0.4, 1e3 * jaw["crest"] - 0.3, "crest", color=GREY, size=8, va="top")
     pull.set(title="Vertical force that holds the mouth open", ylabel="force down (N)", ylim=(0, 34), xlim=(-1.5, 50))

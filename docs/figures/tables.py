@@ -9,6 +9,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -123,9 +124,9 @@ _CONSTANTS = (
     ("jawenv.mechanics.jaw", "STOP_WIDTH", 1e3, "mm", "quadratic onset $w$ of teeth and capsule", "G"),
     ("jawenv.mechanics.equilibrium", "HOLD_STIFFNESS", 1, "N/m", "spring that holds the mouth open", "numerical"),
     ("jawenv.mechanics.equilibrium", "TOLERANCE", 1, "m/s2, rad/s2", "acceleration left over at rest", "numerical"),
-    ("jawenv.envs.reset_kernel", "PAINLESS_FORCE", 1, "N", "pull that ends the painless range", "G"),
-    ("jawenv.envs.reset_kernel", "PAINLESS_RANGE", 1e3, "mm", "its largest extent above rest", "G"),
-    ("jawenv.envs.reset_kernel", "LARGEST_OPENING", 1e3, "mm", "its largest opening in all", "G"),
+    ("jawenv.device.comfort_settings", "Comfort.painless_force_N", 1, "N", "pull that ends the painless range", "G"),
+    ("jawenv.device.comfort_settings", "Comfort.painless_range_mm", 1, "mm", "its largest extent above rest", "G"),
+    ("jawenv.device.comfort_settings", "Comfort.largest_opening_mm", 1, "mm", "its largest opening in all", "G"),
     (
         "jawenv.envs.reset_kernel",
         "CREST_SHARE",
@@ -134,7 +135,14 @@ _CONSTANTS = (
         "soft limit of the condyle, share of the way to the crest",
         "G",
     ),
-    ("jawenv.envs.reset_kernel", "CONDYLE_FREE", 1e3, "mm", "the painless range ends so far before that limit", "G"),
+    (
+        "jawenv.device.comfort_settings",
+        "Comfort.condyle_free_mm",
+        1,
+        "mm",
+        "the painless range ends so far before that limit",
+        "G",
+    ),
     ("jawenv.envs.plants", "TICK", 1e3, "ms", "sensors, filter, motor commands; the filter's step", "numerical"),
     ("jawenv.envs.plants", "SUBSTEPS", 1, "1", "Runge–Kutta steps of the true motion per tick, at least", "numerical"),
     ("jawenv.mechanics.bilateral", "BODY_STEP", 1e3, "ms", "step with two condyles", "numerical"),
@@ -152,8 +160,8 @@ def constants() -> str:
     return rows_of(
         ("constant", "value", "unit", "meaning", "grade"),
         (
-            (f"`{module.removeprefix('jawenv.')}.{name}`", number(factor * getattr(import_module(module), name)), unit,
-             meaning, grade)
+            (f"`{module.removeprefix('jawenv.')}.{name}`",
+             number(factor * attrgetter(name)(import_module(module))), unit, meaning, grade)
             for module, name, factor, unit, meaning, grade in _CONSTANTS
         ),
     )  # fmt: skip

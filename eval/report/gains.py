@@ -25,9 +25,9 @@ def show(found: tuple[Gain, ...], console: Console) -> None:
     for name in SHOWN:
         table.add_column(FIGURES[name].title, justify="right")
     for each in found:
-        name = Text(words.label(each.name) + (f", {each.seeds} seeds" if each.seeds > 1 else ""))
-        name.append(f"\nagainst {words.label(each.against)}", style="dim")
-        table.add_row(name, *(_both(each, figure) for figure in SHOWN))
+        entry = Text(words.label(each.name) + (f", {each.seeds} seeds" if each.seeds > 1 else ""))
+        entry.append(f"\nagainst {words.label(each.against)}", style="dim")
+        table.add_row(entry, *(_both(each, figure) for figure in SHOWN))
     console.print(table)
 
 

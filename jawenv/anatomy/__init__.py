@@ -2,6 +2,7 @@
 
 from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
 from jawenv.anatomy.cohorts import COHORTS, Cohort, Stiffness, cohort
+from jawenv.anatomy.description import Anatomy, anatomy_of
 from jawenv.anatomy.fossa import Fossa, default_fossa
 from jawenv.anatomy.mandible import Mandible, default_mandible
 from jawenv.anatomy.muscles import (
@@ -26,6 +27,7 @@ __all__ = [
     "PARAMETER_NAMES",
     "PORTIONS",
     "WHOLE_MUSCLES",
+    "Anatomy",
     "Attachment",
     "AttachmentRow",
     "Cohort",
@@ -36,6 +38,7 @@ __all__ = [
     "Prior",
     "Quantity",
     "Stiffness",
+    "anatomy_of",
     "attachment",
     "attachment_rows",
     "cohort",

@@ -6,7 +6,7 @@ which then share its F_o and b.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -28,6 +28,7 @@ __all__ = [
     "known_muscle_sets",
     "midplane_muscles",
     "muscle_set",
+    "muscle_sets",
     "parameter_names",
     "two_sides",
 ]
@@ -114,9 +115,13 @@ class MuscleSet(FrozenArrays):
         return len(MUSCLE_NAMES) / len(self.muscle)
 
 
-def _mean_line(portions: Sequence[str], side: str) -> Attachment:
+LineOf = Callable[[str, str], Attachment]
+"""The line of a portion on a side."""
+
+
+def _mean_line(portions: Sequence[str], side: str, line_of: LineOf = attachment) -> Attachment:
     """Force-weighted mean line of some portions of one side; the portions' ends vary independently of each other."""
-    lines = [attachment(portion, side) for portion in portions]
+    lines = [line_of(portion, side) for portion in portions]
     weights = np.array([line.strength_N for line in lines])
     shares = weights[:, np.newaxis] / weights.sum()
     return Attachment(
@@ -141,20 +146,25 @@ def _assemble(names: Sequence[str], muscle: Sequence[int], lines: Sequence[Attac
     )
 
 
-@cache
-def _sided_lines(groups: tuple[tuple[str, tuple[str, ...]], ...]) -> MuscleSet:
+def _sided_lines(groups: tuple[tuple[str, tuple[str, ...]], ...], line_of: LineOf) -> MuscleSet:
     names = _sided(dict(groups))
-    lines = [_mean_line(portions, side) for side in SIDES for _, portions in groups]
+    lines = [_mean_line(portions, side, line_of) for side in SIDES for _, portions in groups]
     return _assemble(names, range(len(names)), lines)
 
 
-def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
+@cache
+def _known_lines(groups: tuple[tuple[str, tuple[str, ...]], ...]) -> MuscleSet:
+    return _sided_lines(groups, attachment)
+
+
+def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES, line_of: LineOf = attachment) -> MuscleSet:
     """The muscles of both sides, left first, one line each.
 
     Args:
         groups: muscle name -> its portions. `WHOLE_MUSCLES` gives the 6 lines of the 12-parameter model (the
             line of a whole muscle is the force-weighted mean of its portions' origins and insertions),
             `PORTIONS` the 12 lines of the portions themselves.
+        line_of: where a portion is attached; the table by default.
 
     Raises:
         InputError: an unknown portion, or a muscle without portions.
@@ -162,45 +172,56 @@ def muscle_set(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet
     for group, portions in groups.items():
         if not portions:
             raise InputError(f"muscle '{group}' has no portions; it needs at least one")
-    return _sided_lines(tuple((group, tuple(portions)) for group, portions in groups.items()))
+    key = tuple((group, tuple(portions)) for group, portions in groups.items())
+    return _known_lines(key) if line_of is attachment else _sided_lines(key, line_of)
 
 
-def two_sides() -> MuscleSet:
+def two_sides(line_of: LineOf = attachment) -> MuscleSet:
     """The six whole muscles' lines with one stiffness on each side: 4 parameters."""
     sides = [side for side in range(len(SIDES)) for _ in WHOLE_MUSCLES]
-    return _assemble(
-        SIDES, sides, [_mean_line(portions, side) for side in SIDES for portions in WHOLE_MUSCLES.values()]
-    )
+    lines = [_mean_line(portions, side, line_of) for side in SIDES for portions in WHOLE_MUSCLES.values()]
+    return _assemble(SIDES, sides, lines)
 
 
-def midplane_muscles(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES) -> MuscleSet:
+def midplane_muscles(groups: Mapping[str, Sequence[str]] = WHOLE_MUSCLES, line_of: LineOf = attachment) -> MuscleSet:
     """Each pair of muscles as one line in the sagittal plane, the mean of left and right."""
     lines = []
     for portions in groups.values():
-        left = _mean_line(portions, "left")
+        left, right = (_mean_line(portions, side, line_of) for side in SIDES)
         # Left and right vary independently, so the sd of their mean is smaller.
-        flat, flat_sd = np.array([1.0, 0.0, 1.0]), np.array([0.5, 0.0, 0.5]) ** 0.5
+        flat, flat_sd = np.array([0.5, 0.0, 0.5]), np.array([0.5, 0.0, 0.5]) ** 0.5
         lines.append(
             Attachment(
-                origin_m=left.origin_m * flat,
-                insertion_m=left.insertion_m * flat,
-                origin_sd_m=left.origin_sd_m * flat_sd,
-                insertion_sd_m=left.insertion_sd_m * flat_sd,
-                strength_N=2.0 * left.strength_N,
+                origin_m=flat * (left.origin_m + right.origin_m),
+                insertion_m=flat * (left.insertion_m + right.insertion_m),
+                origin_sd_m=flat_sd * _mean_sd(left.origin_sd_m, right.origin_sd_m),
+                insertion_sd_m=flat_sd * _mean_sd(left.insertion_sd_m, right.insertion_sd_m),
+                strength_N=left.strength_N + right.strength_N,
             )
         )
     return _assemble(tuple(groups), range(len(groups)), lines)
 
 
+def _mean_sd(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Root of the mean variance of two sides; to the bit that of one where they are alike."""
+    mean: NDArray[np.float64] = np.where(left == right, left, np.sqrt(0.5 * (left**2 + right**2)))
+    return mean
+
+
+def muscle_sets(line_of: LineOf = attachment) -> Mapping[str, MuscleSet]:
+    """The muscle sets of the models by name, the default one first, with portions attached as ``line_of`` says."""
+    return MappingProxyType(
+        {
+            "whole": muscle_set(line_of=line_of),
+            "closers": midplane_muscles({"closers": tuple(PORTIONS)}, line_of),
+            "pairs": midplane_muscles(line_of=line_of),
+            "sides": two_sides(line_of),
+            "portions": muscle_set(PORTIONS, line_of),
+        }
+    )
+
+
 @cache
 def known_muscle_sets() -> Mapping[str, MuscleSet]:
     """The muscle sets of the models by name, the default one first."""
-    return MappingProxyType(
-        {
-            "whole": muscle_set(),
-            "closers": midplane_muscles({"closers": tuple(PORTIONS)}),
-            "pairs": midplane_muscles(),
-            "sides": two_sides(),
-            "portions": muscle_set(PORTIONS),
-        }
-    )
+    return muscle_sets()

@@ -20,6 +20,8 @@ TRACKER = record_dtype(
         ("size", "f8", N_CHANNELS),  # what the guard multiplies them by, 0 to 1
         ("integral", "f8", 3),  # of the force law: N, N m, N m
         ("rest_roll", "f8"),  # rad, as first seen
+        ("crest", "f8"),  # m, the eminence's; 0 for that of the default anatomy
+        ("full_force", "f8"),  # N, of the fore-aft channel
         ("begun", "u1"),
     ],
 )

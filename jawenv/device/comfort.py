@@ -1,7 +1,7 @@
 """What the patient tolerates: limits relative to the patient's own rest pose and painless range.
 
 A used fraction is the quantity over its soft limit; above 1 it costs, at the hard limit (a multiple of the soft one)
-the cost is 1 and the episode ends. The numbers are proposals (grade G): no study of comfortable jaw forces was found.
+the cost is 1 and the episode ends. The numbers are ``comfort_settings``.
 """
 
 from __future__ import annotations
@@ -28,16 +28,10 @@ COMFORT_LIMITS = (
     "tension",
 )
 N_LIMITS = len(COMFORT_LIMITS)
-# Hard limit over soft limit, in the order of COMFORT_LIMITS.
-HARD = (2.0, 1.3, 1.8, 1.8, 1.4, 2.0, 5.0, 2.5)
 FORCE, OPENING, SIDE, FORE_AFT, CONDYLE_FORE_AFT, CONDYLE_SIDE, SPEED, TENSION = range(N_LIMITS)
 
-SOFT_FORCE = 15.0  # N on the mouthpiece
-SOFT_SPEED = 0.04  # m/s of the mouthpiece
-CONDYLE_SIDE_SOFT = 3e-3  # m from where the condyles rest
-FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
-HEALTHY_SIDE = 0.010  # m, about the mean lateral excursion of 500 patients (9.4-11.8 mm)
-HEALTHY_FORE_AFT = 0.0088  # m, their mean protrusion
+# Where between the soft (0) and the hard limit (1) the governor begins.
+GOVERNOR_ONSET = 0.1
 
 
 @cache
@@ -57,6 +51,11 @@ def limits_dtype(n_lines: int) -> np.dtype[np.void]:
         ("condyle_half", "f8"),
         ("rest_condyle_side", "f8"),
         ("tension", "f8", (n_lines,)),
+        ("force", "f8"),  # on the mouthpiece
+        ("speed", "f8"),  # of the mouthpiece
+        ("condyle_side", "f8"),  # from where the condyles rest
+        ("hard", "f8", (N_LIMITS,)),  # over the soft limit, in the order of COMFORT_LIMITS
+        ("onset", "f8", (N_LIMITS,)),  # used fraction at which the governor begins
     ]
     return record_dtype(fields)
 
@@ -74,13 +73,13 @@ def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
     omega = (u[2], u[3], u[4])
     velocity = add((u[0], u[1], slope * u[0] + lift[1]), apply(body_to_head, cross(omega, mouthpiece)))
     opening, side, fore_aft = excursions(limits, jaw, add(contact, apply(body_to_head, mouthpiece)))
-    fractions[FORCE] = force / SOFT_FORCE
+    fractions[FORCE] = force / limits.force
     fractions[OPENING] = max(opening, 0.0) / limits.opening
     fractions[SIDE] = abs(side) / limits.side
     fractions[FORE_AFT] = abs(fore_aft) / limits.fore_aft
     fractions[CONDYLE_FORE_AFT] = abs(q[0] - limits.condyle_middle) / limits.condyle_half
-    fractions[CONDYLE_SIDE] = abs(q[1] - limits.rest_condyle_side) / CONDYLE_SIDE_SOFT
-    fractions[SPEED] = norm(velocity) / SOFT_SPEED
+    fractions[CONDYLE_SIDE] = abs(q[1] - limits.rest_condyle_side) / limits.condyle_side
+    fractions[SPEED] = norm(velocity) / limits.speed
     worst = 0.0
     for i in range(muscles.shape[0]):
         _, _, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
@@ -89,9 +88,21 @@ def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
 
 
 @njit
+def set_general_limits(comfort, limits):
+    """What is the same for every patient: ``limits`` of force, speed and condyles' side, and all hard ones.
+
+    ``comfort`` is a record of dtype ``COMFORT``.
+    """
+    limits.force, limits.speed, limits.condyle_side = comfort.force, comfort.speed, comfort.condyle_side
+    for k in range(N_LIMITS):
+        limits.hard[k] = comfort.hard[k]
+        limits.onset[k] = 1.0 + GOVERNOR_ONSET * (comfort.hard[k] - 1.0)
+
+
+@njit
 def cost_of(fraction, hard):
     """Cost of one used fraction: 0 up to the soft limit, 1 at the hard limit."""
     return max(0.0, fraction - 1.0) / (hard - 1.0)
 
 
-__all__ = ["COMFORT_LIMITS", "HARD", "cost_of", "limits_dtype", "used_fractions"]
+__all__ = ["COMFORT_LIMITS", "GOVERNOR_ONSET", "cost_of", "limits_dtype", "set_general_limits", "used_fractions"]

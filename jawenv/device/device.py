@@ -127,10 +127,10 @@ class Device(NumericFields):
     strap_N: float = number(0.05, 4.0, "N")
     strap_direction_deg: float = number(2.0, 10.0, "deg")
     strap_pretension_N: float = number(10.0, 1000.0, "N")
-    encoder_position_mm: float = number(0.1, 10.0, "mm", zero=False)
-    encoder_angle_deg: float = number(0.1, 180.0, "deg", zero=False)
-    encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s", zero=False)
-    encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s", zero=False)
+    encoder_position_mm: float = number(0.1, 10.0, "mm")
+    encoder_angle_deg: float = number(0.1, 180.0, "deg")
+    encoder_velocity_mm_s: float = number(1.0, 100.0, "mm/s")
+    encoder_rate_rad_s: float = number(0.02, 2.0, "rad/s")
 
     def records(self) -> NDArray[np.void]:
         """The device as an array of one record of dtype ``DEVICE``, as the kernels read it, in SI units."""

@@ -16,14 +16,10 @@ from math import exp
 from jawenv.device.comfort import (
     CONDYLE_FORE_AFT,
     CONDYLE_SIDE,
-    CONDYLE_SIDE_SOFT,
     FORCE,
     FORE_AFT,
-    HARD,
     OPENING,
     SIDE,
-    SOFT_FORCE,
-    SOFT_SPEED,
     SPEED,
 )
 from jawenv.device.device import N_MOTORS
@@ -34,20 +30,11 @@ from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, 
 from jawenv.mechanics.forces import smooth_ramp, totals
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
-# Where between the soft (0) and the hard limit (1) the governor begins.
-GOVERNOR_ONSET = 0.1
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
 STOP_ONSET_WIDTH = 0.5e-3
-BRAKE_ONSET = SOFT_SPEED * (1.0 + GOVERNOR_ONSET * (HARD[SPEED] - 1.0))  # m/s
 # What of the governor acts, by growing stiffness.
 IDLE, CAPPED, BRAKED, STOPPED, STOPPED_AND_BRAKED = 0.0, 1.0, 2.0, 3.0, 4.0
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
-
-
-@njit_inlined
-def onset(limit):
-    """Used fraction at which the governor begins for the limit with this index."""
-    return 1.0 + GOVERNOR_ONSET * (HARD[limit] - 1.0)
 
 
 @njit_inlined
@@ -130,14 +117,14 @@ def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
     slide = condyle_stop(device, limits, q, u)
     pressed = norm(stops) + norm(slide)
     acted = STOPPED if pressed > 0.0 else IDLE
-    speed = norm(velocity)
-    if speed > BRAKE_ONSET and device.brake > 0.0:
+    speed, brake_onset = norm(velocity), limits.speed * limits.onset[SPEED]
+    if speed > brake_onset and device.brake > 0.0:
         acted = STOPPED_AND_BRAKED if acted == STOPPED else BRAKED
-        braking = scale(-device.brake * (speed - BRAKE_ONSET) / speed, velocity)
+        braking = scale(-device.brake * (speed - brake_onset) / speed, velocity)
         stops = add(stops, braking)
         pressed = norm(stops) + norm(slide)
     strength = norm(force)
-    governed = min(SOFT_FORCE * onset(FORCE), device.force_cap)
+    governed = min(limits.force * limits.onset[FORCE], device.force_cap)
     share = max(0.0, 1.0 - pressed / YIELD_FORCE)
     if strength > governed:
         acted = max(acted, CAPPED)
@@ -160,9 +147,9 @@ def end_stop(device, travel, limit, rate):
 def end_stops(device, jaw, limits, place, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, place)
-    side_limit = limits.side * onset(SIDE)
-    forward_limit = limits.fore_aft * onset(FORE_AFT)
-    up = end_stop(device, opening, limits.opening * onset(OPENING), -velocity[2])
+    side_limit = limits.side * limits.onset[SIDE]
+    forward_limit = limits.fore_aft * limits.onset[FORE_AFT]
+    up = end_stop(device, opening, limits.opening * limits.onset[OPENING], -velocity[2])
     left = end_stop(device, -side, side_limit, -velocity[1]) - end_stop(device, side, side_limit, velocity[1])
     forward = end_stop(device, -fore_aft, forward_limit, -velocity[0])
     forward -= end_stop(device, fore_aft, forward_limit, velocity[0])
@@ -173,8 +160,8 @@ def end_stops(device, jaw, limits, place, velocity):
 def condyle_stop(device, limits, q, u):
     """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
     x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side
-    forward_limit = limits.condyle_half * onset(CONDYLE_FORE_AFT)
-    side_limit = CONDYLE_SIDE_SOFT * onset(CONDYLE_SIDE)
+    forward_limit = limits.condyle_half * limits.onset[CONDYLE_FORE_AFT]
+    side_limit = limits.condyle_side * limits.onset[CONDYLE_SIDE]
     forward = end_stop(device, -x, forward_limit, -u[0]) - end_stop(device, x, forward_limit, u[0])
     left = end_stop(device, -y, side_limit, -u[1]) - end_stop(device, y, side_limit, u[1])
     return (forward, left, 0.0)

@@ -10,12 +10,14 @@ from typing import Any, Literal, TypedDict, TypeVar, cast, get_args
 
 import numpy as np
 
-from jawenv.anatomy import Cohort, cohort
+from jawenv.anatomy import Anatomy, Cohort, MuscleSet, anatomy_of, cohort
 from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
+from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.device.force_sensor import ForceSensor
+from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.plants import TICK
 from jawenv.envs.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, shown
@@ -27,6 +29,8 @@ Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 
 Initialise = TypeVar("Initialise", bound=Callable[..., None])
+
+NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
 
 LARGEST = 1e6  # of the numeric arguments
 
@@ -46,16 +50,18 @@ class Arguments(TypedDict, total=False):
     device: Device | Source | None
     reality: Reality | Source | None
     model: str
-    estimator: Estimator | None
+    estimator: Estimator | Literal["none"] | OwnEstimator | None
     knowledge: str | Knowledge | Source | None
     force_sensor: ForceSensor
+    comfort: Comfort | Source | None
+    anatomy: Anatomy | Source | None
 
 
 @dataclass(frozen=True)
 class Configuration:
     """The arguments that ``gymnasium.make`` passes on, checked.
 
-    Numbers become Python's own; cohort, device and reality become objects, so that a file is read once.
+    Numbers become Python's own; cohort, device, reality, comfort and anatomy become objects: a file is read once.
     """
 
     control: Control = DEFAULT_CONTROL
@@ -70,9 +76,11 @@ class Configuration:
     device: Device | Source | None = None
     reality: Reality | Source | None = None
     model: str = "jaw"
-    estimator: Estimator | None = None
+    estimator: Estimator | Literal["none"] | OwnEstimator | None = None
     knowledge: str | Knowledge | Source | None = None
     force_sensor: ForceSensor = "cell"
+    comfort: Comfort | Source | None = None
+    anatomy: Anatomy | Source | None = None
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -92,9 +100,13 @@ class Configuration:
         self._set("control_hz", hz)
         self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
         model = model_named(self.model)
-        if self.estimator not in (None, *model.estimators):
-            allowed = " or ".join(model.estimators)
-            raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
+        names = (*model.estimators, NO_ESTIMATOR)
+        if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
+            allowed = ", ".join(names)
+            raise InputError(
+                f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}, or an object with the "
+                "methods reset(start) and update(measured, samples)"
+            )
         least = LAW_TICKS if self.mode.takes_targets else 1
         periods = 1.0 / hz / TICK / least
         if not math.isfinite(periods) or abs(periods - round(periods)) > 1e-9 or periods < 1.0:
@@ -106,7 +118,10 @@ class Configuration:
             if not isinstance(getattr(self, name), bool | np.bool_):
                 raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: true or false")
             self._set(name, bool(getattr(self, name)))
-        self._set("cohort", cohort(self.cohort, model.muscles))
+        self._set("comfort", comfort_of(self.comfort))
+        if self.anatomy is not None:
+            self._set("anatomy", anatomy_of(self.anatomy))
+        self._set("cohort", cohort(self.cohort, self.muscles))
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
@@ -140,7 +155,16 @@ class Configuration:
     @property
     def filter_model(self) -> Estimator:
         """The mechanics that the filter believes in."""
-        return self.estimator or model_named(self.model).estimator
+        name = self._estimator_name()
+        return model_named(self.model).estimator if name is None or name == "none" else name
+
+    def _estimator_name(self) -> Estimator | Literal["none"] | None:
+        return self.estimator if isinstance(self.estimator, str) else None
+
+    @property
+    def own_estimator(self) -> OwnEstimator | None:
+        """The user's estimator, which every world has a copy of."""
+        return cast(OwnEstimator, self.estimator) if is_own_estimator(self.estimator) else None
 
     @property
     def steps_per_s(self) -> float:
@@ -162,6 +186,20 @@ class Configuration:
     def steps(self) -> int:
         """Control periods in an episode."""
         return round(self.episode_s * self.steps_per_s)
+
+    def build_anatomy(self) -> Anatomy:
+        """Attachments, mandible and fossa that the filter believes in; those of the truth unless something errs."""
+        return anatomy_of(self.anatomy)
+
+    @property
+    def muscles(self) -> MuscleSet:
+        """The muscles of the model with their lines of action."""
+        model = model_named(self.model)
+        return model.muscles if self.anatomy is None else self.build_anatomy().muscle_sets()[model.muscle_set]
+
+    def build_comfort(self) -> Comfort:
+        """What is allowed of patients, with the fields that the user changed."""
+        return comfort_of(self.comfort)
 
     def build_cohort(self) -> Cohort:
         """Whom ``reset`` draws, with the muscles of the model."""

@@ -82,12 +82,15 @@ class JawEnv(gym.Env[Observation, Action]):
       second of cost 1.
     * ``track_bound``: compute the bound for ``info`` as well; ``record``: keep what the device measures.
     * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
-      with them; ``reality``: the same of ``jawenv.reality.Reality``.
-    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in; ``render_mode``.
+      with them; ``reality``, ``comfort``, ``anatomy``: the same of ``jawenv.reality.Reality``, ``jawenv.Comfort`` and
+      ``jawenv.Anatomy``.
+    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in, or a filter of one's own
+      (``jawenv.envs.own_estimators``); ``render_mode``.
 
     ``env.spec.to_json()`` takes names, numbers, mappings, paths as text, and a ``Device`` or ``Reality``, which comes
-    back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no ``pathlib.Path`` and no
-    NumPy scalar; pickle takes all forms. A path stands for the file as it is when the environment is made.
+    back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no ``pathlib.Path``, no
+    NumPy scalar and no estimator of one's own; pickle takes all forms. A path stands for the file as it is when the
+    environment is made.
 
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
@@ -175,7 +178,8 @@ class JawEnv(gym.Env[Observation, Action]):
         """One control period. After the end of the episode it warns, and nothing moves any more.
 
         Raises:
-            InputError: the action has another shape than (4,), or a component that is no number in [-1, 1].
+            InputError: the action has another shape than (4,), or a component that is no number in [-1, 1]; or an
+                estimator of the user's gives no belief.
         """
         if not self._begun:
             raise gym.error.ResetNeeded("call reset() before step()")

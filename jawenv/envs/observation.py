@@ -11,7 +11,7 @@ from math import log10, sqrt
 
 import numpy as np
 
-from jawenv.device.comfort import N_LIMITS, SOFT_FORCE, used_fractions
+from jawenv.device.comfort import N_LIMITS, used_fractions
 from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
@@ -29,7 +29,7 @@ _REST_SIZES = {
     "rates": 5,  # filtered x', y' / 20 mm/s; omega / 0.5 rad/s
     "jaw": 3,  # opening, side, fore-aft: signed used fractions of the soft limits, 0 at rest
     "jaw_range": 3,  # soft limits: opening / 30 mm, side / 10 mm, fore-aft / 10 mm
-    "force": 6,  # load cell, body axes: force / soft limit, moment / (soft limit x 20 mm)
+    "force": 6,  # load cell, body axes: force / 15 N, moment / (15 N x 20 mm)
     "motor_thrust": N_MOTORS,  # / full scale
     # Trajectory control: each motor's target less its position / 10 mm. Targets control: the channels' targets now, as
     # the guard leaves them. Force control: 0.
@@ -40,7 +40,8 @@ _REST_SIZES = {
 POSE_SCALE = (0.005, 0.005, 0.25, 0.1, 0.1)
 RATE_SCALE = (0.02, 0.02, 0.5, 0.5, 0.5)
 RANGE_SCALE = (0.03, 0.01, 0.01)
-MOMENT_SCALE = SOFT_FORCE * 0.02
+FORCE_SCALE = 15.0
+MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
 
@@ -155,7 +156,7 @@ def observe_world(device, model, known, control, prior, scratch, row):
     for i in range(3):
         sensed[_JAW + i] = bounded(excursion[i] / ranges[i])
         sensed[_RANGE + i] = bounded(ranges[i] / RANGE_SCALE[i])
-        sensed[_FORCE + i] = bounded(known.reading[i] / SOFT_FORCE)
+        sensed[_FORCE + i] = bounded(known.reading[i] / FORCE_SCALE)
         sensed[_FORCE + 3 + i] = bounded(known.reading[3 + i] / MOMENT_SCALE)
     for i in range(N_MOTORS):
         sensed[_THRUST + i] = bounded(known.motors.thrust[i] / device.full_scale)

@@ -6,7 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from jawenv.device.comfort import FULL_RANGE, HEALTHY_FORE_AFT, HEALTHY_SIDE
+from jawenv.device.comfort import set_general_limits
+from jawenv.device.comfort_settings import SMALLEST_RANGE_MM
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.condyles import REST_OPENING_MAX, REST_SIDE_MAX, rest_on_condyles
@@ -25,16 +26,9 @@ from jawenv.mechanics.kinematics import contact_point, rotation, split
 from jawenv.mechanics.linearisation import linear_dtype
 from jawenv.reality.state import reset_reality
 
-# The patient's painless range (grade G): what a slow vertical pull of 12 N opens, at most 25 mm above rest, and no more
-# than 45 mm in all.
-PAINLESS_FORCE = 12.0
-PAINLESS_RANGE = 0.025
-LARGEST_OPENING = 0.045
-SMALLEST_RANGE = 0.005
+FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
+SMALLEST_RANGE = 1e-3 * SMALLEST_RANGE_MM
 RANGE_STEPS = 10
-TENSION_MARGIN = 1.5  # soft limit of a muscle's tension over its tension at the end of the painless range
-CONDYLE_BACK = -0.5e-3
-CONDYLE_FREE = 2.0e-3
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
 
@@ -63,7 +57,7 @@ def write_position(jaw, pose, positions, i):
 
 
 @njit
-def open_slowly(jaw, muscles, pose, scratch):
+def open_slowly(jaw, muscles, comfort, pose, scratch):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -78,22 +72,23 @@ def open_slowly(jaw, muscles, pose, scratch):
     rest_opening = jaw.mouthpiece[2] - positions[0, 2]
     if not converged or rest_opening > REST_OPENING_MAX or abs(positions[0, 1]) > REST_SIDE_MAX:
         return -1
-    furthest = min(PAINLESS_RANGE, LARGEST_OPENING - rest_opening)
+    furthest = min(comfort.painless_range, comfort.largest_opening - rest_opening)
     for i in range(1, RANGE_STEPS + 1):
         poses[i, :] = poses[i - 1, :]
         opening = rest_opening + furthest * i / RANGE_STEPS
         force, converged = settle(jaw, muscles, poses[i], opening, True, scratch.linear, scratch.matrix, scratch.right)
-        too_far = poses[i, 0] > CREST_SHARE * jaw.crest - CONDYLE_FREE
-        if not converged or force > PAINLESS_FORCE or too_far:
+        too_far = poses[i, 0] > CREST_SHARE * jaw.crest - comfort.condyle_free
+        if not converged or force > comfort.painless_force or too_far:
             return i - 1
         write_position(jaw, poses[i], positions, i)
     return RANGE_STEPS
 
 
 @njit
-def set_limits(jaw, muscles, limits, last, scratch):
+def set_limits(jaw, muscles, comfort, limits, last, scratch):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
+    set_general_limits(comfort, limits)
     limits.rest_opening = jaw.mouthpiece[2] - positions[0, 2]
     limits.rest_side = positions[0, 1]
     limits.rest_condyle_side = poses[0, 1]
@@ -106,15 +101,15 @@ def set_limits(jaw, muscles, limits, last, scratch):
     bend = (to_middle - to_end * s) / (s * s - s)
     limits.path[0], limits.path[1], limits.path[2] = positions[0, 0], to_end - bend, bend
     share = (max(limits.rest_opening, 0.0) + limits.opening) / FULL_RANGE
-    limits.side = HEALTHY_SIDE * share
-    limits.fore_aft = HEALTHY_FORE_AFT * share
-    high = min(max(poses[0, 0], poses[last, 0]) + CONDYLE_FREE, CREST_SHARE * jaw.crest)
-    limits.condyle_middle = 0.5 * (CONDYLE_BACK + high)
-    limits.condyle_half = 0.5 * (high - CONDYLE_BACK)
+    limits.side = comfort.side * share
+    limits.fore_aft = comfort.fore_aft * share
+    high = min(max(poses[0, 0], poses[last, 0]) + comfort.condyle_free, CREST_SHARE * jaw.crest)
+    limits.condyle_middle = 0.5 * (high - comfort.condyle_back)
+    limits.condyle_half = 0.5 * (high + comfort.condyle_back)
     q = (poses[last, 0], poses[last, 1], poses[last, 2], poses[last, 3], poses[last, 4])
     for i in range(muscles.shape[0]):
         _, _, _, tension = muscle_pull(jaw, muscles, i, contact_point(jaw, q), rotation(q))
-        limits.tension[i] = TENSION_MARGIN * tension
+        limits.tension[i] = comfort.tension_margin * tension
     return True
 
 
@@ -161,7 +156,7 @@ def begin_reality(truth, reality, scratch):
 
 
 @njit
-def begin_device(device, world):
+def begin_device(device, model, world):
     """Clock, motors, targets and load cell as an episode begins, of the jaw at rest; nothing has been read."""
     known = world.known
     known.tick = -1
@@ -172,6 +167,7 @@ def begin_device(device, world):
     known.tracker.rate[:] = 0.0
     known.tracker.size[:] = 1.0
     known.tracker.begun = 0
+    known.tracker.crest, known.tracker.full_force = model.crest, known.limits.force
 
 
 @njit_within
@@ -182,15 +178,15 @@ def begin_world(device, model, world, settings, scratch, beginning, first_row):
     truth.state[:] = 0.0
     truth.state[0] = 3e-3 if truth.jaw.free_x else 0.0
     truth.state[2] = 0.05
-    last = open_slowly(truth.jaw, truth.muscles, truth.state, beginning)
+    last = open_slowly(truth.jaw, truth.muscles, settings.comfort, truth.state, beginning)
     truth.lift[0], truth.lift[1] = 0.0, 0.0
-    if last < 0 or not set_limits(truth.jaw, truth.muscles, limits, last, beginning):
+    if last < 0 or not set_limits(truth.jaw, truth.muscles, settings.comfort, limits, last, beginning):
         return False
     if not rest_on_condyles(truth, limits, beginning):
         return False
     truth.violated = 0
     truth.acted = IDLE
-    begin_device(device, world)
+    begin_device(device, model, world)
     begin_reality(truth, settings.reality, scratch)
     reset_belief(device, model, world, settings, scratch, first_row)
     return True

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.device.comfort import COMFORT_LIMITS, HARD, OPENING
+from jawenv.device.comfort import COMFORT_LIMITS, OPENING
 from jawenv.device.linkage import excursions
 from jawenv.envs.info import WorldReader
 from jawenv.envs.plants import TICK
@@ -52,12 +52,12 @@ def build_scene(simulation: Simulation, title: str | None = None, index: int = 0
         prior_sd=np.asarray(simulation.cohort.prior.sd),
         truth=info["truth"],
         comfort={name: info[f"comfort_{name}"] for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
-        comfort_hard=dict(zip(COMFORT_LIMITS, HARD, strict=True)),
+        comfort_hard=dict(zip(COMFORT_LIMITS, limits["hard"].tolist(), strict=True)),
         governor=min(info["governor"], 1.0),  # a sum of shares of ticks, which rounds
         time_s=float(known["tick"]) * TICK,
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
-        opening_limits_mm=1e3 * (rest_opening + painless * np.array([1.0, HARD[OPENING]])),
+        opening_limits_mm=1e3 * (rest_opening + painless * np.array([1.0, limits["hard"][OPENING]])),
         excursion_mm=1e3 * np.array([side, fore_aft]),
         excursion_soft_mm=1e3 * np.array([limits["side"], limits["fore_aft"]]),
         information_nats=info["information_claimed"],

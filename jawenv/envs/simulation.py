@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Patient, default_mandible
+from jawenv.anatomy import Patient
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import (
     device_with_sensor,
@@ -18,17 +18,20 @@ from jawenv.device.force_sensor import (
     sds_of_sensor,
     slack_force,
 )
+from jawenv.envs.belief_kernel import show_beliefs
 from jawenv.envs.bound_kernel import track_bound
-from jawenv.envs.configuration import Configuration
+from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
 from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
+from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
 from jawenv.envs.plants import TICK
 from jawenv.envs.reset_kernel import begin, beginning_dtype
 from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
 from jawenv.envs.unknown_truth import Streams, draw_truth
 from jawenv.envs.world import world_dtype
 from jawenv.errors import InputError
+from jawenv.filter import least_noise
 from jawenv.filter.bound_recursion import bound_scratch_dtype
 from jawenv.filter.initial_motion import start_sd
 from jawenv.filter.known_within import write_nuisances
@@ -60,7 +63,7 @@ class Simulation:
         """Allocate the worlds; nothing is simulated before ``reset``."""
         self.configuration = configuration
         self.model = model_named(configuration.model)
-        muscles = self.model.muscles
+        anatomy, muscles = configuration.build_anatomy(), configuration.muscles
         self.cohort = configuration.build_cohort()
         device = configuration.build_device()
         self.device = device_with_sensor(configuration.force_sensor, device)
@@ -68,7 +71,9 @@ class Simulation:
         self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
         bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
-        self._jaw = build_jaw(muscles, free=self.model.free, condyles=2 if bilateral else 1)
+        self._jaw = build_jaw(
+            muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
+        )
         self._known_condyles = 2 if known else 1
         self.knowledge = configuration.build_knowledge()
         self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical, self._motor_sds)
@@ -77,7 +82,7 @@ class Simulation:
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
-        self._gravity = default_mandible().gravity
+        self._gravity = anatomy.mandible.gravity
         config: Any = numba.config
         threads: int = config.NUMBA_NUM_THREADS  # the most that set_num_threads can ask for, now or later
         self._scratches = record_zeros(threads, scratch_dtype(*sizes))
@@ -92,6 +97,9 @@ class Simulation:
         bound_threads = threads if configuration.needs_bound else 0
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
+        own = configuration.own_estimator
+        self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
+        """The user's estimators, where they are in the place of the device's filter."""
 
     def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
@@ -101,9 +109,11 @@ class Simulation:
         return ContactPlants(self.device, self.models, self.worlds, self.settings, *rows, sizes)
 
     def _kept_ticks(self) -> int:
-        """How many ticks of an episode are kept: all to be recorded, or those that the filter will replay."""
-        ticks = self.configuration.steps * self.configuration.ticks_per_step
-        return ticks if self.configuration.record else min(ticks, LAST_WINDOW)
+        """How many ticks of an episode are kept: all to be recorded or read again, or those that the filter replays."""
+        configuration = self.configuration
+        ticks = configuration.steps * configuration.ticks_per_step
+        kept = configuration.record or configuration.own_estimator is not None
+        return ticks if kept else min(ticks, LAST_WINDOW)
 
     def _kept_truths(self) -> int:
         """How many rows of the truth are kept: of an episode to be recorded, of the bound's last period, or one."""
@@ -118,6 +128,7 @@ class Simulation:
         self._set_filter(records["filter"][0])
         settings["noise_variance"] = self._noise_variance()
         settings["reality"] = self.reality.records()[0]
+        settings["comfort"] = self.configuration.build_comfort().records()[0]
         self._set_disturbance(settings)
         control = settings["control"]
         control["servo"] = configuration.mode.has_servos
@@ -130,13 +141,15 @@ class Simulation:
         """Fill a record of dtype ``filter_settings_dtype``."""
         configuration, device = self.configuration, self.device[0]
         settings["dt"] = TICK
+        settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
         pose = [True] * 12
         point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
         settings["used"] = pose if configuration.sensors == "pose" else point
         sd = start_sd(self._jaw, self._known_condyles)
         settings["start_sd"][: len(sd)] = sd
-        noise = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-        settings["measurement_variance"] = np.repeat([float(device[name]) ** 2 for name in noise], 3)
+        settings["measurement_variance"] = least_noise.encoder_sds(device) ** 2
+        cell_sd = np.repeat([float(device["cell_force"]), float(device["cell_moment"])], 3)
+        settings["cell_repeats"] = least_noise.cell_repeats(cell_sd)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
         about = self._jaw, self.knowledge, self.cohort.muscles, self._sds
@@ -151,7 +164,7 @@ class Simulation:
         known["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
         if time > 0.0:
             variance = np.repeat([float(device[f"unmodelled_{kind}"]) ** 2 for kind in ("force", "moment")], 3)
-            known["wrench_variance"] -= variance
+            known["wrench_variance"] = least_noise.wrench_variance(known["wrench_variance"] - variance)
             settings["noise_variance"][:N_WRENCH] = known["wrench_variance"]
             known["start_sd"][-N_WRENCH:] = np.sqrt(variance)
             known["disturbance_decay"] = np.exp(-TICK / time)
@@ -164,9 +177,10 @@ class Simulation:
         cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
         unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
         friction = friction_noise(self.configuration.force_sensor, self.configuration.build_device())
-        constant = [unmodelled[k] + friction[k] ** 2 + (cell_force, cell_moment)[k] for k in range(2)]
+        squares = [unmodelled[k] + friction[k] ** 2 + (cell_force, cell_moment)[k] for k in range(2)]
+        constant = least_noise.wrench_variance(np.repeat(squares, 3))
         # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
-        variance: NDArray[np.float64] = np.sqrt(np.repeat([*constant, cell_force, cell_moment], 3)) ** 2
+        variance: NDArray[np.float64] = np.sqrt([*constant, *np.repeat([cell_force, cell_moment], 3)]) ** 2
         return variance
 
     def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
@@ -186,6 +200,10 @@ class Simulation:
         try:
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
+            if self.own_estimators is not None:
+                starts = [self._episode_start(int(i)) for i in numbers]
+                self.own_estimators.begin(self.worlds, self.ticks, chosen, starts)
+                self._show_own_beliefs(chosen)
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
                 array[numbers] = values
@@ -252,12 +270,45 @@ class Simulation:
         self._track_bound(chosen)
 
     def advance(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
-        """One control period of every active world with ``actions`` (N, 4) in [-1, 1]."""
+        """One control period of every active world with ``actions`` (N, 4) in [-1, 1].
+
+        Raises:
+            InputError: an estimator of the user's gives no belief.
+        """
+        own = self.own_estimators
+        if own is not None:
+            own.before_step(self.worlds, active)
         if self._contact is not None:
             self._contact.advance(actions, active)
         else:
             self._advance_compiled(actions, active)
         self._track_bound(active)
+        if own is not None:
+            own.after_step(self.worlds, self.ticks, active, self.configuration.ticks_per_step)
+            self._show_own_beliefs(active)
+
+    def _show_own_beliefs(self, chosen: NDArray[np.bool_]) -> None:
+        """Information and observation of the chosen worlds by the beliefs of their own estimators."""
+        shared = Shared(self.device, self.settings, self._scratches)
+        show_beliefs(shared, self.models, self.worlds, chosen, self.observation)
+
+    def _episode_start(self, index: int) -> EpisodeStart:
+        """What an own estimator of world ``index`` is told."""
+        known, noise = self.settings["filter"][0], self.settings["noise_variance"][0]
+        states = self.ticks["believed"].shape[2]
+        return EpisodeStart(
+            parameter_names=self.parameter_names,
+            prior=self.cohort.prior,
+            jaw=self.models[index].copy(),
+            start_mean=self.ticks["believed"][index, 0].copy(),
+            start_sd=known["start_sd"][:states].copy(),
+            tick_s=TICK,
+            ticks_per_step=self.configuration.ticks_per_step,
+            measurement_sd=np.sqrt(known["measurement_variance"]),
+            wrench_sd=np.sqrt(noise[:N_WRENCH]),
+            cell_sd=np.sqrt(noise[N_WRENCH:]),
+            gain_sd=float(self.device[0]["cell_gain"]),
+        )
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self._scratches)

@@ -20,12 +20,14 @@ class Snapshot:
         kind: what the environment is: only an environment of the same is restored from it.
         arrays: worlds, the filter's jaws, readings, truths and observation.
         jaws: those that pymunk moves; None in other models.
+        estimators: state of the user's estimators; None without.
         attributes: the environment's own, by name.
     """
 
     kind: tuple[Any, ...]
     arrays: tuple[NDArray[Any], ...]
     jaws: Any
+    estimators: Any
     attributes: dict[str, Any]
 
 
@@ -34,7 +36,9 @@ def take_snapshot(env: Any, names: tuple[str, ...]) -> Snapshot:
     simulation = env.simulation
     arrays = tuple(array.copy() for array in _arrays(simulation))
     attributes = copy.deepcopy({name: getattr(env, name) for name in names})
-    return Snapshot(_kind(env), arrays, copy.deepcopy(_jaws(simulation)), attributes)
+    own = simulation.own_estimators
+    estimators = None if own is None else own.state()
+    return Snapshot(_kind(env), arrays, copy.deepcopy(_jaws(simulation)), estimators, attributes)
 
 
 def restore_snapshot(env: Any, snapshot: Any) -> None:
@@ -52,6 +56,8 @@ def restore_snapshot(env: Any, snapshot: Any) -> None:
         array[...] = kept
     if snapshot.jaws is not None:
         simulation._contact._jaws = copy.deepcopy(snapshot.jaws)
+    if snapshot.estimators is not None:
+        simulation.own_estimators.set_state(snapshot.estimators)
     vars(env).update(copy.deepcopy(snapshot.attributes))
 
 
@@ -69,6 +75,10 @@ def _jaws(simulation: Simulation) -> Any:
 def _kind(env: Any) -> tuple[Any, ...]:
     """What must be alike for a snapshot to fit: form, number of worlds and arguments."""
     configuration, cohort = env.configuration, env.simulation.cohort
-    arguments = tuple(getattr(configuration, each.name) for each in fields(configuration) if each.name != "cohort")
+    arguments = tuple(
+        getattr(configuration, each.name) for each in fields(configuration) if each.name not in ("cohort", "estimator")
+    )
+    own = configuration.own_estimator
+    estimator = configuration.estimator if own is None else type(own)  # copies of one object need not be equal
     vector = getattr(env, "num_envs", None), getattr(env, "autoreset_mode", None), getattr(env, "_last_tick", None)
-    return type(env), vector, cohort.name, cohort.groups, arguments
+    return type(env), vector, cohort.name, cohort.groups, estimator, arguments

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.comfort import HARD, N_LIMITS, cost_of, used_fractions
+from jawenv.device.comfort import N_LIMITS, cost_of, used_fractions
+from jawenv.device.comfort_settings import COMFORT
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
@@ -76,6 +77,7 @@ def settings_dtype(
     fields = [
         ("filter", filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)),
         ("control", CONTROL),
+        ("comfort", COMFORT),
         ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
         ("reality", REALITY),
         ("unmodelled_decay", "f8"),  # of the true unmodelled wrench over a tick
@@ -227,7 +229,7 @@ def read(model, known, settings, scratch, ticks):
 def end_step(device, model, world, settings, scratch, row):
     """Belief at the end of a control period, its information, and the observation, into ``row``."""
     known = world.known
-    if known.tick > 0:
+    if known.tick > 0 and not settings.filter.motion_only:
         learn(known.belief, settings.filter, scratch.filter.belief)
     refresh_information(world, scratch.matrix, scratch.right)
     observe_world(device, model, known, settings.control, settings.filter, scratch.seeing, row)
@@ -244,16 +246,15 @@ def take_motion(device, world, scratch, share, acted):
 @njit
 def take_comfort(world, scratch, share):
     """Add one tick's discomfort to the step's record."""
-    truth = world.truth
+    truth, limits = world.truth, world.known.limits
     q, u = split(truth.state)
     force = norm(mean_force(scratch.wrench))
-    limits, lift = world.known.limits, lift_of(truth)
-    used_fractions(truth.jaw, scratch.effective, limits, q, u, lift, force, scratch.fractions)
+    used_fractions(truth.jaw, scratch.effective, limits, q, u, lift_of(truth), force, scratch.fractions)
     for i in range(N_LIMITS):
         fraction = scratch.fractions[i]
         truth.fractions[i] = max(truth.fractions[i], fraction)
-        truth.costs[i] += share * cost_of(fraction, HARD[i])
-        if not fraction <= HARD[i]:
+        truth.costs[i] += share * cost_of(fraction, limits.hard[i])
+        if not fraction <= limits.hard[i]:
             truth.violated = 1
 
 

@@ -20,14 +20,15 @@ from jawenv.device.channels import (
     ROLL_FULL_SCALE_RAD,
     SIDE,
 )
-from jawenv.device.comfort import SOFT_FORCE
+from jawenv.device.comfort_settings import Comfort
 from jawenv.device.guard import CREST_SHARE, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
-from jawenv.envs.observation import OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
 
 LAW_TICKS = 5  # 20 Hz
-_CREST_M = pi / default_fossa().spatial_frequency
+# What the law takes where it is not told.
+_CREST_M, _FORCE_N = pi / default_fossa().spatial_frequency, Comfort().force_N
 _POSE, _JAW = OBSERVATION_REST["pose"].start, OBSERVATION_REST["jaw"].start
 _RANGE, _FORCE = OBSERVATION_REST["jaw_range"].start, OBSERVATION_REST["force"].start
 _MARGIN, _END = OBSERVATION_REST["comfort_margin"].start, OBSERVATION_REST["comfort_margin"].stop
@@ -37,7 +38,7 @@ _MARGIN, _END = OBSERVATION_REST["comfort_margin"].start, OBSERVATION_REST["comf
 def felt_by(sensed, rest_roll):
     """``Felt`` from an observation's part after the belief; the load cell turns with the mouthpiece."""
     pitch = sensed[_POSE + 2] * POSE_SCALE[2]
-    ahead, up = sensed[_FORCE] * SOFT_FORCE, sensed[_FORCE + 2] * SOFT_FORCE
+    ahead, up = sensed[_FORCE] * FORCE_SCALE, sensed[_FORCE + 2] * FORCE_SCALE
     opened = float(sensed[_JAW])
     return Felt(
         opened * sensed[_RANGE] * RANGE_SCALE[0] * 1e3,
@@ -59,7 +60,7 @@ def wanted_by(sensed, tracker):
         size[OPENING] * target[OPENING] * opening,
         size[SIDE] * target[SIDE] * side,
         size[ROLL] * target[ROLL] * ROLL_FULL_SCALE_RAD,
-        size[FORE_AFT] * target[FORE_AFT] * SOFT_FORCE,
+        size[FORE_AFT] * target[FORE_AFT] * tracker.full_force,
         size[OPENING] * rate[OPENING] * opening,
         size[SIDE] * rate[SIDE] * side,
         size[ROLL] * rate[ROLL] * ROLL_FULL_SCALE_RAD,
@@ -86,7 +87,9 @@ def follow(device, observation, parameters, tracker, with_servo, holds_roll, dt,
         tracker.integral[:] = 0.0
         tracker.rest_roll = sensed[_POSE + 4] * POSE_SCALE[4]
         tracker.begun = 1
-    shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / _CREST_M / CREST_SHARE, dt)
+        if tracker.crest == 0.0:
+            tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
+    shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
     wanted, felt = wanted_by(sensed, tracker), felt_by(sensed, tracker.rest_roll)
     if with_servo:
         servo_rates(device, wanted, felt, action)

@@ -167,6 +167,10 @@ def update_motion(jaw, belief, measured, used, settings, scratch):
     """
     set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
     set_rows_of_past(jaw, belief, used, scratch)
+    if settings.motion_only:
+        verdict = judge_innovation(belief, settings.start_sd, scratch)
+        correct_state(belief, scratch)
+        return verdict
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings.nuisances, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
@@ -179,15 +183,21 @@ def update_motion(jaw, belief, measured, used, settings, scratch):
 @njit
 def correct_motion(belief, scratch):
     """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
+    correct_state(belief, scratch)
+    whiten(scratch.factor, scratch.by_tension_rows)
+    subtract_product(scratch.gain, scratch.by_tension_rows, belief.by_tension)
+
+
+@njit
+def correct_state(belief, scratch):
+    """Kalman update of motion and covariance, given ``factor``; leaves ``gain``."""
     whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
     whiten(scratch.factor, whitened)
-    whiten(scratch.factor, scratch.by_tension_rows)
     for i in range(gain.shape[0]):
         for k in range(N_MEASUREMENTS):
             gain[i, k] = whitened[k, i]
             belief.motion[i] += whitened[k, i] * innovation[k]
     subtract_product(gain, whitened, belief.motion_cov)
-    subtract_product(gain, scratch.by_tension_rows, belief.by_tension)
 
 
 @njit

@@ -1,7 +1,8 @@
 """Which readings the filter uses: one that is missing, out of range, or repeats the last to the bit, is left out.
 
 Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
-frozen. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
+frozen. Only a load cell without noise may repeat itself, as when no motor pushes; encoders without noise do where
+nothing at all moves the jaw. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
 """
 
 from __future__ import annotations
@@ -41,13 +42,13 @@ def mark_usable(measured, last, allowed, used):
 
 
 @njit
-def repair_samples(belief, samples, dt, variance, usable):
+def repair_samples(belief, samples, settings, variance, usable):
     """Copy ``samples`` (3, 6) to ``usable``; a missing or frozen component keeps its last usable value.
 
     Args:
         belief: State of the filter: last samples, last usable samples, time since then.
         samples: The load cell's in a tick.
-        dt: Length of the tick, s.
+        settings: ``dt``, length of the tick (s), and ``cell_repeats`` (6), which components may repeat themselves.
         variance: (6,) process noise; grows with the time that a component is held.
         usable: (3, 6), overwritten.
 
@@ -59,13 +60,14 @@ def repair_samples(belief, samples, dt, variance, usable):
     for k in range(samples.shape[1]):
         good, previous = True, last[k]
         for i in range(samples.shape[0]):
-            good = good and in_range(samples[i, k], FORCE if k < 3 else MOMENT) and samples[i, k] != previous
+            changed = samples[i, k] != previous or settings.cell_repeats[k] != 0
+            good = good and changed and in_range(samples[i, k], FORCE if k < 3 else MOMENT)
             previous = samples[i, k]
         last[k] = previous
         if good:
             held_sample[k], lost_for[k] = previous, 0.0
         else:
-            lost_for[k] += dt
+            lost_for[k] += settings.dt
             sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
             variance[k] += sd * sd
             number += 1

@@ -56,6 +56,8 @@ def filter_settings_dtype(
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
         ("gain_variance", "f8"),
+        ("cell_repeats", "u1", N_WRENCH),  # whether a component of the load cell has no noise
+        ("motion_only", "u1"),  # whether the motion is filtered at the prior's mean, and nothing is learnt
         ("start_sd", "f8", n_states + n_disturbance),  # of motion and disturbance before the first reading
         ("disturbance_decay", "f8"),  # over a tick, of a disturbance with memory
         ("disturbance_variance", "f8", (n_disturbance,)),  # of what is new in it after a tick
@@ -162,7 +164,7 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
     left_out, resolved = 0, True
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
-        left_out += repair_samples(belief, samples, settings.dt, scratch.wrench_variance, scratch.samples)
+        left_out += repair_samples(belief, samples, settings, scratch.wrench_variance, scratch.samples)
         add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
@@ -174,7 +176,7 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         belief.readings += 1
         correct_readings(belief, settings.nuisances, measured, scratch.measured)
         scratch.verdict = update_motion(jaw, belief, scratch.measured, scratch.used, settings, scratch.update)
-        if resolved and scratch.verdict != REFUSED:
+        if resolved and scratch.verdict != REFUSED and not settings.motion_only:
             add_to_block(belief, scratch.update)
     if tick > 0:
         follow_friction(jaw, belief, settings, scratch.time)
@@ -239,6 +241,8 @@ def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
         scratch: Working memory.
     """
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
+    if settings.motion_only:
+        return left_out
     if scratch.verdict == REFUSED:
         belief.gated += 1
     if tick < rows.shape[0] and ends_window(belief, scratch):

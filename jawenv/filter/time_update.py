@@ -71,6 +71,8 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     set_total(jacobian_of_tick(belief, scratch), settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
     decay_disturbance(belief, settings)
+    if settings.motion_only:
+        return
     pose, position = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
     set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
     set_nuisance_wrenches(jaw, scratch.step.muscles, belief, pose, settings, scratch)

@@ -37,7 +37,10 @@ def configuration_of(env_id: str, env_kwargs: Mapping[str, Any] | None, own: Map
     for name in own:
         if name in (env_kwargs or {}):
             raise InputError(f"env_kwargs has {name!r}, which is set here; allowed: the other arguments")
-    return configure({**spec.kwargs, **(env_kwargs or {}), **own})
+    configuration = configure({**spec.kwargs, **(env_kwargs or {}), **own})
+    if configuration.own_estimator is not None:
+        raise InputError("env_kwargs has an estimator of one's own; allowed where readings are made: the environment's")
+    return configuration
 
 
 def log_parameters(theta: ArrayLike, size: int) -> Array:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,25 +14,26 @@ from jawenv.errors import InputError
 from jawenv.inference.settings import DEFAULT_ENV, Mask, configuration_of, log_parameters, patient_of
 
 
-def treatable(theta: ArrayLike, *, env_id: str = DEFAULT_ENV) -> Mask:
+def treatable(theta: ArrayLike, *, env_id: str = DEFAULT_ENV, env_kwargs: Mapping[str, Any] | None = None) -> Mask:
     """Which patients the device can treat: those whom ``reset`` of an environment takes.
 
     The relaxed jaw has to rest less than 35 mm open and 5 mm aside, with a painless range of 5 mm or more; F_o is at
-    most 100 N and b at most 60 (``jawenv.Patient``). Device, control and noise do not matter. The head is upright, and
-    the jaw is the one that the filter believes in.
+    most 100 N and b at most 60 (``jawenv.Patient``). Anatomy and comfort decide; device and noise do not matter. The
+    head is upright, and the jaw is the one that the filter believes in.
 
     Args:
         theta: (n, p) natural-log parameters, log F_o (N) and log b of each muscle in the order of
             ``env.unwrapped.parameter_names``.
         env_id: an environment of jawenv, for its model of the jaw.
+        env_kwargs: its arguments, as ``anatomy`` and ``comfort``, but for ``control`` and ``episode_s``.
 
     Returns:
         (n,) bool.
 
     Raises:
-        InputError: another id, another shape, or parameters that are not finite.
+        InputError: another id, another shape, parameters that are not finite, or an argument that is not allowed.
     """
-    configuration = configuration_of(env_id, None, {"control": "force", "episode_s": 0.05})
+    configuration = configuration_of(env_id, env_kwargs, {"control": "force", "episode_s": 0.05})
     simulation = Simulation(1, configuration)
     rows = log_parameters(theta, len(simulation.parameter_names))
     patients = (patient_of(row, simulation.cohort.muscles.names) for row in rows)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
+from jawenv.filter import least_noise
 from jawenv.filter.known_within import write_nuisances
 from jawenv.filter.tick import filter_settings_dtype, set_prior
 from jawenv.kernels.records import record_zeros
@@ -55,6 +56,7 @@ def settings_of_record(record: Record) -> Any:
     settings["measurement_variance"] = record.measurement_sd**2
     settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
     settings["used"], settings["start_sd"][:states] = True, record.start_sd
+    settings["cell_repeats"] = least_noise.cell_repeats(record.cell_sd)
     set_prior(settings, record.jaw, record.prior)
     if sds:
         write_nuisances(settings["nuisances"], upright, record.knowledge, model.muscles, sds)

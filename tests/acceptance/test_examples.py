@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -104,6 +105,18 @@ def test_importance_posterior() -> None:
 def test_importance_posterior_names_what_is_not_allowed(refusal) -> None:
     assert refusal("importance_posterior.py", "--samples", "1") == "error: samples is 1; allowed: 50 or more\n"
     assert "n is" not in refusal("importance_posterior.py", "--patients", "0")
+
+
+def test_own_filter() -> None:
+    done = run("examples/own_filter.py", "--patients", "2", "--seconds", "2")
+    assert done.returncode == 0, done.stderr
+    sds = np.array([[float(row.split()[k]) for k in (3, 7)] for row in done.stdout.splitlines() if "F_o" in row])
+    np.testing.assert_allclose(sds[:2], sds[2:], rtol=0.4)  # of the same patients and readings, by the environment's
+    assert done.stdout.count("mean NEES/2") == 2
+
+
+def test_own_filter_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("own_filter.py", "--patients", "0") == "error: patients is 0; allowed: 1 or more\n"
 
 
 def test_real_time(tmp_path: Path) -> None:

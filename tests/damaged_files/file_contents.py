@@ -21,6 +21,16 @@ from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
 from training.search.distill import Labels
 
+ANATOMY = """[mandible]
+mass_kg = 0.25
+mouthpiece_m = [0.08, 0.0, -0.045]
+
+[fossa]
+drop_m = 0.003
+
+[attachments.superficial_masseter]
+origin_m = [0.031, -0.058, -0.009]
+"""
 COHORT = """name = "stiff left"
 
 [[groups]]

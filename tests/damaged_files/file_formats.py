@@ -22,7 +22,7 @@ from eval.kept.tables import read_table
 from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
-from jawenv import Cohort, Device, Knowledge, Patient
+from jawenv import Anatomy, Cohort, Comfort, Device, Knowledge, Patient
 from jawenv.files import read_mapping, read_model
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.playing.maneuvers import Maneuver
@@ -138,6 +138,8 @@ FORMATS = (
     _text("patient", "a.json", contents.patient(), Patient.load),
     _text("cohort", "a.toml", contents.COHORT, lambda path: Cohort.load(path).to_dict()),
     _text("device", "a.toml", contents.numbers(Device), Device.load),
+    _text("comfort", "a.toml", contents.numbers(Comfort), Comfort.load),
+    _text("anatomy", "a.toml", contents.ANATOMY, Anatomy.load),
     _text("reality", "a.yaml", contents.numbers(Reality).replace(" = ", ": "), Reality.load),
     _text("knowledge", "a.yaml", contents.numbers(Knowledge).replace(" = ", ": "), Knowledge.load),
     _text("mapping", "a.yml", json.dumps(_PAIRS), read_mapping),

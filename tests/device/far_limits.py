@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from jawenv.device.comfort import limits_dtype
+from jawenv.device.comfort import limits_dtype, set_general_limits
+from jawenv.device.comfort_settings import Comfort
 
 
 def far_limits():
@@ -11,4 +12,5 @@ def far_limits():
         limits[name] = 10.0
     limits["path"] = limits["rest_opening"] = limits["rest_side"] = limits["rest_condyle_side"] = 0.0
     limits["condyle_middle"] = 0.0
+    set_general_limits(Comfort().records()[0], limits)
     return limits

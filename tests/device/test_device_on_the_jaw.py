@@ -5,8 +5,9 @@ import newton_euler as twin
 import numpy as np
 import pytest
 
-from jawenv.device.comfort import COMFORT_LIMITS, HARD, SOFT_FORCE
-from jawenv.device.motors import GOVERNOR_ONSET, ON_PATH, command_motors, device_wrench
+from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
+from jawenv.device.comfort_settings import Comfort
+from jawenv.device.motors import ON_PATH, command_motors, device_wrench
 from jawenv.envs.plants import SUBSTEPS, TICK
 from jawenv.mechanics.dynamics import state_rate
 
@@ -29,9 +30,9 @@ def test_full_thrust_for_ever_is_held_by_the_governor(control, way):
         governor.append(info["governor"])
     assert info["violation"].sum() <= VIOLATIONS[way]
     worst = dict(zip(COMFORT_LIMITS, np.max(used, axis=(0, 2)), strict=True))
-    for name, hard in zip(COMFORT_LIMITS, HARD, strict=True):
+    for name, hard in zip(COMFORT_LIMITS, Comfort().records()["hard"][0], strict=True):
         assert worst[name] <= (1.03 * hard if VIOLATIONS[way] else hard), worst
-    assert worst["force"] * SOFT_FORCE <= SOFT_FORCE * (1 + GOVERNOR_ONSET * (HARD[0] - 1)) + 1e-9
+    assert worst["force"] <= 1 + GOVERNOR_ONSET * (Comfort().force_hard - 1) + 1e-9
     assert np.mean(governor) > 0.3, "the governor is at work"
 
 

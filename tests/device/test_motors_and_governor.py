@@ -6,12 +6,12 @@ import pytest
 from far_limits import far_limits
 
 import jawenv
-from jawenv.device.comfort import HARD, SOFT_FORCE, SOFT_SPEED
+from jawenv.device.comfort import GOVERNOR_ONSET
+from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DEVICE
 from jawenv.device.motors import (
     BRAKED,
     CAPPED,
-    GOVERNOR_ONSET,
     IDLE,
     ON_PATH,
     STOPPED,
@@ -134,10 +134,10 @@ def test_left_yaw_is_right_motor_forward(jaw, motors, limits):
     np.testing.assert_allclose(found, [0, 0, 0, 0, 0, 2 * 0.030], atol=1e-15)
 
 
-@pytest.mark.parametrize(("cap_N", "expected"), [(40.0, SOFT_FORCE * (1 + GOVERNOR_ONSET)), (9.0, 9.0)])
+@pytest.mark.parametrize(("cap_N", "expected"), [(40.0, 15.0 * (1 + GOVERNOR_ONSET)), (9.0, 9.0)])
 def test_the_motors_together_push_no_more_than_the_cap(jaw, motors, limits, cap_N, expected):
     """The governor's cap lies between soft and hard limit, or at the device's own, whichever is lower."""
-    assert HARD[0] == 2.0
+    assert (Comfort().force_N, Comfort().force_hard) == (15.0, 2.0)
     motors["thrust"] = [30.0, 10.0, 20.0, 20.0]
     found, acted = wrench(device_record(force_cap_N=cap_N), jaw, limits, motors)
     uncapped = np.sqrt(40.0**2 + 40.0**2)
@@ -216,7 +216,7 @@ def test_the_brake_works_against_the_motion_only_above_the_soft_speed(jaw, motor
     slow, fast = np.array([0.0, 0.03, 0, 0, 0]), np.array([0.0, 0.30, 0, 0, 0])
     assert wrench(device_record(), jaw, limits, motors, u=slow)[1] == IDLE
     found, acted = wrench(device_record(brake_N_s_m=60.0), jaw, limits, motors, u=fast)
-    onset = SOFT_SPEED * (1 + GOVERNOR_ONSET * (HARD[6] - 1))
+    onset = 0.04 * (1 + GOVERNOR_ONSET * (Comfort().speed_hard - 1))
     assert acted == BRAKED
     np.testing.assert_allclose(twin.rotation(Q) @ found[:3], [0, -60.0 * (0.30 - onset), 0], atol=1e-12)
 

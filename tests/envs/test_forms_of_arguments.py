@@ -98,14 +98,16 @@ def test_specs_survive_json_and_pickle(files):
         {"cohort": "severe"},
         {"cohort": ONE_SIDE.to_dict(), "device": {"full_scale_N": 3.0}},
         {"cohort": path, "device": str(files["device.toml"])},
-        {"device": WEAK, "reality": Reality(creep_share=0.2)},
+        {"device": WEAK, "reality": Reality(creep_share=0.2), "comfort": jawenv.Comfort(force_N=9.0)},
+        {"anatomy": {"mandible": {"mass_kg": 0.3}}, "comfort": {"side_mm": 8.0}},
     ):
         env = gym.make(ID, **{"control": "force", **arguments})
         for copy in (EnvSpec.from_json(env.spec.to_json()), pickle.loads(pickle.dumps(env.spec))):
             made = gym.make(copy).unwrapped
             np.testing.assert_array_equal(made.prior.mean, env.unwrapped.prior.mean)
             assert made.configuration.device == env.unwrapped.configuration.device
-            assert made.configuration.reality == env.unwrapped.configuration.reality
+            for name in ("reality", "comfort", "anatomy"):
+                assert getattr(made.configuration, name) == getattr(env.unwrapped.configuration, name)
     spec = pickle.loads(pickle.dumps(gym.make(ID, cohort=ONE_SIDE, device=files["device.toml"], control="force").spec))
     assert gym.make(spec).unwrapped.simulation.cohort.name == "stiff left"
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.observation import OBSERVATION_LAYOUT, observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
@@ -96,7 +96,7 @@ def test_a_hard_limit_that_is_crossed_ends_the_episode():
     env.reset(seed=1)
     for _ in range(200):
         _, _, terminated, truncated, info = env.step(np.array([1, 1, 0, 0], dtype=np.float32))
-        crossed = any(info[f"comfort_{name}"] > hard for name, hard in zip(COMFORT_LIMITS, HARD, strict=True))
+        crossed = any(info[f"comfort_{name}"] > getattr(jawenv.Comfort(), f"{name}_hard") for name in COMFORT_LIMITS)
         assert info["violation"] == crossed
         if terminated:
             break

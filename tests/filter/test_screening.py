@@ -12,6 +12,7 @@ from jawenv.filter.screening import (
     repair_samples,
 )
 from jawenv.filter.state import belief_dtype
+from jawenv.filter.tick import filter_settings_dtype
 
 EVERY = np.ones(12, dtype=np.uint8)
 
@@ -80,9 +81,11 @@ class Cell:
         self.last[:], self.held[:] = rng.normal(size=6), rng.normal(size=6)
         self.usable = np.full((3, 6), np.nan)
 
-    def repair(self, dt=0.01):
+    def repair(self, dt=0.01, without_noise=()):
         given, self.variance = self.samples.copy(), self.before.copy()
-        number = repair_samples(self.belief, self.samples, dt, self.variance, self.usable)
+        settings = np.zeros(1, dtype=filter_settings_dtype(6, 10))[0]
+        settings["dt"], settings["cell_repeats"][list(without_noise)] = dt, 1
+        number = repair_samples(self.belief, self.samples, settings, self.variance, self.usable)
         np.testing.assert_array_equal(self.samples, given)
         np.testing.assert_array_equal(self.last, given[2])
         return number
@@ -94,6 +97,16 @@ def test_good_samples_pass(rng):
     np.testing.assert_array_equal(cell.usable, cell.samples)
     np.testing.assert_array_equal(cell.variance, cell.before)
     np.testing.assert_array_equal(cell.held, cell.samples[2])
+
+
+def test_a_component_without_noise_may_repeat_itself(rng):
+    """All of three are the last of the tick before; two are held, and the one that is missing in the fourth."""
+    cell = Cell(rng)
+    cell.samples[:, :3] = cell.last[:3]
+    cell.samples[1, 3] = np.nan
+    assert cell.repair(without_noise=[1, 3]) == 3
+    np.testing.assert_array_equal(np.flatnonzero(cell.variance > cell.before), [0, 2, 3])
+    np.testing.assert_array_equal(cell.usable[:, 1], cell.samples[:, 1])
 
 
 def test_a_component_that_fails_is_held_and_doubted(rng):

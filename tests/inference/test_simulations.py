@@ -1,5 +1,7 @@
 """Simulation in batches is the single environment, row by row, and leaves out whom the device cannot treat."""
 
+from types import SimpleNamespace
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -118,6 +120,7 @@ def test_what_is_true_is_kept_when_asked_for():
         ({"env_kwargs": {"episode_s": 3.0}}, "env_kwargs has 'episode_s', which is set here"),
         ({"env_kwargs": {"controls": "force"}}, "unexpected keyword argument 'controls'"),
         ({"env_kwargs": 3}, "env_kwargs is 3"),
+        ({"env_kwargs": {"estimator": SimpleNamespace(reset=print, update=print)}}, "an estimator of one's own"),
     ],
 )
 def test_what_is_refused(change, message):

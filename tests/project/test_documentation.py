@@ -16,7 +16,7 @@ from eval.studies import design
 from eval.studies.cells import cells_of
 from eval.studies.metrics import METRICS
 from jawenv.controls import CONTROLS
-from jawenv.device.comfort import COMFORT_LIMITS, HARD
+from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
@@ -77,9 +77,9 @@ def test_info() -> None:
 
 def test_a_cohort_of_ones_own() -> None:
     """The example runs, and its file says the same."""
-    section = TEXT.split("\n### A cohort, a device, a patient of your own\n")[1]
-    (example,) = re.findall(r"```python\n(.*?)```", section.split("\n## ")[0], re.S)
-    (file,) = re.findall(r"```toml\n(.*?)```", section.split("\n## ")[0], re.S)
+    section = re.split(r"\n##+ ", TEXT.split("\n### A cohort, a device, a patient of your own\n")[1])[0]
+    (example,) = re.findall(r"```python\n(.*?)```", section, re.S)
+    (file,) = re.findall(r"```toml\n(.*?)```", section, re.S)
     names = {"gym": gym, "jawenv": jawenv}
     exec(compile(example, "environment.md", "exec"), names)
     assert tomllib.loads(file) == names["mine"]
@@ -88,7 +88,16 @@ def test_a_cohort_of_ones_own() -> None:
 def test_comfort_limits() -> None:
     rows = table("Comfort")
     assert tuple(named(row[0])[0] for row in rows) == COMFORT_LIMITS
-    assert tuple(float(row[3]) for row in rows) == HARD
+    hard = [getattr(jawenv.Comfort(), f"{name}_hard") for name in COMFORT_LIMITS]
+    assert [float(row[3]) for row in rows] == hard
+
+
+def test_numbers_of_comfort() -> None:
+    """Those that are not hard limits, in the order of the class."""
+    rows = [row.strip("| ").split(" | ") for row in TEXT.split("| field of `jawenv.Comfort` |")[1].splitlines()[2:7]]
+    stated = {name: float(value) for row in rows for name, value in zip(named(row[0]), row[1].split(","), strict=True)}
+    defaults = {each.name: each.default for each in fields(jawenv.Comfort) if not each.name.endswith("_hard")}
+    assert list(stated.items()) == list(defaults.items())
 
 
 def test_device() -> None:

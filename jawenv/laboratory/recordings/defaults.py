@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import Device
+from jawenv.filter import least_noise
 from jawenv.filter.encoders import N_MEASUREMENTS, expect
 from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.bilateral import N_BODY
@@ -55,10 +56,8 @@ def model_of_geometry(jaw: Any) -> tuple[str, float] | None:
 
 
 def measurement_sd(device: Device) -> Array:
-    """(12,) noise of the encoders, SI."""
-    device_record = device.records()[0]
-    names = ("encoder_position", "encoder_angle", "encoder_velocity", "encoder_rate")
-    return np.repeat([float(device_record[name]) for name in names], 3)
+    """(12,) noise of the encoders, SI; not less than filters believe (``least_noise``)."""
+    return least_noise.encoder_sds(device.records()[0])
 
 
 def wrench_sd(device: Device, dt: float) -> Array:
@@ -76,7 +75,7 @@ def wrench_sd(device: Device, dt: float) -> Array:
         + 0.5 * float(device_record[f"cell_{kind}"]) ** 2
         for kind in ("force", "moment")
     ]
-    sd: Array = np.sqrt(np.repeat(variance, 3))
+    sd: Array = np.sqrt(least_noise.wrench_variance(np.repeat(variance, 3)))
     return sd
 
 

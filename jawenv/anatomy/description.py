@@ -1,0 +1,213 @@
+"""A jaw of one's own: what of attachments, mandible and fossa differs from the default anatomy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy.attachments import Attachment, attachment
+from jawenv.anatomy.fossa import Fossa, default_fossa
+from jawenv.anatomy.mandible import Mandible, default_mandible
+from jawenv.anatomy.muscles import PORTIONS, SIDES, MuscleSet, muscle_sets
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
+from jawenv.files import Source, instance_of, read_into
+
+__all__ = ["Anatomy", "anatomy_of"]
+
+FARTHEST_M = 0.5
+"""Of a point from the condyles, along each axis."""
+
+RANGES = MappingProxyType(
+    {
+        "mass_kg": (0.01, 5.0),
+        "damping_rotation": (0.0, 10.0),
+        "damping_sliding": (0.0, 1000.0),
+        "tooth_stiffness": (100.0, 1e6),
+        "condyle_half_width_m": (0.005, 0.2),
+        "disc_stiffness": (100.0, 1e7),
+        "disc_damping": (0.0, 1e4),
+        "disc_onset": (0.01, 1000.0),
+        "gravity": (0.0, 30.0),
+        "drop_m": (5e-4, 0.02),
+        "spatial_frequency": (50.0, 2000.0),
+        "strength_N": (1e-3, 1e4),
+    }
+)
+"""Least and largest value of the numbers that are no points, in the units of their classes."""
+
+# N m s2 per kg: moments of inertia lie between those of bodies whose mass is 1 mm and 20 cm from its centre.
+INERTIA_PER_KG = (1e-6, 0.04)
+
+
+@dataclass(frozen=True, eq=False)
+class Anatomy:
+    """Attachments, mandible and fossa.
+
+    Attributes:
+        attachments: portion -> its line on the right, mirrored to the left; portion and side, as
+            ``deep_masseter_left``, -> the line of that side alone, with its own y. Other portions have the lines of the
+            table.
+        mandible: mass properties, contact points and damping.
+        fossa: the condyles' path.
+
+    Raises:
+        InputError: an unknown portion, a value that is not allowed, or a line without length.
+    """
+
+    attachments: Mapping[str, Attachment] = field(default_factory=dict)
+    mandible: Mandible = field(default_factory=default_mandible)
+    fossa: Fossa = field(default_factory=default_fossa)
+
+    def __post_init__(self) -> None:
+        """Check all numbers, and that the muscles of every model exist."""
+        names = [*PORTIONS, *(f"{portion}_{side}" for side in SIDES for portion in PORTIONS)]
+        for name, line in self.attachments.items():
+            if name not in names:
+                allowed = f"{', '.join(PORTIONS)}, each also with _left or _right"
+                raise InputError(f"anatomy.attachments.{name} is unknown; allowed: {allowed}")
+            _check(f"attachments.{name}", line)
+        _check("mandible", self.mandible)
+        _check("fossa", self.fossa)
+        moments = np.linalg.eigvalsh(self.mandible.inertia_kg_m2) / self.mandible.mass_kg
+        low, high = INERTIA_PER_KG
+        if not (low <= moments[0] and moments[-1] <= high):
+            raise InputError(
+                f"anatomy.mandible.inertia_kg_m2 has principal moments of {moments[0]:g} to {moments[-1]:g} m2 per kg; "
+                f"allowed: {low:g} to {high:g}"
+            )
+        object.__setattr__(self, "attachments", MappingProxyType(dict(self.attachments)))
+        self.muscle_sets()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild through the constructor: a mapping that is only read cannot be pickled."""
+        return type(self), (dict(self.attachments), self.mandible, self.fossa)
+
+    def line_of(self, portion: str, side: str) -> Attachment:
+        """The line of a portion on one side."""
+        own = self.attachments.get(f"{portion}_{side}")
+        if own is not None:
+            return own
+        right = self.attachments.get(portion)
+        if right is None:
+            return attachment(portion, side)
+        mirror = np.array([1.0, -1.0 if side == "left" else 1.0, 1.0])
+        return replace(right, origin_m=mirror * right.origin_m, insertion_m=mirror * right.insertion_m)
+
+    def muscle_sets(self) -> Mapping[str, MuscleSet]:
+        """The muscle sets of the models by name, as ``known_muscle_sets``, with these attachments."""
+        return muscle_sets(self.line_of)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """What a mapping says otherwise than the default anatomy; names and units are those of the classes' fields.
+
+        Args:
+            data: ``attachments``, ``mandible`` and ``fossa``, each a mapping and each left out where nothing differs.
+
+        Raises:
+            InputError: an unknown name, or what the classes refuse.
+        """
+        for name in data:
+            if name not in ("attachments", "mandible", "fossa"):
+                raise InputError(f"anatomy.{name} is not a field of Anatomy; allowed: attachments, mandible, fossa")
+        lines = {}
+        for name, change in _mapping(data.get("attachments"), "attachments").items():
+            portion, side = _portion(name)
+            lines[name] = _changed(attachment(portion, side), change, f"attachments.{name}")
+        return cls(
+            lines,
+            _changed(default_mandible(), data.get("mandible"), "mandible"),
+            _changed(default_fossa(), data.get("fossa"), "fossa"),
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """What a JSON, TOML or YAML file says, as ``from_dict`` takes it.
+
+        Raises:
+            InputError: one line that names the file and what is wrong with it.
+        """
+        return read_into(path, cls.from_dict)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all numbers are the same."""
+        return isinstance(other, Anatomy) and _numbers_of(self) == _numbers_of(other)
+
+    def __hash__(self) -> int:
+        """Of all numbers."""
+        return hash(repr(_numbers_of(self)))
+
+
+def anatomy_of(anatomy: Anatomy | Source | None) -> Anatomy:
+    """An anatomy that is given as itself, as a mapping or as the path of a file; None is the default one.
+
+    Raises:
+        InputError: none of these, or what ``Anatomy`` refuses.
+    """
+    return Anatomy() if anatomy is None else instance_of(Anatomy, anatomy, "anatomy")
+
+
+def _portion(name: str) -> tuple[str, str]:
+    """Portion and side of a key of ``attachments``; the right side where it names none."""
+    for side in SIDES:
+        portion = str(name).removesuffix(f"_{side}")
+        if portion != name and portion in PORTIONS:
+            return portion, side
+    if name not in PORTIONS:
+        allowed = f"{', '.join(PORTIONS)}, each also with _left or _right"
+        raise InputError(f"anatomy.attachments.{name} is unknown; allowed: {allowed}")
+    return str(name), "right"
+
+
+def _mapping(value: object, where: str) -> Mapping[str, Any]:
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        raise InputError(f"anatomy.{where} is {shown(value)}; allowed: a mapping")
+    return value
+
+
+def _changed(default: Any, change: object, where: str) -> Any:
+    """An object with the fields that a mapping names."""
+    names = [each.name for each in fields(default)]
+    given = _mapping(change, where)
+    for name in given:
+        if name not in names:
+            raise InputError(f"anatomy.{where}.{name} is not a field; allowed: {', '.join(names)}")
+    try:
+        return replace(default, **given) if given else default
+    except InputError as error:
+        raise InputError(f"anatomy.{where}: {error}") from None
+
+
+def _check(where: str, part: Any) -> None:
+    """Check that numbers are in range, and points within reach."""
+    for each in fields(part):
+        value = getattr(part, each.name)
+        if each.name in RANGES:
+            low, high = RANGES[each.name]
+            number = real_number(value)
+            if number is None or not low <= number <= high:
+                raise InputError(f"anatomy.{where}.{each.name} is {shown(value)}; allowed: {low:g} to {high:g}")
+        elif each.name.endswith("_m"):
+            shape = (3, 3) if each.name == "teeth_m" else (3,)
+            least = 0.0 if "sd" in each.name else -FARTHEST_M
+            points: NDArray[np.float64] = np.asarray(value)
+            if points.shape != shape or not ((points >= least) & (points <= FARTHEST_M)).all():
+                allowed = f"numbers of shape {shape}, {least:g} to {FARTHEST_M:g} m"
+                raise InputError(f"anatomy.{where}.{each.name} is {shown(points.tolist())}; allowed: {allowed}")
+
+
+def _numbers_of(anatomy: Anatomy) -> dict[str, Any]:
+    parts: dict[str, Any] = {**anatomy.attachments, "mandible": anatomy.mandible, "fossa": anatomy.fossa}
+    return {
+        name: {each.name: np.asarray(getattr(part, each.name)).tolist() for each in fields(part)}
+        for name, part in sorted(parts.items())
+    }

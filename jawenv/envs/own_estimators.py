@@ -1,0 +1,189 @@
+"""Estimators of the user's in the place of the device's filter: the belief that observation, info and reward show.
+
+The device's filter goes on beside it: its motion is what the observation's pose and the law of targets control have.
+Between two steps the worlds' records hold the own belief; while a step is computed, they hold that of the device.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from jawenv.anatomy import Prior
+from jawenv.errors import InputError, shown
+
+Array = NDArray[np.float64]
+ASYMMETRY = 1e-6  # of a covariance that rounding explains, relative to its largest entry
+
+__all__ = ["EpisodeStart", "OwnEstimator", "OwnEstimators", "is_own_estimator"]
+
+
+@dataclass(frozen=True, eq=False)
+class EpisodeStart:
+    """What is known before the first reading of an episode; names and units are those of a ``Record``.
+
+    Attributes:
+        parameter_names: p names, as ``log_F_o/masseter_left``.
+        prior: belief about the p natural-log parameters.
+        jaw: geometry and mass as the filter believes them, a record of dtype ``jaw_dtype``.
+        start_mean: (n,) believed motion (q, u).
+        start_sd: (n,) its sd; 0 for a coordinate that cannot move.
+        tick_s: s from one update to the next.
+        ticks_per_step: updates in a step; observation and reward read the belief after the last of them.
+        measurement_sd: (12,) noise of the encoders.
+        wrench_sd: (6,) sd of the wrench not known, anew in each tick: what no model explains, and the noise of the mean
+            of a tick's load-cell samples.
+        cell_sd: (6,) sd of the latter alone.
+        gain_sd: sd of the load cell's relative gain error, one value for the episode.
+    """
+
+    parameter_names: tuple[str, ...]
+    prior: Prior
+    jaw: Any
+    start_mean: Array
+    start_sd: Array
+    tick_s: float
+    ticks_per_step: int
+    measurement_sd: Array
+    wrench_sd: Array
+    cell_sd: Array
+    gain_sd: float
+
+
+@runtime_checkable
+class OwnEstimator(Protocol):
+    """What an object must have to be the ``estimator`` of an environment.
+
+    ``belief`` is an attribute or a property: mean (p,) and covariance (p, p) of the natural-log parameters.
+    """
+
+    @property
+    def belief(self) -> tuple[Any, Any]:
+        """Mean (p,) and covariance (p, p) after the last update."""
+
+    def reset(self, start: EpisodeStart) -> Any:
+        """Begin an episode: forget all readings."""
+
+    def update(self, measured: Array, samples: Array | None) -> Any:
+        """Take the readings of one tick.
+
+        Args:
+            measured: (12,) encoders at the tick's end: mouthpiece position (m, head axes), Euler angles theta, psi,
+                alpha (rad), mouthpiece velocity (m/s), angular velocity (rad/s, body axes); NaN where not read.
+            samples: (3, 6) load cell at start, middle and end of the tick: force (N) and moment (N m) of the device on
+                the mouthpiece, body axes; NaN where not read. None at the first update, before anything has moved.
+        """
+
+
+def is_own_estimator(value: object) -> bool:
+    """Whether a value has what is called of an estimator; ``belief`` may appear with the first reset."""
+    if isinstance(value, type):
+        return False
+    return all(callable(getattr(value, name, None)) for name in ("reset", "update"))
+
+
+class OwnEstimators:
+    """An own estimator for each of N worlds: copies of one that is given.
+
+    Args:
+        estimator: which is copied.
+        number: N.
+        parameters: p.
+    """
+
+    def __init__(self, estimator: Any, number: int, parameters: int) -> None:
+        """Make the copies."""
+        self.each = [copy.deepcopy(estimator) for _ in range(number)]
+        """(N,) the estimators."""
+        self._means = np.zeros((number, parameters))
+        self._covs = np.zeros((number, parameters, parameters))
+        self._failed = np.zeros(number, dtype=np.bool_)
+
+    def before_step(self, worlds: NDArray[np.void], active: NDArray[np.bool_]) -> None:
+        """The active worlds' records hold the belief of the device's filter again.
+
+        Raises:
+            ResetNeeded: the estimator of one of them has failed since its reset.
+        """
+        if (self._failed & active).any():
+            raise ResetNeeded("the estimator has failed in this episode; call reset() before step()")
+        belief = worlds["known"]["belief"]
+        belief["mean"][active], belief["cov"][active] = self._means[active], self._covs[active]
+
+    def begin(
+        self, worlds: NDArray[np.void], ticks: NDArray[np.void], chosen: NDArray[np.bool_], starts: list[EpisodeStart]
+    ) -> None:
+        """Reset the estimators of the chosen worlds, whose sensors have been read for the first time.
+
+        Args:
+            worlds: records of dtype ``world_dtype``; take the belief.
+            ticks: (N, ticks) what was read.
+            chosen: (N,).
+            starts: one for each chosen world.
+
+        Raises:
+            InputError: a belief that is none. The worlds are as they were.
+        """
+        self._failed |= chosen
+        for i, start in zip(np.flatnonzero(chosen).tolist(), starts, strict=True):
+            self.each[i].reset(start)
+            self.each[i].update(ticks["measured"][i, 0].copy(), None)
+        self._take(worlds, chosen)
+        self._failed &= ~chosen
+
+    def after_step(
+        self, worlds: NDArray[np.void], ticks: NDArray[np.void], active: NDArray[np.bool_], ticks_per_step: int
+    ) -> None:
+        """Give the active worlds' readings of a step to their estimators, and the beliefs to their records.
+
+        Raises:
+            InputError: a belief that is none. The records hold that of the device's filter.
+        """
+        self._failed |= active
+        for i in np.flatnonzero(active).tolist():
+            last = int(worlds["known"]["tick"][i])
+            for row in ticks[i, last - ticks_per_step + 1 : last + 1]:
+                self.each[i].update(row["measured"].copy(), row["samples"].copy())
+        self._take(worlds, active)
+        self._failed &= ~active
+
+    def _take(self, worlds: NDArray[np.void], chosen: NDArray[np.bool_]) -> None:
+        belief, numbers = worlds["known"]["belief"], np.flatnonzero(chosen)
+        own = [checked_belief(self.each[i], self._means.shape[1]) for i in numbers.tolist()]
+        self._means[numbers], self._covs[numbers] = belief["mean"][numbers], belief["cov"][numbers]
+        for i, (mean, cov) in zip(numbers.tolist(), own, strict=True):
+            belief["mean"][i], belief["cov"][i] = mean, cov
+
+    def state(self) -> Any:
+        """A copy of all that changes, for ``set_state``."""
+        return copy.deepcopy((self.each, self._means, self._covs, self._failed))
+
+    def set_state(self, state: Any) -> None:
+        """Go back to what ``state`` has returned, which stays as it is."""
+        self.each, self._means, self._covs, self._failed = copy.deepcopy(state)
+
+
+def checked_belief(estimator: Any, parameters: int) -> tuple[Array, Array]:
+    """Mean (p,) and covariance (p, p) of an estimator.
+
+    Raises:
+        InputError: it has no belief, or one of other shapes, with numbers that are not finite, or not symmetric.
+    """
+    name, allowed = type(estimator).__name__, f"mean ({parameters},) and covariance ({parameters}, {parameters})"
+    value = getattr(estimator, "belief", None)
+    try:
+        mean, cov = (np.asarray(part, dtype=np.float64) for part in value)  # type: ignore[union-attr]
+    except (TypeError, ValueError):
+        raise InputError(f"estimator {name}: belief is {shown(value)}; allowed: {allowed}") from None
+    if mean.shape != (parameters,) or cov.shape != (parameters, parameters):
+        raise InputError(f"estimator {name}: belief has shapes {mean.shape} and {cov.shape}; allowed: {allowed}")
+    if not (np.isfinite(mean).all() and np.isfinite(cov).all()):
+        raise InputError(f"estimator {name}: belief holds a number that is not finite; allowed: finite numbers")
+    if np.abs(cov - cov.T).max() > ASYMMETRY * np.abs(cov).max():
+        raise InputError(f"estimator {name}: the belief's covariance is not symmetric; allowed: a symmetric one")
+    return mean, cov

@@ -1,0 +1,129 @@
+"""Comfort of one's own: soft and hard limits of another clinician, in cost, governor, observation and law."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from test_copies import actions
+
+import jawenv
+from jawenv.device.channels import FORE_AFT
+from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
+from jawenv.envs.tracking import wanted_by
+from jawenv.numeric_fields import NumericFields
+
+ID = "jawenv/Jaw-v2"
+PUSH = np.array([0.15, 0.15, 0.05, 0.05], np.float32)
+BARELY = np.array([0.03, 0.03, 0.01, 0.0], np.float32)
+
+
+def played(steps=20, action=PUSH, **arguments):
+    """Observation and info of each step of a single environment, and the environment."""
+    env = gym.make(ID, **{"control": "force", **arguments}).unwrapped
+    env.reset(seed=5000)
+    seen = []
+    while len(seen) < steps and not (seen and seen[-1][2]):  # until a hard limit is crossed
+        seen.append(env.step(action))
+    return [step[0] for step in seen], [step[4] for step in seen], env
+
+
+def test_the_default_given_is_the_default(tmp_path):
+    (tmp_path / "comfort.toml").write_text("force_N = 15\n")
+    wanted, _, _ = played()
+    for given in (jawenv.Comfort(), {}, {"speed_mm_s": 40}, tmp_path / "comfort.toml"):
+        np.testing.assert_array_equal(played(comfort=given)[0], wanted)
+
+
+def test_used_fractions_are_of_the_own_limits():
+    """The governor acts at neither; the jaw moves alike."""
+    _, default, _ = played(action=BARELY)
+    comfort = jawenv.Comfort(force_N=30.0, speed_mm_s=80.0, tension_margin=3.0, side_mm=20.0)
+    _, own, _ = played(action=BARELY, comfort=comfort)
+    for k in range(20):
+        assert default[k]["governor"] == own[k]["governor"] == 0.0
+        for name in ("force", "speed", "tension", "side"):
+            assert own[k][f"comfort_{name}"] == pytest.approx(0.5 * default[k][f"comfort_{name}"], rel=1e-9), name
+        assert own[k]["comfort_opening"] == default[k]["comfort_opening"]
+
+
+def test_ranges_are_of_the_own_painless_pull():
+    observations, _, _ = played(steps=1)
+    short, _, env = played(steps=1, comfort={"painless_range_mm": 8.0})
+    soft, weak = played(steps=1, comfort={"painless_force_N": 2.0})[2], played(steps=1)[2]
+    opening = [each.simulation.worlds["known"]["limits"]["opening"][0] for each in (env, soft, weak)]
+    assert opening[0] == pytest.approx(8e-3, rel=0.01) and opening[1] < opening[2]
+    assert short[0][37] == pytest.approx(opening[0] / 0.03, rel=1e-5) and observations[0][37] > short[0][37]
+
+
+def test_the_cost_is_one_at_the_own_hard_limit_and_the_episode_ends_there():
+    _, infos, _ = played(steps=40, comfort={"tension_margin": 0.25, "tension_hard": 1.5})
+    crossed = next(k for k, info in enumerate(infos) if info["violation"])
+    assert infos[crossed]["comfort_tension"] > 1.5 and not any(info["violation"] for info in infos[:crossed])
+    _, single, _ = played(steps=3, control_hz=100.0, comfort={"tension_margin": 0.3, "tension_hard": 5.0})
+    for info in single:  # one tick in a step
+        assert info["cost_tension"] == pytest.approx(max(0.0, info["comfort_tension"] - 1.0) / 4.0)
+
+
+def test_the_governor_caps_the_own_force():
+    """Before a stop is reached, and without a brake."""
+    comfort, device = jawenv.Comfort(force_N=1.0, force_hard=3.0), {"brake_N_s_m": 0.0}
+    _, infos, _ = played(action=np.array([0.5, 0.5, 0.0, 0.0], np.float32), steps=3, comfort=comfort, device=device)
+    assert infos[-1]["comfort_force"] == pytest.approx(1.0 + GOVERNOR_ONSET * 2.0)
+    assert infos[-1]["governor"] > 0.0
+
+
+def test_the_fore_aft_target_is_a_share_of_the_own_force():
+    env = gym.make(ID, comfort={"force_N": 6.0}).unwrapped
+    env.reset(seed=5000)
+    observation, *_ = env.step(np.array([-1.0, 0.0, 0.1, 0.0], np.float32))
+    tracker = env.simulation.worlds["known"]["tracker"][0]
+    share = tracker["size"][FORE_AFT] * tracker["target"][FORE_AFT]
+    assert wanted_by(observation[24:], tracker).forward == pytest.approx(6.0 * share) and share > 0.05
+
+
+def test_a_stricter_comfort_costs_more():
+    costs = []
+    for comfort in (None, {"force_N": 5.0, "speed_mm_s": 10.0, "condyle_side_mm": 1.0}):
+        env = gym.make_vec(ID, num_envs=2, control="trajectory", comfort=comfort, autoreset_mode="disabled")
+        env.reset(seed=5000)
+        costs.append(sum(env.step(action)[4]["cost"].sum() for action in actions(2, 20)))
+    assert costs[1] > 2.0 * costs[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"force_N": 0.0}, r"comfort.force_N is 0.0; allowed: a finite number, more than 0, at most 1000"),
+        ({"speed_hard": 1.0}, "comfort.speed_hard is 1; allowed: 1.05 or more"),
+        ({"painless_range_mm": 4.0}, "comfort.painless_range_mm is 4; allowed: 5 or more"),
+        ({"force": 3.0}, "comfort.force is not a field of Comfort; allowed: force_N, "),
+        ("strict", "strict: unknown file type"),
+        (3, "comfort is 3; allowed: a Comfort, a mapping of its fields, or the path of a file with them"),
+    ],
+)
+def test_what_is_not_allowed_is_one_line(given, message):
+    with pytest.raises(jawenv.InputError, match=f"^{message}[^\n]*$"):
+        gym.make(ID, comfort=given)
+
+
+def test_every_limit_has_a_hard_one():
+    assert issubclass(jawenv.Comfort, NumericFields)
+    hard = jawenv.Comfort(tension_hard=7.0).records()["hard"][0]
+    assert len(hard) == len(COMFORT_LIMITS) and hard[-1] == 7.0
+
+
+@pytest.mark.parametrize("name", jawenv.Comfort.numeric_fields())
+@pytest.mark.parametrize("end", ["low", "high"])
+def test_an_episode_at_a_bound_is_finite_or_refused_in_one_line(name, end):
+    high = jawenv.Comfort.numeric_fields()[name].high
+    low = 1.05 if name.endswith("_hard") else 5.0 if name in ("painless_range_mm", "largest_opening_mm") else 1e-6
+    env = gym.make(ID, comfort={name: high if end == "high" else low}).unwrapped
+    try:
+        env.reset(seed=5000)
+    except jawenv.InputError as error:
+        assert "patients in a row cannot be treated" in str(error)
+        return
+    for (action,) in actions(1, 5):
+        observation, reward, ended, _, info = env.step(action)
+        assert np.isfinite(observation).all() and np.isfinite(reward) and np.isfinite(info["cost"])
+        if ended:
+            return
