@@ -84,13 +84,13 @@ class JawEnv(gym.Env[Observation, Action]):
     * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
       with them; ``reality``, ``comfort``, ``anatomy``: the same of ``jawenv.reality.Reality``, ``jawenv.Comfort`` and
       ``jawenv.Anatomy``.
-    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in, or a filter of one's own
-      (``jawenv.envs.own_estimators``); ``render_mode``.
+    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in, "none" for no belief, or a
+      filter of one's own (``jawenv.envs.own_estimators``); ``render_mode``.
 
-    ``env.spec.to_json()`` takes names, numbers, mappings, paths as text, and a ``Device`` or ``Reality``, which comes
-    back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no ``pathlib.Path``, no
-    NumPy scalar and no estimator of one's own; pickle takes all forms. A path stands for the file as it is when the
-    environment is made.
+    ``env.spec.to_json()`` takes names, numbers, mappings, paths as text, a ``Device``, ``Reality`` or ``Comfort``,
+    which comes back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no
+    ``pathlib.Path``, no NumPy scalar, no ``Anatomy`` and no estimator of one's own; pickle takes all forms. A path
+    stands for the file as it is when the environment is made.
 
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
