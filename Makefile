@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-STUDIES := agents headline imaged robustness sensors rates ladder cohorts
+STUDIES := agents headline imaged robustness sensors force_sensors rates ladder cohorts
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $(DEMO)
 

@@ -63,7 +63,9 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
     same(fed(online, record.measured, record.samples), run.belief_mean[0], run.belief_cov[0], 10)
 
 
-@pytest.mark.parametrize("told", [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}])
+@pytest.mark.parametrize(
+    "told", [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps"}]
+)
 def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the_bit(told):
     env = gym.make("jawenv/Jaw-v2", **told, episode_s=2.0).unwrapped
     _, info = env.reset(seed=5000)

@@ -8,6 +8,7 @@ from eval.studies import design
 from eval.studies.cells import FACTORS, cells_of
 from eval.studies.design import Design
 from jawenv import COHORTS
+from jawenv.device.force_sensor import FORCE_SENSORS
 from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.reality import Reality
@@ -75,6 +76,7 @@ def test_shipped_studies_are_of_all_that_they_are_about():
     shapes = {"reflex_latency_ms", "reflex_lag_ms", "creep_time_s", "articular_onset"}
     assert effects == set(Reality.__dataclass_fields__) - shapes
     assert studies["sensors"].sensors == ("pose", "point")
+    assert studies["force_sensors"].force_sensors == FORCE_SENSORS
 
 
 @pytest.mark.parametrize(
@@ -142,9 +144,9 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["nothing"], "study 'nothing' is unknown; allowed: agents, cohorts, headline"),
+        (["nothing"], "study 'nothing' is unknown; allowed: agents, cohorts, force_sensors, headline"),
         (["nothing.yaml"], "nothing.yaml: no such file"),
-        ([], "study: none given; allowed: agents, cohorts, headline"),
+        ([], "study: none given; allowed: agents, cohorts, force_sensors, headline"),
         (["headline", "--backend", "dask"], "backend: 'dask' given, allowed are loky, ray"),
         (["headline", "--workers", "0"], "--workers"),
         (["broken.yaml"], "broken.yaml: damaged YAML"),

@@ -43,7 +43,7 @@ def rows(rng, effect=1.0):
                     "truth/log_b/closers": -truth,
                 }
             )
-            levels = ("JawHinge", "trismus", control, "pose", "none", hz, entry)
+            levels = ("JawHinge", "trismus", control, "pose", "cell", "none", hz, entry)
             parts.append(part.assign(**dict(zip(FACTORS, levels, strict=True))))
     return pd.concat(parts, ignore_index=True)
 
