@@ -19,7 +19,7 @@ _UNITS_PER_MM = UNITS_PER_M / 1000.0
 _MM_PER_N = 1.6
 _LONGEST_ARROW_MM = 45.0
 _LEAST_FORCE_N = 0.2
-_CAMERA_M = np.array([0.40, -0.36, 0.03])
+FIRST_POSITION = (4.0, -3.6, 0.3)  # of the camera, in units of the scene
 _LOOK_AT_M = np.array([0.040, 0.0, -0.020])
 _AROUND, _ABOVE = 0.7, 2.3  # intensities of the lights
 _LIGHT_AT = (3.0, -6.0, 6.0)  # from the viewer's upper left
@@ -153,7 +153,7 @@ def _prepare(server: Any) -> None:
     server.scene.configure_default_lights(enabled=False)
     server.scene.add_light_ambient("/lights/all_around", intensity=_AROUND)
     server.scene.add_light_directional("/lights/above", intensity=_ABOVE, position=_LIGHT_AT)
-    server.initial_camera.position = tuple((_CAMERA_M * UNITS_PER_M).tolist())
+    server.initial_camera.position = FIRST_POSITION
     server.initial_camera.look_at = tuple((_LOOK_AT_M * UNITS_PER_M).tolist())
     server.initial_camera.fov = float(np.radians(32.0))
 

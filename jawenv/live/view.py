@@ -5,8 +5,10 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
+
 from jawenv.live import panels
-from jawenv.live.jaw3d import Jaw3D
+from jawenv.live.jaw3d import FIRST_POSITION, Jaw3D
 from jawenv.live.look import DARK_DIGIT, SCRIPTS, STYLE
 from jawenv.live.session import Shown
 
@@ -88,7 +90,12 @@ def _set_scheme(client: Any, dark: bool) -> None:
 
 
 def _fit(client: Any) -> None:
-    """On a narrow page, put the jaw above the sheet of controls."""
-    if client.camera.aspect < _NARROW:
-        client.camera.position = (6.2, -5.6, -1.0)
-        client.camera.look_at = (0.45, 0.0, -1.4)
+    """On a narrow page, put the jaw above the sheet of controls, as often as viser begins as on a wide one."""
+
+    def look(camera: Any) -> None:
+        if camera.aspect < _NARROW and np.allclose(camera.position, FIRST_POSITION, atol=0.01):
+            camera.position = (6.2, -5.6, -1.0)
+            camera.look_at = (0.45, 0.0, -1.4)
+
+    look(client.camera)
+    client.camera.on_update(look)

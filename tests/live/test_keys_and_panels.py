@@ -8,9 +8,11 @@ import pytest
 
 from jawenv.device.channels import CHANNELS
 from jawenv.live import panels
+from jawenv.live.jaw3d import FIRST_POSITION
 from jawenv.live.keys import DRIVE_KEYS, Keys, keys_html, moved
 from jawenv.live.session import Session
 from jawenv.live.setup import Setup
+from jawenv.live.view import _fit
 
 
 class Gui:
@@ -77,3 +79,17 @@ def test_panels_say_what_is_known_and_used(shown):
     assert "do not fit the model" in panels.status_html(replace(shown, misfit=1.5))
     score = panels.score_html([shown.outcome], ["runs/live/my_drive_1.yaml"])
     assert "saved: runs/live/my_drive_1.yaml" in score and "–" in score
+
+
+@pytest.mark.parametrize(("aspect", "moved_away"), [(0.53, True), (1.5, False)])
+def test_a_narrow_page_looks_at_the_jaw_from_farther_whenever_it_begins_as_a_wide_one(aspect, moved_away):
+    told = []
+    camera = SimpleNamespace(aspect=aspect, position=(3.0, 3.0, 3.0), look_at=None, on_update=told.append)
+    _fit(SimpleNamespace(camera=camera))
+    for _ in range(2):  # the browser may begin a second time
+        camera.position = FIRST_POSITION
+        told[0](camera)
+        assert (camera.position != FIRST_POSITION) == moved_away
+    camera.position = (1.0, 2.0, 3.0)  # where the reader has turned it
+    told[0](camera)
+    assert camera.position == (1.0, 2.0, 3.0)
