@@ -87,7 +87,7 @@ def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
     trained = [each["label"] for each in made if each["label"] != reference]
     replays = {label: [each["label"] for each in about if each.get("replay_of") == label] for label in trained}
     found: list[Gain] = []
-    for name, group in _groups(trained).items():
+    for name, group in _groups(trained):
         if reference is not None:
             found += _of(study, name, group, [reference] * len(group), reference)
         for place, kind in enumerate(_KINDS):
@@ -96,13 +96,16 @@ def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
     return tuple(found)
 
 
-def _groups(labels: Sequence[str]) -> dict[str, list[str]]:
-    """Labels by what they begin with; one that ends in no seed is alone."""
-    groups: dict[str, list[str]] = {}
+def _groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Labels by what they begin with, the name of that first; one that ends in no seed is alone."""
+    seeds: dict[str, list[str]] = {}
+    alone: list[tuple[str, list[str]]] = []
     for label in labels:
-        match = _SEED.fullmatch(label)
-        groups.setdefault(match["stem"] if match else label, []).append(label)
-    return groups
+        if match := _SEED.fullmatch(label):
+            seeds.setdefault(match["stem"], []).append(label)
+        else:
+            alone.append((label, [label]))
+    return [*seeds.items(), *alone]
 
 
 def _of(study: Results, name: str, group: list[str], others: list[str], against: str) -> list[Gain]:

@@ -22,8 +22,8 @@ def show(found: tuple[Gain, ...], console: Console) -> None:
         return
     table = printed_table("Trained and planned entries, patient by patient: mean differences")
     table.add_column("entry", min_width=16)
-    for name in SHOWN:
-        table.add_column(FIGURES[name].title, justify="right")
+    for figure in SHOWN:
+        table.add_column(FIGURES[figure].title, justify="right")
     for each in found:
         entry = Text(words.label(each.name) + (f", {each.seeds} seeds" if each.seeds > 1 else ""))
         entry.append(f"\nagainst {words.label(each.against)}", style="dim")

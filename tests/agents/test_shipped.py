@@ -12,9 +12,9 @@ from jawenv.seeds import REPORTS
 
 
 def test_they_have_names() -> None:
-    assert policy_names() == ("distilled_one_sided", "ppo_force", "ppo_one_sided", "ppo_trismus")
+    assert policy_names() == ("distilled_one_sided", "ppo_force", "ppo_imaged", "ppo_one_sided", "ppo_trismus")
     assert exported_place("ppo_trismus") == SHIPPED / "ppo_trismus"
-    with pytest.raises(InputError, match="distilled_one_sided, ppo_force, ppo_one_sided, ppo_trismus"):
+    with pytest.raises(InputError, match="distilled_one_sided, ppo_force, ppo_imaged, ppo_one_sided, ppo_trismus"):
         load_agent("ppo_nobody")
 
 
@@ -30,10 +30,12 @@ def test_a_card_tells_what_it_corrects_how_it_was_made_and_what_it_reached(name:
 
 @pytest.mark.parametrize("name", policy_names())
 def test_it_knows_more_than_a_hand_made_maneuver(name: str) -> None:
-    kwargs = {**read_card(SHIPPED / name).environment.kwargs(), "episode_s": 10.0, "track_bound": False}
+    where = read_card(SHIPPED / name).environment
+    kwargs = {**where.kwargs(), "episode_s": 10.0, "track_bound": False}
     worst = {}
     for spec in (name, "opening_with_swings_and_fore_aft"):
-        played = jawenv.play(load_agent(spec, control=kwargs["control"]), patients=6, seed=5000, env_kwargs=kwargs)
+        agent = load_agent(spec, control=where.control)
+        played = jawenv.play(agent, patients=6, seed=5000, env_kwargs=kwargs, env_id=where.id)
         worst[spec] = np.log(played.belief_sd[:, -1].max(axis=1)).mean()
         assert not played.violation.any()
     assert worst[name] < worst["opening_with_swings_and_fore_aft"] - 0.3
