@@ -31,6 +31,7 @@ _FIELDS = {
     "mouthpiece": "mouthpiece, place",
     "turn": "mouthpiece, angles",
     "offset": "cell offset",
+    "cell_turn": "cell, angles",
     "motors": "force of each motor",
 }
 GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")

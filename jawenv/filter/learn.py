@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from jawenv.filter.basis import N_NODES, set_coefficients
+from jawenv.filter.changed_jaw import move_jaw
 from jawenv.filter.misfit import move_block, set_misfit
-from jawenv.filter.nuisances import move_jaw
 from jawenv.filter.posterior import posterior_dtype, update_belief
 from jawenv.filter.refocus import refocus
 from jawenv.filter.state import tension_columns

@@ -11,6 +11,7 @@ from numba.extending import overload
 
 from jawenv.filter.basis import basis_dtype, build_basis
 from jawenv.filter.cell_trend import SMOOTHING_TIME, follow_trend
+from jawenv.filter.changed_jaw import copy_jaw
 from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.joint_step import N_SAMPLES
 from jawenv.filter.learn import belief_fields, learn
@@ -22,7 +23,7 @@ from jawenv.filter.measurement_update import (
     update_motion,
 )
 from jawenv.filter.misfit import add_to_block, is_resolved
-from jawenv.filter.nuisances import copy_jaw, correct_readings, follow_friction, nuisance_dtype
+from jawenv.filter.nuisances import correct_readings, follow_friction, nuisance_dtype
 from jawenv.filter.screening import mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
