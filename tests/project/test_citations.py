@@ -21,7 +21,7 @@ def module_name(file: Path) -> str:
 
 MODULES = {module_name(file): file for file in SOURCES}
 STEMS = {name.rpartition(".")[2] for name in MODULES} - {"world", "belief"}  # which records are called, too
-FILE_ENDINGS = {".py", ".md", ".yaml", ".json", ".toml", ".npz", ".zip"}
+FILE_ENDINGS = {".csv", ".py", ".md", ".yaml", ".json", ".toml", ".npz", ".zip"}
 
 
 @cache
