@@ -53,7 +53,7 @@ def build_scene(simulation: Simulation, title: str | None = None, index: int = 0
         truth=info["truth"],
         comfort={name: info[f"comfort_{name}"] for name in COMFORT_LIMITS if _can_be_used(name, simulation)},
         comfort_hard=dict(zip(COMFORT_LIMITS, HARD, strict=True)),
-        governor=info["governor"],
+        governor=min(info["governor"], 1.0),  # a sum of the ticks' shares, which rounding leaves above 1
         time_s=float(known["tick"]) * TICK,
         episode_s=configuration.episode_s,
         opening_mm=float(jaw["mouthpiece"][2] - mouthpiece[2]) * 1e3,
