@@ -47,11 +47,11 @@ class Figure(NamedTuple):
 FIGURES: MappingProxyType[str, Figure] = MappingProxyType(
     {
         "early_worst_sd": Figure(f"log of the worst sd, {EARLY_S:g} s", _log, 3),
-        "worst_sd": Figure("at the end", _log, 3),
+        "worst_sd": Figure("log of the worst sd, end", _log, 3),
         "early_rmse": Figure(f"log of the true error, {EARLY_S:g} s", _log, 2),
-        "rmse": Figure("at the end", _log, 2),
+        "rmse": Figure("log of the true error, end", _log, 2),
         "early_information_true": Figure(f"true nats, {EARLY_S:g} s", _same, 2),
-        "information_true": Figure("at the end", _same, 2),
+        "information_true": Figure("true nats, end", _same, 2),
         "discomfort_s": Figure("discomfort, s", _same, 3),
     }
 )
