@@ -79,7 +79,8 @@ class Running:
 
     @property
     def information(self):
-        return self.belief["information"][: self.columns, : self.columns].copy()
+        upper = np.triu(self.belief["information"][: self.columns, : self.columns])
+        return upper + np.triu(upper, 1).T
 
     @property
     def score(self):

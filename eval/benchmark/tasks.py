@@ -84,10 +84,11 @@ class Task:
         return {name: value for name, value in asdict(self).items() if name != "description"} | {
             "cohort": {"name": self.cohort, "groups": cohort(self.cohort).to_dict()["groups"]},
             "knowledge": self.known_within,
-            "device": {name: value for name, value in device.items() if value},
+            "device": {name: value for name, value in device.items() if value and not name.startswith(_OTHER_SENSORS)},
         }
 
 
+_OTHER_SENSORS = ("motor_table_", "motor_coulomb_", "motor_viscous_", "strap_")  # of a force that no task has
 _MEMORY = {"unmodelled_time_s": 0.5}
 TASKS: Mapping[str, Task] = MappingProxyType(
     {

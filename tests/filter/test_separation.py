@@ -75,10 +75,6 @@ def test_the_separated_filter_is_the_joint_one(model, rng):
     information = running.belief["information"]
     np.testing.assert_array_equal(information[running.columns :], 0.0)
     np.testing.assert_array_equal(running.belief["score"][running.columns :], 0.0)
-    scale = np.sqrt(np.diag(running.information))
-    np.testing.assert_allclose(
-        running.information / scale, running.information.T / scale, rtol=0, atol=1e-9 * scale.max()
-    )
 
 
 @pytest.mark.parametrize("model", ["jaw", "bilateral"])
@@ -105,6 +101,7 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
     other, moved, stayed = Running(record, theta).run(80), Running(record).run(80), Running(record).run(80)
     moved.belief["mean"] = theta
+    moved.belief["information"][: moved.columns, : moved.columns] = moved.information
     recentre(moved.belief, moved.settings, moved.scratch["belief"])
     difference = other.belief["motion"] - stayed.belief["motion"]
     sd = np.sqrt(np.diag(stayed.belief["motion_cov"]))

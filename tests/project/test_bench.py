@@ -130,8 +130,8 @@ def test_figures_of_the_simulation() -> None:
     assert any(line.startswith("| slow opening | 1.38 ") for line in CALIBRATION.splitlines())
     for number in (
         "28928",
-        "| reflex gain of 0.5 | 3.9 |",
-        "| creep of 0.2 | 80 |",
-        "| play of 0.3 mm | 9.4 | 100 % |",
+        "| reflex gain of 0.5 | 4.6 | 3 |",
+        "| creep of 0.2 | 413 | 100 |",
+        "| play of 0.3 mm | 12 | 100 |",
     ):
         assert number in CALIBRATION
