@@ -12,6 +12,7 @@ from jawenv.filter.measurement_update import update_motion
 from jawenv.filter.state import begin_belief, begin_motion
 from jawenv.filter.tick import add_tooth_noise
 from jawenv.filter.time_update import predict_motion
+from jawenv.kernels.linalg import mirror
 from jawenv.laboratory.record_filter import FilterRun
 from jawenv.mechanics.dynamics import N_WRENCH
 
@@ -71,10 +72,11 @@ class Running:
         return self.run_on(0, ticks)
 
     def run_on(self, first, last):
-        """From the end of tick ``first`` to that of ``last``."""
+        """From the end of tick ``first`` to that of ``last``; the information is whole then, as where the belief is."""
         for k in range(first, last):
             self.predict(k)
             self.update(k + 1)
+        mirror(self.belief["information"])
         return self
 
     @property

@@ -101,7 +101,6 @@ def test_motion_and_score_of_another_patient_from_those_of_this_one(model, rng):
     theta = record.prior.mean + 1e-3 * rng.uniform(0.5, 1.5, len(record.prior.mean))
     other, moved, stayed = Running(record, theta).run(80), Running(record).run(80), Running(record).run(80)
     moved.belief["mean"] = theta
-    moved.belief["information"][: moved.columns, : moved.columns] = moved.information
     recentre(moved.belief, moved.settings, moved.scratch["belief"])
     difference = other.belief["motion"] - stayed.belief["motion"]
     sd = np.sqrt(np.diag(stayed.belief["motion_cov"]))
