@@ -61,6 +61,13 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
     except MemoryError as error:
         message = f"{out_of_memory(error)}; {less_memory} need less"
     except typer.TyperException as error:
-        message = _NO_NUMBER.sub(lambda said: f"allowed is a {_WORDS[said[1]]}", error.format_message())
+        given = _given(error)
+        message = _NO_NUMBER.sub(lambda said: f"{given}allowed is a {_WORDS[said[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2
+
+
+def _given(error: typer.TyperException) -> str:
+    """What stood where the ``error`` is, with a comma behind; nothing where typer's cause does not say it."""
+    problems = getattr(error.__cause__, "errors", None)
+    return f"'{problems()[0]['input']}' given, " if callable(problems) else ""
