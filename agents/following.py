@@ -1,7 +1,7 @@
 """Agents of targets control in force and trajectory control: the device's law follows their targets.
 
 In targets control the device itself does that. Here an agent decides as often as there, and between two decisions the
-law (`jawenv.envs.tracking`) turns the targets into the action of each control step, as it does for maneuvers.
+law (`jawenv.envs.world.tracking`) turns the targets into the action of each control step, as it does for maneuvers.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import FASTEST_TARGET, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
-from jawenv.envs.tracking import follow_all
+from jawenv.envs.world.tracking import follow_all
 from jawenv.errors import InputError, shown
 from jawenv.playing.maneuvers.player import checked_parameters, goals_of
 from jawenv.playing.protocol import Action, Observation

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.envs.plants import take_body
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.world.plants import take_body
 from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES

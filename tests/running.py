@@ -6,9 +6,9 @@ import newton_euler as twin
 import numpy as np
 import two_condyles
 
-from jawenv.filter.cell_trend import follow_trend
-from jawenv.filter.encoders import expect
 from jawenv.filter.measurement_update import update_motion
+from jawenv.filter.readings.cell_trend import follow_trend
+from jawenv.filter.readings.encoders import expect
 from jawenv.filter.state import begin_belief, begin_motion
 from jawenv.filter.tick import add_tooth_noise
 from jawenv.filter.time_update import predict_motion

@@ -7,7 +7,7 @@ from drawing_style import BLUE, GREY, INK, ORANGE, PINK, RED, canvas
 from matplotlib.figure import Figure
 
 from jawenv.device.comfort_settings import Comfort
-from jawenv.envs import reset_kernel
+from jawenv.envs.world import reset_kernel
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point, rotation

@@ -65,7 +65,7 @@ def mouthpiece_motion(jaw, q, u, lift, body_to_head):
 def command_motors(device, jaw, motors, motion, action, trajectory, dt):
     """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor.
 
-    ``motion`` is (q, u, lift), as ``envs.plants`` describes it.
+    ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it.
     """
     q, u, lift = motion
     body_to_head = rotation(q)
@@ -96,7 +96,7 @@ def command_motors(device, jaw, motors, motion, action, trajectory, dt):
 def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
-    ``motion`` is (q, u, lift), as ``envs.plants`` describes it. The last value says what of the governor acts:
+    ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it. The last value says what of the governor acts:
     ``IDLE``, ``CAPPED``, ``BRAKED`` and so on.
     """
     q, u, lift = motion

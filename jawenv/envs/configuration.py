@@ -18,8 +18,8 @@ from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
-from jawenv.envs.plants import TICK
-from jawenv.envs.tracking import LAW_TICKS
+from jawenv.envs.world.plants import TICK
+from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, shown
 from jawenv.files import Source
 from jawenv.ladder import Estimator, model_named

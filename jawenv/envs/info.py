@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import COMFORT_LIMITS
-from jawenv.envs.plants import TICK
+from jawenv.envs.world.plants import TICK
 
 _COST_KEYS = tuple(f"cost_{name}" for name in COMFORT_LIMITS)
 _COMFORT_KEYS = tuple(f"comfort_{name}" for name in COMFORT_LIMITS)
@@ -24,7 +24,7 @@ class WorldReader:
     ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
-    claims, see ``filter.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
+    claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.

@@ -1,7 +1,7 @@
 """What the agent sees: belief, filtered motion, forces, motors, comfort margins and time, scaled to about one.
 
 Nothing here is given the truth: the estimate of the motion, the load cell, the motors and the clinician's limits are
-all that a device would have (``world.known_dtype``).
+all that a device would have (``world.record.known_dtype``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.linkage import excursions
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.errors import InputError
-from jawenv.filter.joint_step import set_muscles
+from jawenv.filter.motion.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import midline_motion, split_body

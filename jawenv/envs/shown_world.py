@@ -9,8 +9,8 @@ import numpy as np
 from jawenv.device.comfort import COMFORT_LIMITS, OPENING
 from jawenv.device.linkage import excursions
 from jawenv.envs.info import WorldReader
-from jawenv.envs.plants import TICK
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.world.plants import TICK
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 

@@ -18,23 +18,23 @@ from jawenv.device.force_sensor import (
     sds_of_sensor,
     slack_force,
 )
-from jawenv.envs.belief_kernel import show_beliefs
-from jawenv.envs.bound_kernel import track_bound
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.info import WorldReader
-from jawenv.envs.kept_ticks import true_tick_dtype
 from jawenv.envs.observation import observation_size
 from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
-from jawenv.envs.plants import TICK
-from jawenv.envs.reset_kernel import begin, beginning_dtype
-from jawenv.envs.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
-from jawenv.envs.unknown_truth import Streams, draw_truth
-from jawenv.envs.world import world_dtype
+from jawenv.envs.world.belief_kernel import show_beliefs
+from jawenv.envs.world.bound_kernel import track_bound
+from jawenv.envs.world.kept_ticks import true_tick_dtype
+from jawenv.envs.world.plants import TICK
+from jawenv.envs.world.record import world_dtype
+from jawenv.envs.world.reset_kernel import begin, beginning_dtype
+from jawenv.envs.world.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
+from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
 from jawenv.filter import least_noise
-from jawenv.filter.bound_recursion import bound_scratch_dtype
-from jawenv.filter.initial_motion import start_sd
-from jawenv.filter.known_within import write_nuisances
+from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
+from jawenv.filter.motion.initial_motion import start_sd
+from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
@@ -45,7 +45,7 @@ from jawenv.mechanics.jaw import build_jaw, gravity_in_head
 from jawenv.mechanics.unknowns import Unknowns, along, directions
 
 if TYPE_CHECKING:
-    from jawenv.envs.contact import ContactPlants
+    from jawenv.envs.world.contact import ContactPlants
 
 REDRAWS = 200
 _FIRST_COUNTER: tuple[Any, Any, Any, Any] = (np.uint64(0), np.uint64(0), np.uint64(0), np.uint64(0))
@@ -103,7 +103,7 @@ class Simulation:
 
     def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
         import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
-        from jawenv.envs.contact import ContactPlants
+        from jawenv.envs.world.contact import ContactPlants
 
         rows = self.ticks, self.paths, self.observation
         return ContactPlants(self.device, self.models, self.worlds, self.settings, *rows, sizes)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from jawenv.filter.basis import N_NODES, set_coefficients
-from jawenv.filter.changed_jaw import move_jaw
-from jawenv.filter.misfit import move_block, set_misfit
-from jawenv.filter.posterior import posterior_dtype, update_belief
-from jawenv.filter.refocus import refocus
+from jawenv.filter.alarm.misfit import move_block, set_misfit
+from jawenv.filter.belief.basis import N_NODES, set_coefficients
+from jawenv.filter.belief.posterior import posterior_dtype, update_belief
+from jawenv.filter.belief.refocus import refocus
+from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.filter.state import tension_columns
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.unknowns import FARTHEST

@@ -18,10 +18,10 @@ from __future__ import annotations
 from math import inf, isfinite
 from typing import Any
 
-from jawenv.filter.basis import set_derivatives
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.instrument import set_rows_of_past
-from jawenv.filter.nuisances import add_nuisance_readings, nuisance_fields
+from jawenv.filter.belief.basis import set_derivatives
+from jawenv.filter.motion.instrument import set_rows_of_past
+from jawenv.filter.nuisances.changes import add_nuisance_readings, nuisance_fields
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten

@@ -19,10 +19,10 @@ from functools import cache
 import numpy as np
 
 from jawenv.device.device import N_MOTORS
-from jawenv.filter.basis import N_NODES, basis_dtype, set_coefficients
-from jawenv.filter.drift import begin_drift, drift_dtype
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.motion_step import padded
+from jawenv.filter.alarm.drift import begin_drift, drift_dtype
+from jawenv.filter.belief.basis import N_NODES, basis_dtype, set_coefficients
+from jawenv.filter.motion.motion_step import padded
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -9,11 +9,8 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from jawenv.filter.basis import basis_dtype, build_basis
-from jawenv.filter.cell_trend import SMOOTHING_TIME, follow_trend
-from jawenv.filter.changed_jaw import copy_jaw
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.alarm.misfit import add_to_block, is_resolved
+from jawenv.filter.belief.basis import basis_dtype, build_basis
 from jawenv.filter.learn import belief_fields, learn
 from jawenv.filter.measurement_update import (
     EXPECTED,
@@ -22,9 +19,12 @@ from jawenv.filter.measurement_update import (
     measurement_update_fields,
     update_motion,
 )
-from jawenv.filter.misfit import add_to_block, is_resolved
-from jawenv.filter.nuisances import correct_readings, follow_friction, nuisance_dtype
-from jawenv.filter.screening import mark_usable, repair_samples
+from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.nuisances.changed_jaw import copy_jaw
+from jawenv.filter.nuisances.changes import correct_readings, follow_friction, nuisance_dtype
+from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.readings.screening import mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
 from jawenv.kernels.compiled import njit, njit_within

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from jawenv.filter.disturbance import add_disturbance, decay_disturbance, set_total
-from jawenv.filter.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
-from jawenv.filter.joint_step import N_SAMPLES, set_muscles
-from jawenv.filter.motion_step import move, step_dtype
-from jawenv.filter.nuisances import correct_samples, nuisance_fields, set_nuisance_wrenches
-from jawenv.filter.regressors import middle_of, set_line_wrenches
+from jawenv.filter.motion.disturbance import add_disturbance, decay_disturbance, set_total
+from jawenv.filter.motion.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
+from jawenv.filter.motion.joint_step import N_SAMPLES, set_muscles
+from jawenv.filter.motion.motion_step import move, step_dtype
+from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
+from jawenv.filter.nuisances.changes import correct_samples, nuisance_fields, set_nuisance_wrenches
 from jawenv.filter.state import lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply

@@ -10,9 +10,9 @@ from math import log, pi
 
 import numpy as np
 
-from jawenv.filter.cell_trend import follow_trend
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_recursion import innovation_variance
+from jawenv.filter.bound.joint_recursion import innovation_variance
+from jawenv.filter.readings.cell_trend import follow_trend
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.references.extended_kalman_kernel import predict_plain
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from jawenv.anatomy import Patient
 from jawenv.envs.actions import checked_actions
 from jawenv.envs.configuration import Configuration
-from jawenv.envs.plants import TICK
 from jawenv.envs.reset_options import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.world.plants import TICK
 from jawenv.errors import InputError, shown
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.inference.settings import DEFAULT_ENV, Array, Mask, configuration_of, log_parameters, patient_of
 from jawenv.inference.treatable import begins
 from jawenv.laboratory.recordings.of_simulation import record_of

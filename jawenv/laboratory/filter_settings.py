@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.filter import least_noise
-from jawenv.filter.known_within import write_nuisances
+from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.tick import filter_settings_dtype, set_prior
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults

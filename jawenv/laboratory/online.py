@@ -14,15 +14,15 @@ from jawenv.checks import real_number, whole_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Configuration, Sensors
-from jawenv.envs.kept_ticks import keep_reading
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.initial_motion import start_sd
-from jawenv.filter.joint_step import N_SAMPLES
-from jawenv.filter.known_within import write_nuisances
 from jawenv.filter.learn import learn
+from jawenv.filter.motion.initial_motion import start_sd
+from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import (
     LAST_WINDOW,

@@ -70,9 +70,9 @@ ROWS = (
     Row("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
     Row("surprises do not renew the belief", {"tick.SURPRISING": 99}),
     Row("every window filtered again", {"tick.MOVED": 0.0}),
-    Row("nodes do not follow the belief", {"refocus.SHRINKS": 0.0, "refocus.STRAYS": math.inf}),
-    Row("belief linearised at its mean alone", {"posterior.NEGLIGIBLE": math.inf}),
-    Row("series of the second order", {"motion_step.ORDER": 2}),
+    Row("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
+    Row("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
+    Row("series of the second order", {"motion.motion_step.ORDER": 2}),
     Row("no instrument", {"time_update.jacobian_of_tick": along_own_motion}),
     Row("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
     Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
@@ -97,7 +97,7 @@ CELLS = (
 def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient after 30 s, for each cell."""
     for place, value in row.constants.items():
-        module, _, name = place.partition(".")
+        module, _, name = place.rpartition(".")
         target = importlib.import_module(FILTER + module)
         if not hasattr(target, name):
             raise SystemExit(f"error: {place} is no constant of the filter")

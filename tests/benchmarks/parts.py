@@ -15,15 +15,15 @@ import numba
 import numpy as np
 
 import jawenv  # noqa: F401 - registers the environments
-from jawenv.envs.condyles import true_motion
-from jawenv.envs.plants import SUBSTEPS
-from jawenv.envs.step_kernel import N_NORMALS
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.instrument import coast
+from jawenv.envs.world.condyles import true_motion
+from jawenv.envs.world.plants import SUBSTEPS
+from jawenv.envs.world.step_kernel import N_NORMALS
 from jawenv.filter.learn import learn
 from jawenv.filter.measurement_update import update_motion
-from jawenv.filter.motion_step import ORDER, midline_step
-from jawenv.filter.regressors import middle_of, set_line_wrenches
+from jawenv.filter.motion.instrument import coast
+from jawenv.filter.motion.motion_step import ORDER, midline_step
+from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import tension_columns
 from jawenv.filter.time_update import predict_by_tension, predict_cov
 from jawenv.kernels.lanes import all_lines, total

@@ -9,8 +9,8 @@ import gymnasium as gym
 import numpy as np
 
 from agents import load_agent
-from jawenv.envs.plants import TICK
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.envs.world.plants import TICK
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 

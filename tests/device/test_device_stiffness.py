@@ -7,9 +7,9 @@ import pytest
 
 from jawenv.device.motors import BRAKED, CAPPED, IDLE, ON_PATH, STOPPED, STOPPED_AND_BRAKED, device_wrench
 from jawenv.device.stiffness import held_rate
-from jawenv.envs.condyles import true_motion
-from jawenv.envs.plants import SUBSTEPS, TICK, midline_steps, midline_tick
-from jawenv.filter.cell_trend import mean_reading
+from jawenv.envs.world.condyles import true_motion
+from jawenv.envs.world.plants import SUBSTEPS, TICK, midline_steps, midline_tick
+from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.stiffness import fastest_rate
 

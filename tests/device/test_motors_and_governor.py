@@ -19,7 +19,7 @@ from jawenv.device.motors import (
     command_motors,
     device_wrench,
 )
-from jawenv.envs.world import MOTORS
+from jawenv.envs.world.record import MOTORS
 
 TICK = 0.01
 FORCE_CONTROL, TRAJECTORY = np.uint8(0), np.uint8(1)

@@ -8,7 +8,7 @@ from test_copies import actions
 import jawenv
 from jawenv.device.channels import FORE_AFT
 from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
-from jawenv.envs.tracking import wanted_by
+from jawenv.envs.world.tracking import wanted_by
 from jawenv.numeric_fields import NumericFields
 
 ID = "jawenv/Jaw-v2"

@@ -5,8 +5,8 @@ import pytest
 
 from jawenv.anatomy import known_muscle_sets
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.envs.unknown_truth import Streams, draw_truth
-from jawenv.envs.world import truth_dtype
+from jawenv.envs.world.record import truth_dtype
+from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics import build_jaw
 from jawenv.reality import Reality

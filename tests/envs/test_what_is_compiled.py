@@ -4,10 +4,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from jawenv.envs.bound_kernel import track_bound
-from jawenv.envs.reset_kernel import begin
-from jawenv.envs.step_kernel import advance
-from jawenv.filter.joint_recursion import predict_covariance
+from jawenv.envs.world.bound_kernel import track_bound
+from jawenv.envs.world.reset_kernel import begin
+from jawenv.envs.world.step_kernel import advance
+from jawenv.filter.bound.joint_recursion import predict_covariance
 from jawenv.filter.tick import filter_tick
 from jawenv.kernels.cache import _function_of, _references
 from jawenv.mechanics.bilateral import N_BODY

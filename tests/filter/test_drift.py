@@ -6,7 +6,7 @@ from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
-from jawenv.filter.drift import EVERY, KEPT, judge_drift, threshold
+from jawenv.filter.alarm.drift import EVERY, KEPT, judge_drift, threshold
 
 P = 12
 

@@ -9,7 +9,7 @@ from recorded import recording
 from running import ALL, Running, rows_of
 
 from jawenv.anatomy import cohort
-from jawenv.filter.basis import build_basis, set_derivatives
+from jawenv.filter.belief.basis import build_basis, set_derivatives
 from jawenv.filter.measurement_update import (
     EXPECTED,
     GATE,

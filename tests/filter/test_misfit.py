@@ -6,7 +6,7 @@ from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
-from jawenv.filter.misfit import ALARM, BLOCK, ROUGH, SETTLING, add_to_block, is_resolved, move_block, set_misfit
+from jawenv.filter.alarm.misfit import ALARM, BLOCK, ROUGH, SETTLING, add_to_block, is_resolved, move_block, set_misfit
 from jawenv.filter.state import begin_block
 
 

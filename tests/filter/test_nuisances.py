@@ -11,9 +11,9 @@ from gymnasium.vector import AutoresetMode
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
-from jawenv.filter.changed_jaw import copy_jaw, move_jaw
 from jawenv.filter.measurement_update import EXPECTED
-from jawenv.filter.nuisances import add_readings, set_wrenches
+from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
+from jawenv.filter.nuisances.changes import add_readings, set_wrenches
 from jawenv.filter.tick import take_readings
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.unknowns import FARTHEST, Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.filter.basis import N_NODES, build_basis, expand_coefficients
-from jawenv.filter.posterior import (
+from jawenv.filter.belief.basis import N_NODES, build_basis, expand_coefficients
+from jawenv.filter.belief.posterior import (
     NEGLIGIBLE,
     posterior_dtype,
     set_bent,

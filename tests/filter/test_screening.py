@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jawenv.filter.screening import (
+from jawenv.filter.readings.screening import (
     FORCE_RATE,
     LOST_FORCE,
     LOST_MOMENT,

@@ -11,7 +11,7 @@ from numpy.polynomial.hermite_e import hermegauss
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.filter.basis import (
+from jawenv.filter.belief.basis import (
     MIDDLE_POSE,
     N_NODES,
     build_basis,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jawenv.envs.step_kernel import scratch_dtype
-from jawenv.envs.world import world_dtype
+from jawenv.envs.world.record import world_dtype
+from jawenv.envs.world.step_kernel import scratch_dtype
 from jawenv.kernels.records import LINE, record_dtype, record_zeros
 
 FIELDS = [("flag", "u1"), ("number", "f8"), ("wide", "f8", (3, 5)), ("bytes", "u1", (70,)), ("last", "f4")]

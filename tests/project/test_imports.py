@@ -61,7 +61,7 @@ def test_imports_within_functions_count(sources, tmp_path, monkeypatch: pytest.M
 def test_the_way_of_an_action_names_what_there_is() -> None:
     page = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
     steps = page.split("\n## Follow an action\n")[1].split("\n## ")[0]
-    named = re.findall(r"`(\w+/\w+\.py)`(?:, `(?:\w+\.)?(\w+)`)?", steps)
+    named = re.findall(r"`((?:\w+/)+\w+\.py)`(?:, `(?:\w+\.)?(\w+)`)?", steps)
     assert len({file for file, _ in named}) > 10
     for file, function in named:
         assert not function or f"def {function}(" in (ROOT / "jawenv" / file).read_text(encoding="utf-8"), (

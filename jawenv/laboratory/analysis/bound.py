@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.cell_trend import follow_trend
-from jawenv.filter.joint_recursion import predict_covariance, update_covariance
-from jawenv.filter.joint_step import propagate
+from jawenv.filter.bound.joint_recursion import predict_covariance, update_covariance
+from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import Path, path_of
 from jawenv.laboratory.recordings.record import Record

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.envs.own_anatomy import own_values
 from jawenv.envs.simulation import Simulation
+from jawenv.envs.world.own_anatomy import own_values
 from jawenv.errors import InputError
-from jawenv.filter.basis import N_NODES, expand_coefficients
-from jawenv.filter.posterior import set_omega
+from jawenv.filter.belief.basis import N_NODES, expand_coefficients
+from jawenv.filter.belief.posterior import set_omega
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class JointLikelihood:
     """The quadratic log likelihood of x, ``vector @ x - x @ information @ x / 2`` but for a constant.
 
     x are P natural-log parameters, and behind them Q values of the patient's own anatomy in prior sds, as
-    ``jawenv.envs.own_anatomy.own_values`` has them. It does not depend on where the filter was linearised last.
+    ``jawenv.envs.world.own_anatomy.own_values`` has them. It does not depend on where the filter was linearised last.
 
     Attributes:
         information: (P + Q, P + Q).
@@ -96,7 +96,7 @@ def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, A
 
     Returns:
         Derivative (columns, P + Q + rest), value at zero (columns,), and P + Q. The rest are the linearisation errors
-        of the coefficients (``filter.posterior``), the gain error and the session's nuisances.
+        of the coefficients (``filter.belief.posterior``), the gain error and the session's nuisances.
     """
     mean, cov = belief["mean"], belief["cov"]
     muscles = len(mean) // 2

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_step import propagate
+from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import Path, path_of
 from jawenv.laboratory.recordings.record import Record

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.device.device import Device
 from jawenv.filter import least_noise
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES

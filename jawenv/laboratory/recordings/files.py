@@ -22,7 +22,7 @@ from jawenv.controls import Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
 from jawenv.files import Source
-from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion

@@ -13,8 +13,8 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.errors import InputError
-from jawenv.filter.encoders import N_MEASUREMENTS
-from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_WRENCH
 

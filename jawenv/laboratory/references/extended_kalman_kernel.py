@@ -12,15 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.cell_trend import follow_trend
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_recursion import (
+from jawenv.filter.bound.joint_recursion import (
     innovation_variance,
     predict_covariance,
     reduce_covariance,
     set_noise_variance,
 )
-from jawenv.filter.joint_step import propagate, set_muscles
+from jawenv.filter.motion.joint_step import propagate, set_muscles
+from jawenv.filter.readings.cell_trend import follow_trend
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 

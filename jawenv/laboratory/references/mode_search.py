@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.encoders import N_MEASUREMENTS
 from jawenv.filter.learn import learn
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.tick import take_readings
 from jawenv.kernels.cholesky import log_det

@@ -18,14 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_recursion import (
+from jawenv.filter.bound.joint_recursion import (
     innovation_variance,
     joint_scratch_dtype,
     predict_covariance,
     reduce_covariance,
 )
-from jawenv.filter.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
+from jawenv.filter.motion.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.cholesky import solve_decomposed
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose

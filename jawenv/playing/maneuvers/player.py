@@ -13,7 +13,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, TRACKER
 from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import parameters_of
-from jawenv.envs.tracking import follow_all
+from jawenv.envs.world.tracking import follow_all
 from jawenv.errors import InputError, shown
 from jawenv.playing.agents import Memory, Remembering
 from jawenv.playing.maneuvers.maneuver import SUFFIXES, Maneuver, Targets
@@ -26,7 +26,7 @@ class Player(Remembering):
     """A maneuver as an agent, for every control mode.
 
     In targets control it names the targets, and the device follows them. In the other two it takes the device's law
-    (``jawenv.envs.tracking``) along. It works from the observation alone and keeps one memory per world.
+    (``jawenv.envs.world.tracking``) along. It works from the observation alone and keeps one memory per world.
 
     Args:
         maneuver: the maneuver, the name of one that comes with jawenv, or the path of a file.

@@ -9,8 +9,8 @@ from scipy.stats import beta, chi2
 from eval.thesis.prescribed import Motion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
-from jawenv.filter.joint_recursion import joint_scratch_dtype
-from jawenv.filter.joint_step import propagate
+from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
+from jawenv.filter.motion.joint_step import propagate
 from jawenv.laboratory.recordings.thinning import divided, thinned
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from joint_belief import DT, GAIN, STATE, Belief, jacobians, model_step
 
-from jawenv.filter.joint_recursion import innovation_variance, joint_scratch_dtype
+from jawenv.filter.bound.joint_recursion import innovation_variance, joint_scratch_dtype
 from jawenv.laboratory.references.extended_kalman_kernel import Problem, predict_plain, update_plain
 
 NOISE_VARIANCE = np.repeat([0.012, 1e-5, 2.4e-3, 1e-6], 3)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.muscles import MuscleSet
-from jawenv.envs.own_anatomy import with_anatomy_of
+from jawenv.envs.world.own_anatomy import with_anatomy_of
 from jawenv.mechanics.unknowns import (
     Unknowns,
     cell_turn_of,

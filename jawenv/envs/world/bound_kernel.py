@@ -6,8 +6,8 @@ at its first use.
 
 from __future__ import annotations
 
-from jawenv.envs.information import decompose_parameters
-from jawenv.filter.bound_recursion import begin_bound, first_parameter, move_bound, read_bound
+from jawenv.envs.world.information import decompose_parameters
+from jawenv.filter.bound.bound_recursion import begin_bound, first_parameter, move_bound, read_bound
 from jawenv.kernels.compiled import njit_within, world_kernel
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.motors import device_wrench
-from jawenv.envs.load_cell import add_moments, clear_moments
-from jawenv.envs.plants import TICK, end_motion, lift_of, plus_wrench
-from jawenv.envs.step_kernel import (
+from jawenv.envs.world.load_cell import add_moments, clear_moments
+from jawenv.envs.world.plants import TICK, end_motion, lift_of, plus_wrench
+from jawenv.envs.world.step_kernel import (
     Rows,
     begin_first_tick,
     begin_tick,

@@ -19,10 +19,9 @@ from numba.extending import overload
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
-from jawenv.filter.changed_jaw import change_jaw, copy_rest
-from jawenv.filter.encoders import N_MEASUREMENTS, read_motion
-from jawenv.filter.turned import turn_readings, turn_wrench
-from jawenv.filter.without_cell import (
+from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
+from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
+from jawenv.filter.nuisances.without_cell import (
     LINKAGE,
     correct_motors,
     has_motors,
@@ -30,6 +29,7 @@ from jawenv.filter.without_cell import (
     move_friction,
     set_motor_column,
 )
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract, vector3

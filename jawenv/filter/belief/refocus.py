@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from math import exp, log, sqrt
 
-from jawenv.filter.basis import interpolate, polynomial_value, set_coefficients
+from jawenv.filter.belief.basis import interpolate, polynomial_value, set_coefficients
 from jawenv.filter.state import begin_block
 from jawenv.kernels.compiled import njit
 

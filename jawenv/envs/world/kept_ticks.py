@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from jawenv.device.device import N_MOTORS
-from jawenv.envs.plants import true_state
-from jawenv.filter.joint_step import N_SAMPLES
+from jawenv.envs.world.plants import true_state
+from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.filter.basis import N_NODES, expand_coefficients
-from jawenv.filter.motion_step import padded
+from jawenv.filter.belief.basis import N_NODES, expand_coefficients
+from jawenv.filter.motion.motion_step import padded
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import add_squares, decompose, mirror, whiten

@@ -10,12 +10,12 @@ from jawenv.device.comfort import set_general_limits
 from jawenv.device.comfort_settings import SMALLEST_RANGE_MM
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
-from jawenv.envs.condyles import REST_OPENING_MAX, REST_SIDE_MAX, rest_on_condyles
-from jawenv.envs.information import refresh_information
-from jawenv.envs.plants import lift_of, true_state
-from jawenv.envs.step_kernel import REALITY_TICK, START_TICK, clear_step
-from jawenv.filter.encoders import measure
-from jawenv.filter.joint_step import set_muscles
+from jawenv.envs.world.condyles import REST_OPENING_MAX, REST_SIDE_MAX, rest_on_condyles
+from jawenv.envs.world.information import refresh_information
+from jawenv.envs.world.plants import lift_of, true_state
+from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, clear_step
+from jawenv.filter.motion.joint_step import set_muscles
+from jawenv.filter.readings.encoders import measure
 from jawenv.filter.tick import begin_filter
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals

@@ -18,18 +18,18 @@ from jawenv.device.comfort_settings import COMFORT
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
-from jawenv.envs.condyles import true_motion
-from jawenv.envs.information import refresh_information
-from jawenv.envs.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.observation import CONTROL, observation_size, observe_world, seeing_dtype
-from jawenv.envs.plants import TICK, lift_of
-from jawenv.envs.tracking import LAW_TICKS, aim, follow, move_targets
-from jawenv.filter.cell_trend import mean_force, mean_reading
-from jawenv.filter.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.joint_step import N_NOISE, N_SAMPLES
+from jawenv.envs.world.condyles import true_motion
+from jawenv.envs.world.information import refresh_information
+from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
+from jawenv.envs.world.plants import TICK, lift_of
+from jawenv.envs.world.tracking import LAW_TICKS, aim, follow, move_targets
 from jawenv.filter.learn import learn
+from jawenv.filter.motion.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
+from jawenv.filter.readings.cell_trend import mean_force, mean_reading
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, measure
 from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
-from jawenv.filter.turned import turn_readings, turn_wrench
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype

@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba.extending import overload
 
 from jawenv.device.motors import mouthpiece_motion
-from jawenv.envs.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
+from jawenv.envs.world.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.kinematics import rotation, split

@@ -10,7 +10,7 @@ from __future__ import annotations
 from jawenv.device.device import N_MOTORS
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import held_rate
-from jawenv.envs.load_cell import add_moments, clear_moments, take_samples
+from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, split_body

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from jawenv.filter.joint_step import between_samples, set_jacobian, stage_share, step_parts
+from jawenv.filter.motion.joint_step import between_samples, set_jacobian, stage_share, step_parts
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype

@@ -15,18 +15,18 @@ from functools import cache
 import numpy as np
 from numba.extending import overload
 
-from jawenv.filter.cell_trend import mean_reading
-from jawenv.filter.encoders import expect
-from jawenv.filter.joint_recursion import (
+from jawenv.filter.bound.joint_recursion import (
     filter_size,
     joint_scratch_dtype,
     predict_covariance,
     recursion_fields,
     take_rows,
 )
-from jawenv.filter.joint_step import propagate
-from jawenv.filter.nuisances import add_readings, middle_rates, nuisance_fields, set_wrenches
-from jawenv.filter.regressors import middle_of
+from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.motion.regressors import middle_of
+from jawenv.filter.nuisances.changes import add_readings, middle_rates, nuisance_fields, set_wrenches
+from jawenv.filter.readings.cell_trend import mean_reading
+from jawenv.filter.readings.encoders import expect
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

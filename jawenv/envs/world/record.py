@@ -10,7 +10,7 @@ from jawenv.device.channels import TRACKER
 from jawenv.device.comfort import N_LIMITS, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
-from jawenv.filter.bound_recursion import bound_size
+from jawenv.filter.bound.bound_recursion import bound_size
 from jawenv.filter.state import belief_dtype
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_STATES
@@ -94,7 +94,7 @@ def world_dtype(
         n_muscles: Those with a stiffness of their own.
         n_lines: Lines along which they pull.
         n_states: Of the motion, in the filter's model.
-        n_nuisances: What the filter knows within an sd beside the muscles (``filter.nuisances``).
+        n_nuisances: What the filter knows within an sd beside the muscles (``filter.nuisances.changes``).
         n_disturbance: Components of the unmodelled wrench that are states of the filter: 6 where it has memory, or 0.
         n_body: States of the plant with two condyles, 0 in a world of another.
     """

@@ -18,10 +18,10 @@ from typing import Any
 
 from numba.extending import overload
 
-from jawenv.filter.disturbance import add_disturbance
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_step import N_SAMPLES
-from jawenv.filter.motion_step import move
+from jawenv.filter.motion.disturbance import add_disturbance
+from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.motion.motion_step import move
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import angle_rates

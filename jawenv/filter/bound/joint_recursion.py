@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.filter.cell_trend import mean_reading
-from jawenv.filter.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.joint_step import N_NOISE, copy_matrix, sensitivity_fields
+from jawenv.filter.motion.joint_step import N_NOISE, copy_matrix, sensitivity_fields
+from jawenv.filter.readings.cell_trend import mean_reading
+from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import record_dtype

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.force_sensor import motor_errors
-from jawenv.filter.nuisances import STEP
+from jawenv.filter.nuisances.changes import STEP
 from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 
 _PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
