@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from training.run.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
-_STUDYS_OWN = ("cohort", "episode_s")
+_STUDYS_OWN = ("cohort", "episode_s", "force_sensor")
+_DIFFERING = ("comfort", "anatomy")
+"""Arguments of which a note says only that those of the training were others."""
 _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
 """Environments whose actions and observations mean the same."""
 _DEFAULTS: dict[str, Any] = {
@@ -31,6 +33,7 @@ _DEFAULTS: dict[str, Any] = {
     "sensors": "pose",
     "cohort": "trismus",
     "episode_s": 30.0,
+    "force_sensor": "cell",
 }
 
 
@@ -145,6 +148,8 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
     notes += [
         f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
     ]
+    if run is not None:
+        notes += [f"trained with another {key}" for key in _DIFFERING if trained_in.get(key) != asked.get(key)]
     settings = asked | own
     agent = registry.load_agent(
         spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
