@@ -41,13 +41,14 @@ def own_comfort_and_anatomy(comfort: Path | None, anatomy: Path | None) -> dict[
     Raises:
         InputError: a file cannot be read or is damaged, or says what is not allowed.
     """
-    import jawenv
+    from jawenv.anatomy import Anatomy as OwnAnatomy
+    from jawenv.device.comfort_settings import Comfort as OwnComfort
 
     own: dict[str, Any] = {}
     if comfort is not None:
-        own["comfort"] = _checked(comfort, jawenv.Comfort.from_dict)
+        own["comfort"] = _checked(comfort, OwnComfort.from_dict)
     if anatomy is not None:
-        own["anatomy"] = _checked(anatomy, jawenv.Anatomy.from_dict)
+        own["anatomy"] = _checked(anatomy, OwnAnatomy.from_dict)
     return own
 
 
