@@ -65,6 +65,10 @@ def play_command(
     seed: options.Seed = REPORTS[0].start,
     control: options.Control = DEFAULT_CONTROL,
     sensors: options.Sensors = "pose",
+    knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     episode_s: options.EpisodeS = 30.0,
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
@@ -84,7 +88,8 @@ def play_command(
     from eval.entries import env_of_runs, load_entries
     from eval.settings import Settings
 
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs(entries))
+    world = options.world(None, None, None, knowledge, comfort, anatomy, force_sensor)
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs(entries), **world)
     loaded, console = load_entries(entries, settings.env_kwargs, settings.env, trust=trust), terminal()
     films = [film.Film(each, seed, patient, start_s, width, every) for each in loaded]
     said = film.show(films[0], console) if video is None else film.write(films, video, console)

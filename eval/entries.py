@@ -12,18 +12,31 @@ from agents.card import exported_place, read_card
 from agents.planning import Planner
 from agents.policies import TrainedPolicy, config_of_run
 from agents.residual import ResidualPolicy
+from jawenv.anatomy import anatomy_of
+from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import DEFAULT_CONTROL, mode_of
+from jawenv.device.comfort_settings import comfort_of
+from jawenv.device.device import device_of
 from jawenv.errors import InputError
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV, Recording, play
+from jawenv.reality import check_reality
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
     from training.run.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
-_STUDYS_OWN = ("cohort", "episode_s")
+_STUDYS_OWN = ("cohort", "episode_s", "force_sensor")
+_WORLD: dict[str, Callable[[Any], object]] = {
+    "device": device_of,
+    "reality": check_reality,
+    "knowledge": knowledge,
+    "comfort": comfort_of,
+    "anatomy": anatomy_of,
+}
+"""Arguments of which a note says only that those of the training were others, and what makes of them what they mean."""
 _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
 """Environments whose actions and observations mean the same."""
 _DEFAULTS: dict[str, Any] = {
@@ -31,6 +44,7 @@ _DEFAULTS: dict[str, Any] = {
     "sensors": "pose",
     "cohort": "trismus",
     "episode_s": 30.0,
+    "force_sensor": "cell",
 }
 
 
@@ -145,6 +159,8 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
     notes += [
         f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
     ]
+    if run is not None:
+        notes += [f"trained with another {key}" for key in _WORLD if _differ(key, trained_in.get(key), asked.get(key))]
     settings = asked | own
     agent = registry.load_agent(
         spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
@@ -163,6 +179,14 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
         planned=isinstance(agent, Planner),
         clairvoyant=isinstance(agent, Planner) and agent.plan.clairvoyant,
     )
+
+
+def _differ(key: str, one: Any, other: Any) -> bool:
+    """Whether two values of an argument of `_WORLD` mean something else; as they are, where a file of one has gone."""
+    try:
+        return _WORLD[key](one) != _WORLD[key](other)
+    except InputError:
+        return bool(one != other)
 
 
 def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:

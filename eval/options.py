@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from jawenv.commands import options as common
 from jawenv.errors import InputError
 
 ENTRIES = "Names, maneuver files, training runs, exported policies, or agents of your own as package.module:Name."
@@ -84,6 +85,34 @@ Known = Annotated[
         metavar="NAME",
     ),
 ]
+
+Comfort = common.Comfort
+Anatomy = common.Anatomy
+ForceSensor = common.ForceSensor
+
+
+def world(
+    reality: list[str] | None,
+    device: list[str] | None,
+    estimator: str | None,
+    knowledge: str,
+    comfort: Path | None,
+    anatomy: Path | None,
+    force_sensor: str,
+) -> dict[str, Any]:
+    """What these options say of the world and of what the filter knows of it, as `Settings` takes it.
+
+    Raises:
+        InputError: a text is no field with a number, a file cannot be read, or a value is not allowed.
+    """
+    return {
+        "reality": effects(reality),
+        "device": changes(device),
+        "estimator": estimator,
+        "knowledge": known_within(knowledge),
+        "force_sensor": force_sensor,
+        **common.own_comfort_and_anatomy(comfort, anatomy),
+    }
 
 
 def known_within(given: str) -> dict[str, float]:

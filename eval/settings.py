@@ -7,9 +7,10 @@ from collections.abc import Collection
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from jawenv.anatomy import cohort
+from jawenv.anatomy import anatomy_of, cohort
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
+from jawenv.device.comfort_settings import comfort_of
 from jawenv.device.device import device_of
 from jawenv.device.force_sensor import FORCE_SENSORS
 from jawenv.errors import InputError, shown
@@ -40,6 +41,8 @@ class Settings:
             default.
         control_hz: control steps per second; the control's own by default.
         force_sensor: `cell`, `motors` or `straps`.
+        comfort: fields of `jawenv.Comfort` with other values; none by default.
+        anatomy: what differs from the default anatomy, as `jawenv.Anatomy.from_dict` takes it; nothing by default.
 
     Raises:
         InputError: a value is not allowed.
@@ -58,6 +61,8 @@ class Settings:
     knowledge: dict[str, float] = field(default_factory=dict)
     control_hz: float | None = None
     force_sensor: str = "cell"
+    comfort: dict[str, float] = field(default_factory=dict)
+    anatomy: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check every value, and spell the environment's id out."""
@@ -84,6 +89,8 @@ class Settings:
         check_reality(self.reality)
         device_of(self.device)
         knowledge(self.knowledge)
+        comfort_of(self.comfort)
+        anatomy_of(self.anatomy)
 
     def of_a_patient(self) -> dict[str, Any]:
         """What decides a patient's row: all but how many there are and from which seed on; the cohort is whole."""
@@ -105,6 +112,8 @@ class Settings:
             "estimator": self.estimator,
             "knowledge": self.knowledge,
             "control_hz": self.control_hz,
+            "comfort": self.comfort,
+            "anatomy": self.anatomy,
         }
         if self.force_sensor != "cell":
             given["force_sensor"] = self.force_sensor

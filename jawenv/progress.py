@@ -16,6 +16,9 @@ from rich.progress import Progress as Bar
 PLAIN_INTERVAL_S = 10.0
 RATE_WINDOW_S = 30.0
 SLOWEST_RATE = 10.0  # per second: below it a rate is harder to read than the time left
+# Kernels are compiled in the first piece of work and at times in the next ones, which is no speed to go by.
+WARM_UP_SHARE, WARM_UP_S = 0.05, 60.0  # after the first piece, whichever comes first
+LEAST_PIECES = 3  # after that, before a time left is said
 
 
 class Progress:
@@ -79,6 +82,7 @@ class Progress:
             self._waiting = False
         else:
             self._history.append((now, done))
+            self._warm_up(now)
         while now - self._history[0][0] > RATE_WINDOW_S and len(self._history) > 2:
             self._history.popleft()
         self._show(now)
@@ -104,23 +108,31 @@ class Progress:
     def describe(self) -> str:
         """Speed of late, time left at the speed of all so far, since some work is slower than other, and notes.
 
-        Both are measured from the first piece of work on: until that is done, kernels are compiled.
+        The speed is measured from the first piece of work on, the time left from the end of the warm-up on.
         """
         parts = []
         now_s, done = self._history[-1]
         recent, whole = (_rate(since, (now_s, done)) for since in (self._history[0], self._begun))
         if recent >= SLOWEST_RATE:
             parts.append(f"{recent:,.0f} {self._unit}/s")
-        if whole > 0.0:
+        if whole > 0.0 and self._pieces >= LEAST_PIECES:
             parts.append(f"{_clock((self.total - done) / whole)} left")
         return " · ".join([*parts, *self._notes.values()])
 
     def _restart(self, done: float) -> None:
         """Measure the speed from here on."""
         self._done = done
-        self._begun = (time.monotonic(), done)
-        self._waiting = True
-        self._history: deque[tuple[float, float]] = deque([self._begun])
+        self._first = self._begun = (time.monotonic(), done)
+        self._waiting, self._warm, self._pieces = True, False, 0
+        self._history: deque[tuple[float, float]] = deque([self._first])
+
+    def _warm_up(self, now: float) -> None:
+        """Count the pieces of work after the warm-up, at whose end the measurement of the time left begins."""
+        since_s, since = self._first
+        if self._warm:
+            self._pieces += 1
+        elif self._done - since >= WARM_UP_SHARE * self.total or now - since_s >= WARM_UP_S:
+            self._warm, self._begun = True, (now, self._done)
 
     def _show(self, now: float) -> None:
         if self._bar is not None:

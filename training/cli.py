@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from jawenv.commands.options import own_comfort_and_anatomy
 from jawenv.commands.running import Commands, run
 from jawenv.errors import InputError
 from training import options
@@ -43,6 +44,9 @@ def train(
     control: options.Control = None,
     cohort: options.Cohort = None,
     reward: options.Reward = None,
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = None,
     target_discomfort: options.TargetDiscomfort = None,
     output: options.Output = None,
     steps: options.Steps = None,
@@ -68,6 +72,9 @@ def train(
     changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}
     changes |= {
         "reward": reward,
+        "comfort": comfort,
+        "anatomy": anatomy,
+        "force-sensor": force_sensor,
         "target-discomfort": target_discomfort,
         "seed": seed,
         "n-envs": n_envs,
@@ -85,7 +92,8 @@ def train(
         raise InputError("--overwrite cannot be combined with --continue")
     wanted, stem = configured(config, env, residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    wanted = wanted.with_env_kwargs(control=control, cohort=cohort, reward=reward)
+    own = own_comfort_and_anatomy(comfort, anatomy)
+    wanted = wanted.with_env_kwargs(control=control, cohort=cohort, reward=reward, force_sensor=force_sensor, **own)
     if target_discomfort is not None:
         wanted = wanted.within_discomfort(target_discomfort)
     if seeds is not None:

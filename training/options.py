@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from jawenv.commands import options as common
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +30,11 @@ Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of 
 Reward = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
+]
+Comfort = common.Comfort
+Anatomy = common.Anatomy
+ForceSensor = Annotated[
+    str | None, typer.Option(metavar="NAME", help="How the device knows its force: cell, motors or straps.")
 ]
 TargetDiscomfort = Annotated[
     float | None,

@@ -16,7 +16,9 @@ import numpy as np
 from rich.console import Console
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
+
+from purposes import purpose  # noqa: E402
 
 from jawenv.device.channels import CHANNELS  # noqa: E402
 from jawenv.files import atomic_write  # noqa: E402
@@ -146,9 +148,11 @@ def _card(maneuver: Maneuver, figures: dict[str, str]) -> str:
         if _film(name).exists()
         else ""
     )
+    sought = purpose(FOLDER / f"{name}.yaml")
+    begun = f"<p class='purpose'>{escape(sought)}</p>" if sought else ""
     told = "".join(_figure(figures[key], *words) for key, words in FIGURES.items() if key in figures)
     return (
-        f'<section id="{name}"><h2>{escape(maneuver.title)}</h2>{moving}{_chart(maneuver)}'
+        f'<section id="{name}"><h2>{escape(maneuver.title)}</h2>{moving}{_chart(maneuver)}{begun}'
         f"<p>{escape(maneuver.description)}</p><ul>{told}</ul>"
         f"<p class='source'><code>{name}</code> · {escape(maneuver.source)}</p></section>"
     )

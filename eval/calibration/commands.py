@@ -41,6 +41,9 @@ def calibrate_command(
     device: options.Changes = None,
     estimator: options.Believed = None,
     knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/calibrate"),
     details: options.Details = False,
     fresh: options.Fresh = False,
@@ -58,8 +61,8 @@ def calibrate_command(
     from eval.settings import Settings
 
     moments = tuple(_seconds(text) for text in times.split(","))
-    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
-    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, effects, changes, estimator, within)
+    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
+    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, **world)
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)

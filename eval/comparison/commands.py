@@ -39,6 +39,9 @@ def compare_command(
     device: options.Changes = None,
     estimator: options.Believed = None,
     knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
     largest_violation: options.LargestViolation = 0.01,
@@ -69,8 +72,8 @@ def compare_command(
     admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
     env = env or env_of_runs(wanted)
-    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator, within)
+    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, **world)
     loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)

@@ -49,6 +49,9 @@ def patient_command(
     device: options.Changes = None,
     estimator: options.Believed = None,
     knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/patient"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -70,8 +73,8 @@ def patient_command(
 
     plan = Course(treatments, drift)
     env = env or env_of_runs([entry])
-    effects, changes, within = options.effects(reality), options.changes(device), options.known_within(knowledge)
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator, within)
+    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
+    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, **world)
     page.check_env(settings.env)
     people = persons(seed, patients, patient or [])
     (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
@@ -104,6 +107,10 @@ def diagnose_command(
     reality: options.Effects = None,
     device: options.Changes = None,
     estimator: options.Believed = None,
+    knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/diagnose"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -123,8 +130,8 @@ def diagnose_command(
     if not wanted:
         raise InputError("nothing to diagnose with: name a maneuver or a training run")
     env = env or env_of_runs(wanted)
-    effects, changes = options.effects(reality), options.changes(device)
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, effects, changes, estimator)
+    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
+    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, **world)
     loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), terminal()
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)

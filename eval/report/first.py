@@ -11,6 +11,7 @@ from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import Results
 from eval.report import words
 from jawenv.ladder import KNOWN_WITHIN_SDS
+from jawenv.playing.rollout import DEFAULT_ENV
 
 N_BEST = 5
 BESIDE = "slow_opening"
@@ -85,16 +86,37 @@ def answer(ranking: Ranking) -> str:
 
 
 def assumption(study: Results) -> str:
-    """What the filter was told of anatomy and disturbance, in a sentence or two."""
-    settings = study.about.get("settings", {})
-    lasts = study.env == KNOWN_WITHIN_SDS or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
-    disturbance = "a disturbance that lasts" if lasts else "a white disturbance"
-    if study.env == KNOWN_WITHIN_SDS or settings.get("knowledge"):
-        return f"For an anatomy and a device that the filter knows within sds, and {disturbance}."
-    return (
-        f"For an anatomy that is known exactly and {disturbance}. Known as a scan shows it (--env JawImaged), "
-        "the same maneuvers have sds several times as large."
-    )
+    """What the answer takes for granted of anatomy, device and disturbance, in sentences for everyone."""
+    lasting = "that last" if _lasts(study) else "that do not last"
+    if _within_sds(study):
+        said = (
+            f"This holds for a jaw whose anatomy and device are known only roughly, with small disturbances {lasting}."
+        )
+    else:
+        said = f"This holds for a jaw whose anatomy is known exactly, with small disturbances {lasting}."
+        if study.env == DEFAULT_ENV:
+            said += " Where a scan alone shows the anatomy, all is known several times less precisely."
+    without = study.about.get("settings", {}).get("force_sensor", "cell") != "cell"
+    return said + (" The device has no load cell." if without else "")
+
+
+def told(study: Results) -> str:
+    """The same for an expert, and the command that assumes less."""
+    disturbance = "a disturbance with memory" if _lasts(study) else "a white disturbance"
+    if _within_sds(study):
+        return f"The filter is told anatomy and device within sds, and {disturbance}."
+    less = "; --env JawImaged tells it both within the sds of a scan" if study.env == DEFAULT_ENV else ""
+    return f"The filter is told anatomy and device exactly, and {disturbance}{less}."
+
+
+def _within_sds(study: Results) -> bool:
+    return study.env == KNOWN_WITHIN_SDS or bool(study.about.get("settings", {}).get("knowledge"))
+
+
+def _lasts(study: Results) -> bool:
+    """Whether the disturbance that the filter knows of has memory."""
+    device = study.about.get("settings", {}).get("device", {})
+    return study.env == KNOWN_WITHIN_SDS or device.get("unmodelled_time_s", 0.0) > 0.0
 
 
 def _reached(row: Row, target: float) -> str:

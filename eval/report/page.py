@@ -72,6 +72,7 @@ def render(study: Results, ranking: Ranking) -> str:
         about=study.about,
         answer=first.answer(ranking),
         assumption=first.assumption(study),
+        told=first.told(study),
         belief=first.belief(ranking),
         bars=first.all_bars(ranking, _episode_s(study), first.firsts(ranking)),
         bars_of_rest=first.all_bars(ranking, _episode_s(study), first.rest(ranking)),

@@ -42,6 +42,9 @@ def live_command(
     model: options.Model = "jaw",
     control: options.Control = DEFAULT_CONTROL,
     knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     episode_s: options.EpisodeS = 30.0,
     output: Annotated[Path, typer.Option(help="Folder where drives are saved.", metavar="FOLDER")] = Path("runs/live"),
     open_browser: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
@@ -52,8 +55,10 @@ def live_command(
     if recording is not None:
         play_back(recording, port, open_browser)
     else:
-        settings = {"seed": seed, "cohort": cohort, "model": model, "control": control}
-        drive({**settings, "knowledge": knowledge, "episode_s": episode_s}, driver, port, output, open_browser)
+        own = options.own_comfort_and_anatomy(comfort, anatomy)
+        settings = {"seed": seed, "cohort": cohort, "model": model, "control": control, "knowledge": knowledge}
+        more = {"force_sensor": force_sensor, "episode_s": episode_s}
+        drive({**settings, **own, **more}, driver, port, output, open_browser)
 
 
 @app.command("play")
@@ -63,12 +68,18 @@ def play_command(
     cohort: options.Cohort = "trismus",
     model: options.Model = "jaw",
     control: options.Control = DEFAULT_CONTROL,
+    knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     episode_s: options.EpisodeS = 30.0,
 ) -> None:
     """Show one episode of a maneuver in a window, and say what was reached."""
     from jawenv.commands.maneuvers import play
 
-    play(maneuver, seed, model, {"cohort": cohort, "control": control, "episode_s": episode_s})
+    kwargs = {"cohort": cohort, "control": control, "knowledge": knowledge, "episode_s": episode_s}
+    own = options.own_comfort_and_anatomy(comfort, anatomy)
+    play(maneuver, seed, model, {**kwargs, **own, "force_sensor": force_sensor})
 
 
 @app.command("score")
@@ -80,13 +91,17 @@ def score_command(
     model: options.Model = "jaw",
     control: options.Control = DEFAULT_CONTROL,
     knowledge: options.Known = "exact",
+    comfort: options.Comfort = None,
+    anatomy: options.Anatomy = None,
+    force_sensor: options.ForceSensor = "cell",
     episode_s: options.EpisodeS = 30.0,
 ) -> None:
     """Play a maneuver on simulated patients; say what it finds out, and whether that can be believed."""
     from jawenv.commands.maneuvers import print_score
 
     kwargs = {"cohort": cohort, "control": control, "knowledge": knowledge, "episode_s": episode_s}
-    print_score(maneuver, patients, seed, model, kwargs)
+    own = options.own_comfort_and_anatomy(comfort, anatomy)
+    print_score(maneuver, patients, seed, model, {**kwargs, **own, "force_sensor": force_sensor})
 
 
 @app.command("identify")

@@ -131,7 +131,7 @@ class Configuration:
         self._check_force_sensor()
 
     def _check_force_sensor(self) -> None:
-        """A force without a load cell is for one reference point, and a recording does not say of it.
+        """A force without a load cell is for one reference point.
 
         Raises:
             InputError: it is asked for together with what does not know it.
@@ -141,8 +141,6 @@ class Configuration:
         model = model_named(self.model)
         if self.filter_model == "bilateral" or model.plant == "contact":
             raise InputError(f"force_sensor is {self.force_sensor!r}; allowed in {model.title}: 'cell'")
-        if self.record:
-            raise InputError(f"force_sensor is {self.force_sensor!r}; allowed where record is true: 'cell'")
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)

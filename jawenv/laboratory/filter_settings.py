@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
+from jawenv.device.force_sensor import sds_of_sensor
 from jawenv.filter import least_noise
 from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.readings.screening import rough_change
@@ -47,9 +48,15 @@ def settings_of_record(record: Record) -> Any:
     """A record's noise, prior, nuisances and disturbance, of dtype ``filter_settings_dtype``."""
     states, muscles = len(record.start_mean), len(record.parameter_names) // 2
     sds: list[Unknowns] = []
-    if not record.knowledge.exact:
+    force = None
+    if record.force_sensor != "cell" and record.device is not None:
+        motor_sds = sds_of_sensor(record.force_sensor, record.device)
+        assert motor_sds is not None, "no load cell reads the force"
+        force = motor_sds, record.device.records()[0]
+    if not record.knowledge.exact or force is not None:
         model = defaults.matching_models(record.parameter_names, states)[0]
-        upright, sds = sds_of(record.jaw, model, record.knowledge, record.prior)
+        known = record.jaw, model, record.knowledge, record.prior
+        upright, sds = sds_of(*known, None if force is None else force[0])
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
     settings = record_zeros(1, filter_settings_dtype(muscles, states, lines, len(sds), disturbance))[0]
@@ -61,7 +68,7 @@ def settings_of_record(record: Record) -> Any:
     settings["rough"] = rough_change(record.cell_sd, record.dt)
     set_prior(settings, record.jaw, record.prior)
     if sds:
-        write_nuisances(settings["nuisances"], upright, record.knowledge, model.muscles, sds)
+        write_nuisances(settings["nuisances"], upright, record.knowledge, model.muscles, sds, force)
     if disturbance:
         variance, time = record.disturbance_sd**2, record.disturbance_time_s
         settings["start_sd"][states:] = record.disturbance_sd

@@ -3,7 +3,7 @@
 viser has hotkeys, which say that a key was pressed and not that it was let go, and its camera moves with the keys that
 drive here. So a script of the page catches those keys before the camera does, and hands each press and release to a
 hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's. A gamepad
-holds the same keys, with sticks beyond half of their way.
+holds the same keys; a stick on a part of its way taps its key in as large a part of the steps, which is as much slower.
 """
 
 from __future__ import annotations
@@ -40,6 +40,8 @@ _STICKS = (
     (3, -1, "ArrowUp"),
     (3, 1, "ArrowDown"),
 )
+_STICK_RANGE = (0.2, 0.95)
+"""Of a stick's way: where its key begins to be tapped, and where it is held."""
 _BUTTONS = ((12, "ArrowUp"), (13, "ArrowDown"), (14, "ArrowLeft"), (15, "ArrowRight"))
 
 HELP = "<b>S W</b> open, close · <b>A D</b> right, left · <b>↑ ↓</b> push, pull · <b>← →</b> roll · or a gamepad"
@@ -124,18 +126,30 @@ if (!window.jawenvKeys) {
   window.addEventListener('keydown', (event) => on(event, false), true);
   window.addEventListener('keyup', (event) => on(event, true), true);
   window.addEventListener('blur', () => { held.forEach((code) => tell(code, true)); held.clear(); });
-  const sticks = STICKS, buttons = BUTTONS;
+  const sticks = STICKS, buttons = BUTTONS, [rests, holds] = RANGE, owed = {};
   setInterval(() => {
-    const now = new Set();
+    const pushed = {};
     for (const pad of navigator.getGamepads ? navigator.getGamepads() : []) {
       if (!pad) continue;
-      sticks.forEach(([axis, way, code]) => way * (pad.axes[axis] || 0) > 0.5 && now.add(code));
-      buttons.forEach(([button, code]) => pad.buttons[button] && pad.buttons[button].pressed && now.add(code));
+      sticks.forEach(([axis, way, code]) => {
+        const share = (way * (pad.axes[axis] || 0) - rests) / (holds - rests);
+        pushed[code] = Math.max(pushed[code] || 0, share);
+      });
+      buttons.forEach(([button, code]) => {
+        if (pad.buttons[button] && pad.buttons[button].pressed) pushed[code] = 1;
+      });
     }
     codes.forEach((code) => {
-      if (now.has(code) === padded.has(code)) return;
-      now.has(code) ? padded.add(code) : padded.delete(code);
-      tell(code, !now.has(code));
+      const share = pushed[code] || 0, held = share >= 1;
+      if (held !== padded.has(code)) {
+        held ? padded.add(code) : padded.delete(code);
+        tell(code, !held);
+      }
+      owed[code] = held || share <= 0 ? 0 : (owed[code] || 0) + share;
+      if (owed[code] < 1) return;
+      owed[code] -= 1;
+      tell(code, false);
+      tell(code, true);
     });
   }, 50);
 }
@@ -145,7 +159,8 @@ if (!window.jawenvKeys) {
 def keys_html() -> str:
     """The help line, and the script."""
     script = _SCRIPT
-    for name, values in (("CODES", list(DRIVE_KEYS)), ("STICKS", _STICKS), ("BUTTONS", _BUTTONS)):
+    told = {"CODES": list(DRIVE_KEYS), "STICKS": _STICKS, "BUTTONS": _BUTTONS, "RANGE": _STICK_RANGE}
+    for name, values in told.items():
         script = script.replace(name, json.dumps(values))
     style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:4px 12px"
     return f'<div id="keys" style="{style}">{HELP}{script_html(script)}</div>'

@@ -6,6 +6,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -161,7 +162,7 @@ class Page:
     def _change(self) -> None:
         """Another patient, model, control or knowledge."""
         values = {name: handle.value for name, handle in self._choices.items()}
-        setup = Setup(**(values | {"seed": int(values["seed"])}))
+        setup = replace(self.session.setup, **(values | {"seed": int(values["seed"])}))
         self._say("making the environment: the first of a model compiles for up to a minute")
         session = Session(setup, self.session.agents)
         session.hand_over(self._driver.value)

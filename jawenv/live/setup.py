@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
+from jawenv.anatomy import Anatomy
 from jawenv.checks import real_number, whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.device.comfort_settings import Comfort
+from jawenv.device.force_sensor import ForceSensor
 from jawenv.errors import InputError, shown
+from jawenv.files import Source
 from jawenv.ladder import model_named
 from jawenv.playing.rollout import LARGEST_SEED
 
@@ -27,6 +31,9 @@ class Setup:
             commands of them.
         knowledge: what the filter knows of anatomy and device.
         episode_s: length of an episode, 1 to 600 s.
+        force_sensor: how the device knows its force.
+        comfort: limits that differ from the default's, as the environment takes them.
+        anatomy: what differs from the default anatomy, likewise.
 
     Raises:
         InputError: a value is not allowed. What the environment refuses, it refuses when it is made.
@@ -38,6 +45,9 @@ class Setup:
     control: Control = DEFAULT_CONTROL
     knowledge: Known = "exact"
     episode_s: float = 30.0
+    force_sensor: ForceSensor = "cell"
+    comfort: Comfort | Source | None = None
+    anatomy: Anatomy | Source | None = None
 
     def __post_init__(self) -> None:
         """Check what no environment checks."""
@@ -70,5 +80,8 @@ class Setup:
             "cohort": self.cohort,
             "episode_s": self.episode_s,
             "knowledge": self.knowledge,
+            "force_sensor": self.force_sensor,
+            "comfort": self.comfort,
+            "anatomy": self.anatomy,
             "record": True,
         }

@@ -34,6 +34,23 @@ def test_score_prints_every_parameter_and_whether_it_can_be_believed(capsys, kno
     assert out.count("/masseter_") == 4 and "NEES" in out and "all known to 10%" in out
 
 
+def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):
+    (tmp_path / "strict.toml").write_text("force_N = 0.5\n")
+    (tmp_path / "jaw.toml").write_text("mandible = {mass_kg = 0.4}\n")
+    own = [
+        ("--comfort", str(tmp_path / "strict.toml")),
+        ("--anatomy", str(tmp_path / "jaw.toml")),
+        ("--force-sensor", "straps"),
+    ]
+    said = []
+    for each in [(), *own]:
+        assert main(["score", "refined", "--patients", "2", "--episode-s", "1", *each]) == 0
+        said.append(capsys.readouterr().out)
+    assert len(set(said)) == 4
+    costs = [float(line.split()[1]) for out in said for line in out.splitlines() if line.startswith("discomfort")]
+    assert costs[1] > costs[0], "less is comfortable"
+
+
 @pytest.mark.parametrize("knowledge", ["exact", "imaged"])
 def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
     session = Session(Setup(seed=500, episode_s=1.0))
@@ -80,6 +97,9 @@ def interrupt(page):
         (["live", "--port", "70000"], "port: 70000 given"),
         (["live", "--port", "0", "--driver", "nope"], "maneuver 'nope': unknown"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
+        (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
+        (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
+        (["live", "--anatomy", "nowhere.toml"], "nowhere.toml: no such file"),
         (["fly"], "No such command"),
     ],
 )

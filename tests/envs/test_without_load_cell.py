@@ -76,7 +76,6 @@ def test_straps_that_only_pull_leave_pushes_unread():
         ({"force_sensor": "spring"}, "force_sensor is 'spring'; allowed: cell, motors, straps"),
         ({"force_sensor": "motors", "model": "bilateral"}, "force_sensor is 'motors'; allowed in JawBilateral: 'cell'"),
         ({"force_sensor": "straps", "model": "sagittal"}, "force_sensor is 'straps'; allowed in JawSagittal: 'cell'"),
-        ({"force_sensor": "straps", "record": True}, "force_sensor is 'straps'; allowed where record is true: 'cell'"),
     ],
 )
 def test_what_knows_no_other_sensor_is_one_line(given, message):

@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +14,14 @@ from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from eval.cli import main
 from eval.entries import env_of_runs, load_entries
 from eval.kept.digest import fingerprint
+from eval.options import known_within
 from eval.settings import Settings
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.files import write_json
 from jawenv.ladder import model_of_env
+from tests.eval.runs import save_run
+from training.run.config import TrainingConfig
 
 OWN = """
 import numpy as np
@@ -99,6 +103,28 @@ def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_
     assert entry.env_id == "jawenv/JawImaged-v1" and "trained in jawenv/Jaw-v2" in entry.note
     (entry,) = load_entries(["ppo_trismus"], Settings().env_kwargs, "jawenv/Jaw-v2")
     assert not entry.note
+
+
+@pytest.mark.parametrize(
+    ("trained", "asked", "noted"),
+    [
+        ({"knowledge": "imaged"}, {"knowledge": known_within("imaged")}, False),
+        ({"knowledge": "imaged"}, {}, True),
+        ({"comfort": {"force_N": 15.0}}, {}, False),  # the default
+        ({"comfort": {"force_N": 8.0}}, {}, True),
+        ({"comfort": "gone.toml"}, {}, True),
+        ({}, {"device": {"cell_gain": 0.0}}, True),
+    ],
+)
+def test_a_note_says_what_of_the_world_was_another_in_training(
+    tmp_path: Path, trained: dict[str, Any], asked: dict[str, Any], noted: bool
+) -> None:
+    folder = save_run(tmp_path / "run")
+    config = TrainingConfig.load(folder / "config.yaml")
+    config.with_env_kwargs(**trained).save(folder / "config.yaml")
+    (entry,) = load_entries([str(folder)], Settings(**asked).env_kwargs)
+    (name,) = trained or asked
+    assert (f"trained with another {name}" in entry.note) == noted
 
 
 def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_path: Path, own: Path) -> None:

@@ -50,21 +50,40 @@ def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
     np.testing.assert_array_equal(estimate.cov, run.belief_cov[0])
 
 
-@pytest.mark.parametrize("told", [{"knowledge": "imaged"}, {"device": Device(unmodelled_time_s=0.5)}])
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"knowledge": "imaged"},
+        {"device": Device(unmodelled_time_s=0.5)},
+        {"force_sensor": "motors", "device": Device(unmodelled_time_s=0.5)},
+        {"force_sensor": "straps", "device": Device(strap_pretension_N=0.0)},  # slack where the jaw is pushed
+        {"force_sensor": "motors", "knowledge": "imaged"},
+    ],
+    ids=["imaged", "memory", "motors", "straps", "motors, imaged"],
+)
 def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(told, tmp_path):
     """To the rounding of a file's numbers; another file has them from the caller."""
     run = played("jawenv/Jaw-v2", False, **told)
     record, path = run.records[0], tmp_path / "within_sds.csv"
+    assert np.isnan(record.samples).any() == (told.get("force_sensor") == "straps")
     save_record(record, path)
     estimate = TensionFilter().estimate(load_record(path))
     np.testing.assert_allclose(estimate.mean, run.belief_mean[0], atol=1e-7)
     np.testing.assert_allclose(estimate.cov, run.belief_cov[0], atol=1e-8)
-    save_record(replace(record, knowledge=Knowledge(), disturbance_time_s=0.0), path)
-    again = load_record(path, knowledge=told.get("knowledge"), device=told.get("device", Device()))
+    save_record(replace(record, knowledge=Knowledge(), disturbance_time_s=0.0, force_sensor="cell"), path)
+    told = {"device": Device(), **told}
+    again = load_record(path, **told)
     np.testing.assert_allclose(TensionFilter().estimate(again).mean[-1], run.belief_mean[0, -1], atol=1e-7)
 
 
-@pytest.mark.parametrize("told", [{"knowledge": LEVELS["imaged"]}, {"disturbance_time_s": 0.5}])
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"knowledge": LEVELS["imaged"]},
+        {"disturbance_time_s": 0.5},
+        {"force_sensor": "straps", "device": Device()},
+    ],
+)
 @pytest.mark.parametrize(
     "estimate",
     [
@@ -96,9 +115,17 @@ def test_a_disturbance_that_cannot_be_is_refused(fields, message):
         replace(played("jawenv/Jaw-v2", False).records[0], **fields)
 
 
-def test_two_condyles_are_known_exactly():
-    with pytest.raises(InputError, match="knowledge is not exact; allowed with two condyles is exact"):
-        replace(played("jawenv/JawBilateral-v2", False).records[0], knowledge=LEVELS["imaged"])
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [
+        ({"knowledge": LEVELS["imaged"]}, "knowledge is not exact; allowed with two condyles is exact"),
+        ({"force_sensor": "motors"}, "force_sensor is 'motors', allowed with two condyles is 'cell'"),
+        ({"force_sensor": "spring"}, "force_sensor is 'spring', allowed are cell, motors, straps"),
+    ],
+)
+def test_two_condyles_are_known_exactly_and_their_force_is_read(told, message):
+    with pytest.raises(InputError, match=message):
+        replace(played("jawenv/JawBilateral-v2", False).records[0], **told)
 
 
 def believing(record):

@@ -46,6 +46,13 @@ def looking_at(server, width=700, scheme="light"):
         tab.context.close()
 
 
+HALF_WAY = """() => {
+  [window.polls, window.taps] = [0, 0];
+  addEventListener("keydown", (event) => { if (event.key === "8" && !event.shiftKey) taps += 1; }, true);
+  navigator.getGamepads = () => { polls += 1; return [{axes: [0, 0, 0.575, 0.1], buttons: []}]; };
+}"""
+
+
 def worst(tab):
     return float(tab.get_attribute("[data-worst]", "data-worst"))
 
@@ -73,6 +80,10 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
             assert page.session.steering.hand[0] == pytest.approx(held[0])
             other.evaluate("navigator.getGamepads = () => [null, {axes: [0, 0, 0.9, 0.2], buttons: []}]")
             wait_until(lambda: page.session.steering.hand[3] > held[3])
+            other.evaluate(HALF_WAY)
+            wait_until(lambda: other.evaluate("polls") > 20)
+            polls, taps = other.evaluate("[polls, taps]")
+            assert taps == pytest.approx(0.5 * polls, abs=1), "half as fast"
             other.evaluate("navigator.getGamepads = () => []")
             wait_until(lambda: not page._keys.take())
             wait_until(lambda: worst(tab) < 0.7 * before and worst(other) < 0.7 * before)

@@ -138,11 +138,12 @@ def test_the_same_patient_begins_again(driven):
 
 
 def test_the_recording_of_a_drive_says_what_was_known(tmp_path):
-    session = Session(Setup(seed=500, episode_s=3.0, knowledge="imaged"))
+    session = Session(Setup(seed=500, episode_s=3.0, knowledge="imaged", force_sensor="straps"))
     session.drive([0.4, 0.0, 0.0, 0.0])
     paths = session.save(tmp_path)
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
-    assert load_record(paths[1]).knowledge == LEVELS["imaged"]
+    record = load_record(paths[1])
+    assert (record.knowledge, record.force_sensor) == (LEVELS["imaged"], "straps")
 
 
 def test_samples_on_a_line_are_left_out():

@@ -22,6 +22,7 @@ COMMANDS = {
     "patient_command",
     "play_command",
     "replay_command",
+    "score_command",
     "train",
 }
 # The public function that reads a recording: its options are given by name alone.

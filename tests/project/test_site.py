@@ -16,6 +16,7 @@ from rich.console import Console
 import jawenv
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.playing.maneuvers.maneuver import FOLDER
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = (
@@ -115,6 +116,9 @@ def test_the_gallery_shows_every_maneuver_with_three_figures(site: Path) -> None
         assert len(figures) == (3 if name.replace("_", " ") in played else 0), name
         assert all(re.match(r"[\d.]+ (s|%)$|never$", figure) for figure in figures), name
         assert "<polyline" in card or "rest" in card
+        file = (FOLDER / f"{name}.yaml").read_text(encoding="utf-8")
+        sought = re.findall(r"<p class='purpose'>(?:Know|Learn) [^<]+, within comfort\.</p><p>", card)
+        assert len(sought) == ("Found, not made by hand" in file), name
 
 
 def test_the_search_needs_no_server(site: Path) -> None:

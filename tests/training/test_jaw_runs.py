@@ -10,6 +10,8 @@ import pytest
 import agents
 import jawenv
 from agents.residual import BASE_FILE, ResidualPolicy
+from eval.entries import load_entries
+from eval.settings import Settings
 from jawenv.playing.maneuvers import Player
 from training.cli import main
 from training.run.evaluation_table import read_evaluations
@@ -79,6 +81,25 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
     ):
         row = {"steps": steps, "return": mean_return, "discomfort_s": discomfort}
         assert evaluations._compare(row) is better, row
+
+
+def test_a_run_keeps_its_own_comfort_anatomy_and_force_sensor(tmp_path: Path) -> None:
+    """With the run, not in files beside it: it goes on without them, and a comparison notes what is another."""
+    (tmp_path / "strict.toml").write_text("force_N = 8.0\n")
+    (tmp_path / "jaw.toml").write_text("mandible = {mass_kg = 0.25}\n")
+    own = ["--comfort", str(tmp_path / "strict.toml"), "--anatomy", str(tmp_path / "jaw.toml")]
+    run = train(tmp_path, CONFIG, *own, "--force-sensor", "straps")
+    kept = {"comfort": {"force_N": 8.0}, "anatomy": {"mandible": {"mass_kg": 0.25}}, "force_sensor": "straps"}
+    assert run.open().env.kwargs.items() >= kept.items()
+    assert json.loads((run.path / "env.json").read_text())["kwargs"].items() >= kept.items()
+    for name in ("strict.toml", "jaw.toml"):
+        (tmp_path / name).unlink()
+    assert main(["train", "--resume", str(run.path), "--steps", "62"]) == 0
+    (same,) = load_entries([str(run.path)], Settings(**kept).env_kwargs)
+    (other,) = load_entries([str(run.path)], Settings().env_kwargs)
+    assert "another" not in same.note and "force_sensor" not in same.note
+    for said in ("trained with another comfort", "trained with another anatomy", "trained with force_sensor straps"):
+        assert said in other.note
 
 
 class _Silent:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import Device
+from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
 from jawenv.filter import least_noise
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.ladder import MODELS, Model, model_named
@@ -60,22 +61,18 @@ def measurement_sd(device: Device) -> Array:
     return least_noise.encoder_sds(device.records()[0])
 
 
-def wrench_sd(device: Device, dt: float) -> Array:
-    """(6,) sd of the wrench not known over a tick of ``dt`` seconds: the unmodelled one, and the load cell's noise.
+def wrench_sd(device: Device, dt: float, force_sensor: ForceSensor = "cell") -> Array:
+    """(6,) sd of the wrench not known over a tick of ``dt`` seconds: the unmodelled one, and the force sensor's noise.
 
     The unmodelled wrench is new every ``UNMODELLED_TIME``, so its mean over a tick falls as the root of the tick's
     length; one with memory is no part of it (``disturbance_sd``). The mean of a tick's readings has half the variance
     of one: Simpson's weights (1, 4, 1)/6 of three readings, or the two ends' mean where the middle is interpolated.
     """
-    if device.unmodelled_time_s > 0.0:
-        return cell_sd(device)
-    device_record = device.records()[0]
-    variance = [
-        float(device_record[f"unmodelled_{kind}"]) ** 2 * UNMODELLED_TIME / dt
-        + 0.5 * float(device_record[f"cell_{kind}"]) ** 2
-        for kind in ("force", "moment")
-    ]
-    sd: Array = np.sqrt(least_noise.wrench_variance(np.repeat(variance, 3)))
+    share = UNMODELLED_TIME / dt
+    new = 0.0 if device.unmodelled_time_s > 0.0 else disturbance_sd(device)
+    friction = np.repeat(friction_noise(force_sensor, device), 3)
+    variance = (new**2 + friction**2) * share + cell_sd(device, force_sensor) ** 2
+    sd: Array = np.sqrt(least_noise.wrench_variance(variance))
     return sd
 
 
@@ -86,9 +83,9 @@ def disturbance_sd(device: Device) -> Array:
     return sd
 
 
-def cell_sd(device: Device) -> Array:
-    """(6,) the load cell's part of ``wrench_sd``."""
-    device_record = device.records()[0]
+def cell_sd(device: Device, force_sensor: ForceSensor = "cell") -> Array:
+    """(6,) the force sensor's part of ``wrench_sd``."""
+    device_record = device_with_sensor(force_sensor, device)[0]
     sd: Array = np.repeat([float(device_record["cell_force"]), float(device_record["cell_moment"])], 3) / np.sqrt(2.0)
     return sd
 

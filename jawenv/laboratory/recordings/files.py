@@ -20,6 +20,7 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.anatomy.knowledge import knowledge as knowledge_of
 from jawenv.controls import Control
 from jawenv.device.device import Device
+from jawenv.device.force_sensor import ForceSensor
 from jawenv.errors import InputError
 from jawenv.files import Source
 from jawenv.filter.motion.joint_step import N_SAMPLES
@@ -50,6 +51,7 @@ _ABOUT = (
     "knowledge",
     "disturbance_time_s",
     "disturbance_sd",
+    "force_sensor",
     "device",
     "control",
     "truth",
@@ -85,6 +87,7 @@ def load_record(
     cohort: str | None = None,
     prior: Prior | None = None,
     knowledge: str | Knowledge | Source | None = None,
+    force_sensor: ForceSensor | None = None,
     device: Device | None = None,
     start_mean: Array | None = None,
     start_sd: Array | None = None,
@@ -101,6 +104,7 @@ def load_record(
         cohort: population whose prior is the belief before the record; ``"trismus"``.
         prior: a belief of one's own, in natural logs.
         knowledge: within which sds geometry, mass and mounting are known, as the environments take it; ``"exact"``.
+        force_sensor: how the device knew its force, as the environments take it; ``"cell"``.
         device: that measured, with its noise of encoders and load cell; the noise of ``jawenv.Device()``.
         start_mean: (n,) motion (q, u) believed before the first reading; what explains the first reading best.
         start_sd: (n,) its sd; so wide that the first reading decides.
@@ -122,8 +126,12 @@ def load_record(
     check_columns(table, size)
     dt = float(time[1] - time[0])
     measured = _encoders(table)
+    sensor = force_sensor or about.get("force_sensor", "cell")
     noise = device or Device()
     noise_values = about if device is None else {}
+    measured_by = _device(device, about.get("device"), table.path)
+    if measured_by is None and sensor != "cell":
+        measured_by = noise
     time_constant = float(noise_values.get("disturbance_time_s", noise.unmodelled_time_s))
     remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
     measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
@@ -136,20 +144,21 @@ def load_record(
     return Record(
         time=time,
         measured=measured,
-        samples=_samples(table),
+        samples=_samples(table, slack=sensor == "straps"),
         start_mean=np.array(start, dtype=np.float64),
         start_sd=np.array(defaults.start_sd(jaw) if start_spread is None else start_spread, dtype=np.float64),
         measurement_sd=measurement_sd,
-        wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt))),
-        cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise))),
-        gain_sd=float(noise_values.get("gain_sd", noise.cell_gain)),
+        wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
+        cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise, sensor))),
+        gain_sd=float(noise_values.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
         knowledge=_knowledge(knowledge, about.get("knowledge"), table.path),
         disturbance_time_s=time_constant,
         disturbance_sd=np.array(noise_values.get("disturbance_sd", remembered)),
         jaw=jaw,
         prior=_prior(prior, cohort, about, muscles, table.path),
         parameter_names=muscles.parameter_names,
-        device=_device(device, about.get("device"), table.path),
+        force_sensor=sensor,
+        device=measured_by,
         control=commanded,
         truth=None if true_parameters is None else np.array(true_parameters, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
@@ -182,6 +191,8 @@ def _about(record: Record) -> dict[str, Any]:
     if record.disturbance_time_s > 0.0:
         about["disturbance_time_s"] = record.disturbance_time_s
         about["disturbance_sd"] = record.disturbance_sd.tolist()
+    if record.force_sensor != "cell":
+        about["force_sensor"] = record.force_sensor
     about["control"] = record.control
     if record.device is not None:
         about["device"] = asdict(record.device)
@@ -192,7 +203,7 @@ def _about(record: Record) -> dict[str, Any]:
 
 def _checked_about(table: Table) -> dict[str, Any]:
     """What the file says about itself, with numbers where numbers belong."""
-    texts = {"model", "cohort", "control"}
+    texts = {"model", "cohort", "control", "force_sensor"}
     for name, value in table.about.items():
         if name in ("jaw", "device", "knowledge"):
             continue
@@ -288,25 +299,27 @@ def _stacked(table: Table, columns: list[Column]) -> Array | None:
     return np.column_stack([_column(table, column) for column in columns])
 
 
-def _wrenches(table: Table, columns: tuple[Column, ...]) -> Array:
-    """(T, 3, 6) of three wrenches per tick; the last row begins no tick."""
+def _wrenches(table: Table, columns: tuple[Column, ...], slack: bool = False) -> Array:
+    """(T, 3, 6) of three wrenches per tick; the last row begins no tick. Slack straps leave gaps."""
     ticks = len(table.lines) - 1
     wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
     for column in columns:
         values = _column(table, column)[:-1]
-        _complete(table, column, values)
+        if not slack:
+            _complete(table, column, values)
         moment, component = column.index
         wrenches[:, moment, component] = values
     return wrenches
 
 
-def _samples(table: Table) -> Array:
-    """(T, 3, 6) load cell at start, middle and end of each tick; the middle of single readings is interpolated."""
+def _samples(table: Table, slack: bool) -> Array:
+    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
     if has_any(table, SAMPLES):
-        return _wrenches(table, SAMPLES)
+        return _wrenches(table, SAMPLES, slack)
     readings = np.column_stack([_column(table, column) for column in READINGS])
     for column, values in zip(READINGS, readings.T, strict=True):
-        _complete(table, column, values)
+        if not slack:
+            _complete(table, column, values)
     return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
 
 

@@ -36,6 +36,7 @@ def record_of(simulation: Simulation, index: int) -> Record:
         knowledge=simulation.knowledge,
         disturbance_time_s=time,
         disturbance_sd=disturbance_sd(device) if time > 0.0 else np.zeros(N_WRENCH),
+        force_sensor=simulation.configuration.force_sensor,
         device=device,
         control=simulation.configuration.control,
         truth=world["truth"]["log_parameters"].copy(),

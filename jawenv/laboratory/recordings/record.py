@@ -12,6 +12,7 @@ from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
+from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
 from jawenv.errors import InputError
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
@@ -46,7 +47,8 @@ class Record:
         knowledge: within which sds geometry, mass, mounting and load cell are known.
         disturbance_time_s: time constant of the memory of the unmodelled wrench; 0 for none.
         disturbance_sd: (6,) its sd where it has memory.
-        device: that measured it, None if unknown; no estimator reads it.
+        force_sensor: how the device knows its force: what ``samples`` are of.
+        device: that measured it, None if unknown; read only where no load cell reads the force, for its sds.
         control: of its motors, "force", "trajectory" or "targets"; no estimator reads it.
         truth: (p,) the patient's natural-log parameters; None if unknown. For evaluation only.
         states: (T + 1, n) true motion; None if unknown. For evaluation only.
@@ -71,6 +73,7 @@ class Record:
     knowledge: Knowledge = Knowledge()
     disturbance_time_s: float = 0.0
     disturbance_sd: Array = field(default_factory=lambda: np.zeros(N_WRENCH))
+    force_sensor: ForceSensor = "cell"
     device: Device | None = None
     control: Control = "force"
     truth: Array | None = None
@@ -114,6 +117,15 @@ class Record:
             )
         if size == N_BODY and not self.knowledge.exact:
             raise InputError("record: knowledge is not exact; allowed with two condyles is exact")
+        self._check_force_sensor(size)
+
+    def _check_force_sensor(self, size: int) -> None:
+        """A force without a load cell is for one reference point, and needs the device's sds."""
+        if self.force_sensor not in FORCE_SENSORS:
+            raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed are {', '.join(FORCE_SENSORS)}")
+        if self.force_sensor != "cell" and (size == N_BODY or self.device is None):
+            why = "with two condyles" if size == N_BODY else "without a device"
+            raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed {why} is 'cell'")
 
     @property
     def dt(self) -> float:
@@ -122,8 +134,8 @@ class Record:
 
     @property
     def exact(self) -> bool:
-        """Whether geometry and mounting are known exactly and no disturbance has memory."""
-        return self.knowledge.exact and self.disturbance_time_s == 0.0
+        """Whether a load cell reads the force, geometry and mounting are known exactly, no disturbance has memory."""
+        return self.knowledge.exact and self.disturbance_time_s == 0.0 and self.force_sensor == "cell"
 
     def require_exact(self, method: str) -> None:
         """Check that ``method`` can be used, which integrates nothing out but the load cell's gain error.
@@ -132,7 +144,12 @@ class Record:
             InputError: the record is not ``exact``.
         """
         if not self.exact:
-            known = "a disturbance with memory" if self.knowledge.exact else "knowledge that is not exact"
+            has = (
+                (not self.knowledge.exact, "knowledge that is not exact"),
+                (self.force_sensor != "cell", "a force that no load cell reads"),
+                (True, "a disturbance with memory"),
+            )
+            known = next(what for there, what in has if there)
             raise InputError(f"{method}: the record has {known}; allowed is none, or TensionFilter and OnlineFilter")
 
     @property

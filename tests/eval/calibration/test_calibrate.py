@@ -191,10 +191,30 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--estimator", "two"], "estimator: 'two' given, allowed in jawenv/Jaw-v2 are midline"),
         (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
         (["hold_still", "--env", "Knee"], "env 'Knee': unknown"),
+        (["hold_still", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
+        (["hold_still", "--comfort", "strict"], "strict: unknown file type ''; allowed: .json, "),
+        (["hold_still", "--anatomy", "README.md"], "README.md: unknown file type '.md'"),
+        (["hold_still", "--force-sensor", "spring"], "force_sensor: 'spring' given, allowed are cell, motors, straps"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):
     assert run(tmp_path, *arguments) == 2
+    error = capsys.readouterr().err
+    assert told in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("option", "said", "told"),
+    [
+        ("comfort", "force_N = -1", "own.toml: comfort.force_N is -1; allowed: a finite number"),
+        ("comfort", "mass_kg = 1", "own.toml: comfort.mass_kg is not a field of Comfort; allowed: force_N, "),
+        ("anatomy", "mandible = {mass_kg = 90}", "own.toml: anatomy.mandible.mass_kg is 90"),
+        ("anatomy", "mandible = ", "own.toml: damaged TOML"),
+    ],
+)
+def test_a_damaged_comfort_or_anatomy_is_refused_in_one_line(option, said, told, tmp_path, capsys):
+    (tmp_path / "own.toml").write_text(said)
+    assert run(tmp_path, "hold_still", *SHORT, f"--{option}", str(tmp_path / "own.toml")) == 2
     error = capsys.readouterr().err
     assert told in error and error.count("\n") == 1
 

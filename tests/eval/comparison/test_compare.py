@@ -81,6 +81,26 @@ def test_effects_that_the_filter_does_not_know_are_another_study(tmp_path, plays
     assert "creep_share = 0.5, cell_bias_N = 0.2" in (tmp_path / "report.html").read_text()
 
 
+def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(tmp_path, plays, drawn):
+    """What the files said is kept: another patient is played with it when they have gone."""
+    output = ["--output", str(tmp_path / "study")]
+    assert run("slow_opening", *SHORT, *output) == 0
+    own = {"comfort": tmp_path / "strict.toml", "anatomy": tmp_path / "jaw.yaml"}
+    own["comfort"].write_text("force_N = 1.0\n")
+    own["anatomy"].write_text("mandible: {mass_kg: 0.4}\n")
+    given = [text for name, file in own.items() for text in (f"--{name}", str(file))]
+    for each in (given[:2], given[2:], ["--force-sensor", "motors"], given):
+        assert run("slow_opening", *SHORT, *output, *each) == 0
+    assert len(plays.names) == 5
+    assert run("slow_opening", *SHORT, *output, *given) == 0
+    assert len(plays.names) == 5, "kept"
+    page = (tmp_path / "study" / "report.html").read_text()
+    assert "force_N = 1.0" in page and "mass_kg = 0.4" in page
+    for file in own.values():
+        file.unlink()
+    assert main(["report", str(tmp_path / "study"), "--patient", "1"]) == 0
+
+
 def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
     plays.fail_at = 1
     arguments = ["hold_still", "chirp", *SHORT, "--output", str(tmp_path)]

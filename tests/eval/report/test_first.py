@@ -46,20 +46,35 @@ def test_the_answer_of_who_never_gets_there_and_of_nobody_ranked(made):
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "said", "told"),
     [
-        ({}, "For an anatomy that is known exactly and a white disturbance. Known as a scan"),
+        (
+            {},
+            "exactly, with small disturbances that do not last. Where a scan",
+            "a white disturbance; --env",
+        ),
         (
             {"device": {"unmodelled_time_s": 0.5}},
-            "For an anatomy that is known exactly and a disturbance that lasts. Known",
+            "exactly, with small disturbances that last. Where a scan",
+            "exactly, and a disturbance with memory; --env JawImaged",
         ),
-        ({"knowledge": {"mass": 0.1}}, "For an anatomy and a device that the filter knows within sds, and a white"),
-        ({"env": "jawenv/JawImaged-v1"}, "For an anatomy and a device that the filter knows within sds, and a disturb"),
+        ({"knowledge": {"mass": 0.1}}, "only roughly, with small disturbances that do not last.", "sds, and a white"),
+        ({"env": "jawenv/JawImaged-v1"}, "only roughly, with small disturbances that last.", "sds, and a disturb"),
+        (
+            {"env": "jawenv/JawSides-v2"},
+            "exactly, with small disturbances that do not last.",
+            "white disturbance.",
+        ),
+        ({"force_sensor": "straps"}, "The device has no load cell.", "exactly"),
     ],
 )
-def test_what_is_assumed_stands_below_the_answer(made, changes, said):
+def test_what_is_assumed_stands_below_the_answer_in_plain_words_and_for_experts_in_detail(made, changes, said, told):
     about = made.about | {"settings": made.about["settings"] | changes}
-    assert first.assumption(type(made)(made.patients, made.curves, about)).startswith(said)
+    changed = type(made)(made.patients, made.curves, about)
+    plain = first.assumption(changed)
+    assert plain.startswith("This holds for a jaw whose anatomy ") and said in plain
+    assert not any(word in plain for word in ("--", "sd", "filter", "white"))
+    assert told in first.told(changed)
 
 
 def test_the_best_is_believed_by_its_nees_and_its_alarm(made):

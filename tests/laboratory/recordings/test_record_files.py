@@ -50,6 +50,7 @@ def random_record(model: str, ticks: int, dt: float, seed: int, tilt: float = 0.
         else jawenv.Knowledge(),
         disturbance_time_s=0.5 * (seed % 3),
         disturbance_sd=rng.random(6) * min(seed % 3, 1),
+        force_sensor="motors" if seed % 4 == 3 and model != "bilateral" else "cell",
         device=jawenv.Device(servo_stiffness_N_m=float(rng.uniform(100.0, 5000.0))) if seed % 2 else None,
         control="trajectory" if seed % 4 == 1 else "force",
         truth=rng.normal(size=len(names)),
@@ -69,7 +70,7 @@ def assert_same(one: Record, other: Record) -> None:
     np.testing.assert_allclose(other.prior.sd, one.prior.sd)
     assert other.parameter_names == one.parameter_names
     assert other.knowledge == one.knowledge
-    assert (other.device, other.control) == (one.device, one.control)
+    assert (other.device, other.control, other.force_sensor) == (one.device, one.control, one.force_sensor)
     for field in one.jaw.dtype.names:
         np.testing.assert_allclose(other.jaw[field], one.jaw[field], rtol=1e-12, atol=1e-15, err_msg=field)
 
