@@ -35,6 +35,7 @@ from jawenv.filter import least_noise
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
 from jawenv.filter.motion.initial_motion import start_sd
 from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
@@ -150,6 +151,7 @@ class Simulation:
         settings["measurement_variance"] = least_noise.encoder_sds(device) ** 2
         cell_sd = np.repeat([float(device["cell_force"]), float(device["cell_moment"])], 3)
         settings["cell_repeats"] = least_noise.cell_repeats(cell_sd)
+        settings["rough"] = rough_change(np.sqrt(self._noise_variance()[N_WRENCH:]), TICK)
         settings["gain_variance"] = float(device["cell_gain"]) ** 2
         set_prior(settings, self._jaw, self.cohort.prior)
         about = self._jaw, self.knowledge, self.cohort.muscles, self._sds

@@ -153,7 +153,7 @@ def judge_innovation(belief, start_sd, scratch):
 
 
 @njit_within
-def update_motion(jaw, belief, measured, used, settings, scratch):
+def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
@@ -161,6 +161,7 @@ def update_motion(jaw, belief, measured, used, settings, scratch):
         belief: State of the filter, predicted to the time of the readings.
         measured: (12,).
         used: (12,).
+        resolved: Whether something can be learnt from them, see ``readings.screening``.
         settings: Variances of the encoders, sds that the motion is reset to where S is not positive definite, and the
             nuisances (``tick.filter_settings_dtype``).
         scratch: Working memory.
@@ -175,7 +176,7 @@ def update_motion(jaw, belief, measured, used, settings, scratch):
     add_nuisance_readings(jaw, belief, settings.nuisances, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
     correct_motion(belief, scratch)
-    if verdict != REFUSED:
+    if resolved and verdict != REFUSED:
         add_information(belief, scratch)
     return verdict
 

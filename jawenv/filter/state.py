@@ -39,7 +39,6 @@ def block_dtype(columns: int) -> np.dtype[np.void]:
     """Dtype of the sums of a block of ticks, see ``misfit``."""
     fields = [
         ("ticks", "i8"),
-        ("waits", "i8"),  # ticks that are left out from here on
         ("innovation", "f8", (N_MEASUREMENTS,)),  # whitened
         ("rows", "f8", (N_MEASUREMENTS, columns)),  # whitened rows by tension
         ("largest", "f8"),  # misfit of the blocks so far
@@ -82,6 +81,7 @@ def belief_dtype(
         ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
         ("trend", "f8", (N_WRENCH,)),  # of the load cell
         ("readings", "i8"),  # ticks at the end of which an encoder was used
+        ("waits", "i8"),  # ticks of which nothing is learnt from here on, see ``readings.screening``
         ("gated", "i8"),  # ticks whose innovation the gate rejected when they were read
         ("last_measured", "f8", (N_MEASUREMENTS,)),
         ("last_sample", "f8", (N_WRENCH,)),
@@ -162,7 +162,7 @@ def forget_readings(belief):
     belief.smoothed[:] = 0.0
     belief.friction_share[:] = 0.0
     begin_block(belief.block)
-    belief.block.largest, belief.block.second, belief.block.waits = 0.0, 0.0, 0
+    belief.block.largest, belief.block.second, belief.waits = 0.0, 0.0, 0
     belief.readings = 0
     belief.last_measured[:] = np.nan
     belief.last_sample[:] = np.nan

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from jawenv.filter.alarm.misfit import add_to_block, is_resolved
+from jawenv.filter.alarm.misfit import add_to_block
 from jawenv.filter.belief.basis import basis_dtype, build_basis
 from jawenv.filter.learn import belief_fields, learn
 from jawenv.filter.measurement_update import (
@@ -24,7 +24,7 @@ from jawenv.filter.nuisances.changed_jaw import copy_jaw
 from jawenv.filter.nuisances.changes import correct_readings, follow_friction, nuisance_dtype
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.readings.screening import mark_usable, repair_samples
+from jawenv.filter.readings.screening import is_resolved, mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
 from jawenv.kernels.compiled import njit, njit_within
@@ -36,8 +36,9 @@ from jawenv.mechanics.jaw import N_TEETH
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
-# disc force, which is not separable from muscle tension until the motion's covariance has settled.
-SETTLING_TICKS = 10
+# disc force, which is not separable from muscle tension until the motion's covariance has settled. Five suffice, and
+# of ten the first moments of a quick opening are missed, which tell parameters apart that later ones leave alike.
+SETTLING_TICKS = 5
 # At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 20, 1280
@@ -58,6 +59,7 @@ def filter_settings_dtype(
         ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
         ("gain_variance", "f8"),
         ("cell_repeats", "u1", N_WRENCH),  # whether a component of the load cell has no noise
+        ("rough", "f8", 3),  # see ``screening.rough_change``
         ("motion_only", "u1"),  # whether the motion is filtered at the prior's mean, and nothing is learnt
         ("start_sd", "f8", n_states + n_disturbance),  # of motion and disturbance before the first reading
         ("disturbance_decay", "f8"),  # over a tick, of a disturbance with memory
@@ -170,13 +172,14 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
-        resolved = is_resolved(belief.block, scratch.samples)
+        resolved = is_resolved(belief, scratch.samples, settings.rough)
     left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += 1
         correct_readings(belief, settings.nuisances, measured, scratch.measured)
-        scratch.verdict = update_motion(jaw, belief, scratch.measured, scratch.used, settings, scratch.update)
+        used = scratch.used
+        scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:
             add_to_block(belief, scratch.update)
     if tick > 0:

@@ -21,6 +21,8 @@ from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 
+MISSED_CHANGE, MISSED_NOISE = 0.2, 0.05  # shares of a wrench's change and of its noise that three samples miss
+
 
 def time_update_fields(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
@@ -70,6 +72,8 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
         return
     set_total(jacobian_of_tick(belief, scratch), settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
+    if jaw.condyles == 2:
+        add_impulse(belief.motion_cov, samples, noise_variance, dt, scratch.step.linear.by_input)
     decay_disturbance(belief, settings)
     if settings.motion_only:
         return
@@ -97,6 +101,24 @@ def predict_cov(covariance, noise_variance, scratch):
         for j in range(size):
             # One of two numbers that differ by rounding, so that P stays symmetric.
             covariance[i, j] = scratch.next_cov[max(i, j), min(i, j)]
+
+
+@njit
+def add_impulse(covariance, samples, noise_variance, dt, by_wrench):
+    """Add to the motion's covariance (n, n) what a wrench that changes within the tick may do on two discs.
+
+    ``by_wrench`` (n / 2, 6) is the derivative of the accelerations. Two of a body's six motions bounce on the discs by
+    10 rad in a tick. A wrench that is constant over it leaves them as they were, and constant process noise would have
+    nothing there. What three samples miss of a wrench's course moves them: shares of its change and noise act at once.
+    """
+    half = by_wrench.shape[0]
+    for k in range(N_WRENCH):
+        first, middle, last = samples[0, k], samples[1, k], samples[2, k]
+        change = MISSED_CHANGE * max(abs(last - first), abs(last - 2.0 * middle + first))
+        variance = dt * dt * (change * change + MISSED_NOISE * MISSED_NOISE * noise_variance[k])
+        for i in range(half):
+            for j in range(half):
+                covariance[half + i, half + j] += by_wrench[i, k] * variance * by_wrench[j, k]
 
 
 @njit

@@ -11,6 +11,7 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.force_sensor import sds_of_sensor
 from jawenv.filter import least_noise
 from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import filter_settings_dtype, set_prior
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults
@@ -64,6 +65,7 @@ def settings_of_record(record: Record) -> Any:
     settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
     settings["used"], settings["start_sd"][:states] = True, record.start_sd
     settings["cell_repeats"] = least_noise.cell_repeats(record.cell_sd)
+    settings["rough"] = rough_change(record.cell_sd, record.dt)
     set_prior(settings, record.jaw, record.prior)
     if sds:
         write_nuisances(settings["nuisances"], upright, record.knowledge, model.muscles, sds, force)

@@ -6,7 +6,7 @@ from recorded import recording
 from running import Running
 from scipy.stats import chi2
 
-from jawenv.filter.alarm.misfit import ALARM, BLOCK, ROUGH, SETTLING, add_to_block, is_resolved, move_block, set_misfit
+from jawenv.filter.alarm.misfit import ALARM, BLOCK, add_to_block, move_block, set_misfit
 from jawenv.filter.state import begin_block
 
 
@@ -62,19 +62,6 @@ def test_one_block_may_be_of_a_stop_and_two_ring(running):
 
 def test_half_a_block_is_not_judged(running):
     assert feed(running, np.full((BLOCK - 1, 12), 5.0)) == 0.0
-
-
-def test_ticks_that_are_not_resolved_are_left_out_and_a_few_after_them(running):
-    block, held = running.belief["block"], np.ones((3, 6))
-    jump, bend = held.copy(), held.copy()
-    jump[2, 1] += 1.1 * ROUGH
-    bend[1, 2] += 0.6 * ROUGH
-    for rough in (jump, bend):
-        assert is_resolved(block, held)
-        assert not is_resolved(block, rough)
-        assert [is_resolved(block, held) for _ in range(SETTLING + 1)] == SETTLING * [False] + [True]
-    smooth = held + 0.9 * ROUGH * np.linspace(0.0, 1.0, 3)[:, None]
-    assert is_resolved(block, smooth)
 
 
 def test_the_sum_is_kept_at_the_present_mean(running, rng):

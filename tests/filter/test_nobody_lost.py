@@ -65,6 +65,29 @@ def test_nobody_is_lost(cohort, control):
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
 
 
+@pytest.mark.parametrize("cohort", ["trismus", "wide"])
+def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort):
+    """Motors at full thrust, stops and the brake change their force several times in a tick, for seconds."""
+    held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)
+    actions = np.repeat(held, 8, axis=0)
+    env = gym.make_vec(
+        "jawenv/JawBilateral-v2",
+        len(actions),
+        cohort=cohort,
+        control="force",
+        episode_s=15.0,
+        autoreset_mode="disabled",
+    )
+    env.reset(seed=6000)
+    rough = np.zeros(len(actions))
+    for _ in range(300):
+        *_, terminated, _, info = env.step(actions)
+        rough += env.unwrapped.simulation.worlds["known"]["belief"]["waits"] > 0
+    rattles = (rough > 100.0) & ~terminated
+    assert rattles.sum() >= 10
+    assert info["nees"][rattles].max() / 12.0 < 10.0
+
+
 def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
     """Random targets of one second's hold; a step has twenty ticks, in which the belief would not be renewed."""
     rng = np.random.default_rng(0)

@@ -8,11 +8,16 @@ from jawenv.filter.readings.screening import (
     LOST_FORCE,
     LOST_MOMENT,
     MOMENT_RATE,
+    ROUGH,
+    SETTLING,
+    is_resolved,
     mark_usable,
     repair_samples,
+    rough_change,
 )
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import filter_settings_dtype
+from jawenv.kernels.records import record_zeros
 
 EVERY = np.ones(12, dtype=np.uint8)
 
@@ -165,3 +170,24 @@ def test_after_a_lost_sample_the_next_is_believed(rng):
     cell.samples = rng.normal(size=(3, 6))
     assert cell.repair() == 0
     np.testing.assert_array_equal(cell.lost_for, 0.0)
+
+
+def test_a_tick_that_is_not_resolved_and_a_few_after_it_teach_nothing():
+    belief, held = record_zeros(1, belief_dtype(1, 10))[0], np.ones((3, 6))
+    rough = rough_change(np.full(6, 0.03), 0.01)
+    jump, bend = held.copy(), held.copy()
+    jump[2, 1] += 1.1 * ROUGH
+    bend[1, 2] += 0.6 * ROUGH
+    for samples in (jump, bend):
+        assert is_resolved(belief, held, rough)
+        assert not is_resolved(belief, samples, rough)
+        assert [is_resolved(belief, held, rough) for _ in range(SETTLING + 1)] == SETTLING * [False] + [True]
+    smooth = held + 0.9 * ROUGH * np.linspace(0.0, 1.0, 3)[:, None]
+    assert is_resolved(belief, smooth, rough)
+
+
+def test_noise_of_the_samples_is_not_taken_for_a_change(rng):
+    for sd, dt in ((0.04, 0.01), (0.5, 0.01), (2.0, 0.05)):
+        belief, rough = record_zeros(1, belief_dtype(1, 10))[0], rough_change(np.full(6, sd / 2**0.5), dt)
+        assert all(is_resolved(belief, rng.normal(scale=sd, size=(3, 6)), rough) for _ in range(2000))
+    assert np.all(rough_change(np.zeros(6), 0.05) == 5.0 * ROUGH)

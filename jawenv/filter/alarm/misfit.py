@@ -7,8 +7,7 @@ lever, a disturbance with memory add up over a block, and noise does not. The st
 of freedom; the misfit of the blocks is the second largest of the episode over ``ALARM``, as a single one may be of a
 stop, and what the model lacks comes again. What the belief takes in without a misfit of readings, ``drift`` sees.
 
-A stop, a brake or teeth that act within a tick change its force by more than three samples resolve: such ticks, and the
-few in which the motion follows, are left out.
+Ticks that the load cell's samples do not resolve (``readings.screening``) are left out.
 
 The sum is kept at the belief's present mean: where that moves, it is corrected by M (``move_block``), and a replay
 begins it anew, so that every block is judged by what is believed after the last replay.
@@ -26,21 +25,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 
 BLOCK = 100  # ticks: a second, long beside the jaw's own motion and short beside a maneuver
-ROUGH = 1.0  # N by which a component of the force changes within a tick, or bends, that is not resolved
-SETTLING = 5  # ticks that are left out after one
 ALARM = 50.0  # chi-squared of 12 has a chance of 1e-6 to be above: linearisation takes its share
-
-
-@njit
-def is_resolved(block, samples):
-    """Whether a tick of which the load cell has the ``samples`` (3, 6) is to be added; called once for each."""
-    if block.waits > 0:
-        block.waits -= 1
-    for k in range(3):
-        first, middle, last = samples[0, k], samples[1, k], samples[2, k]
-        if abs(last - first) > ROUGH or abs(last - 2.0 * middle + first) > ROUGH:
-            block.waits = SETTLING + 1
-    return block.waits == 0
 
 
 @njit

@@ -3,9 +3,16 @@
 Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
 frozen. Only a load cell without noise may repeat itself, as when no motor pushes; encoders without noise do where
 nothing at all moves the jaw. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
+
+A stop, a brake or teeth that act within a tick change its force by more than three samples resolve. The motion follows
+the encoders then, and nothing is learnt of the muscles: where a linkage rattles for seconds, the same small error comes
+back in every tick, and adds up to a belief that is far too sure.
 """
 
 from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.kernels.compiled import njit
 
@@ -13,9 +20,23 @@ from jawenv.kernels.compiled import njit
 FORCE_RATE, LOST_FORCE = 50.0, 3.0
 MOMENT_RATE, LOST_MOMENT = 1.5, 0.1
 
+# N by which a component of the force changes within 10 ms, or bends, that three samples do not resolve; and in sds of
+# the load cell's mean over a tick, of which noise alone bends the samples by 12 ** 0.5.
+ROUGH, ROUGH_SDS, ROUGH_TICK = 1.0, 17.0, 0.01
+SETTLING = 5  # ticks after one in which the motion still follows
+
 # Ranges: mouthpiece position (m), angles (rad), velocity (m/s), angular velocity (rad/s), force (N), moment (N m).
 POSITION, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
 FORCE, MOMENT = 200.0, 20.0
+
+
+def rough_change(cell_sd: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
+    """(3,) N by which a component of the force may change within a tick of ``dt`` s that is resolved.
+
+    ``cell_sd`` (6,) are the load cell's sds of a tick's mean. In a longer tick the same motion changes it by more.
+    """
+    change: NDArray[np.float64] = np.maximum(ROUGH * max(1.0, dt / ROUGH_TICK), ROUGH_SDS * cell_sd[:3])
+    return change
 
 
 @njit
@@ -74,3 +95,18 @@ def repair_samples(belief, samples, settings, variance, usable):
         for i in range(samples.shape[0]):
             usable[i, k] = samples[i, k] if good else held_sample[k]
     return number
+
+
+@njit
+def is_resolved(belief, samples, rough):
+    """Whether a tick's ``samples`` (3, 6) of the load cell resolve it, and those before; called once for each tick.
+
+    ``rough`` (3,) is as ``rough_change`` has it.
+    """
+    if belief.waits > 0:
+        belief.waits -= 1
+    for k in range(3):
+        first, middle, last = samples[0, k], samples[1, k], samples[2, k]
+        if abs(last - first) > rough[k] or abs(last - 2.0 * middle + first) > rough[k]:
+            belief.waits = SETTLING + 1
+    return belief.waits == 0
