@@ -47,7 +47,7 @@ class Running:
         return self.take(self.record.measured[k], used)
 
     def take(self, measured, used=ALL):
-        return update_motion(self.record.jaw, self.belief, measured, used, self.settings, self.scratch["update"])
+        return update_motion(self.record.jaw, self.belief, measured, used, True, self.settings, self.scratch["update"])
 
     def expected(self):
         """(12,) readings to expect."""

@@ -12,6 +12,7 @@ import jawenv
 from agents import load_agent
 from jawenv.filter.learn import recentre
 from jawenv.filter.measurement_update import REFUSED
+from jawenv.filter.time_update import MISSED_CHANGE, MISSED_NOISE
 
 
 class Joint:
@@ -36,6 +37,8 @@ class Joint:
         F[:n, :n], F[:n, n:] = A, G @ lines
         self.P = F @ self.P @ F.T
         self.P[:n, :n] += G @ np.diag(record.noise_variance[:6]) @ G.T
+        if record.jaw["condyles"] == 2:
+            self.P[n // 2 : n, n // 2 : n] += impulse(running.scratch["time"]["step"]["linear"]["by_input"], record, k)
         self.mean = F @ (self.mean - np.concatenate([before, np.zeros(running.columns)]))
         self.mean[:n] += after
 
@@ -51,6 +54,33 @@ class Joint:
         rest = np.eye(len(self.mean)) - K @ H
         self.P = rest @ self.P @ rest.T + K @ R @ K.T
         assert running.update(k, used) != REFUSED
+
+
+def impulse(by_wrench, record, k):
+    """Covariance (6, 6) of the speeds after a share of the wrench's change in tick k, and of its noise, acts at once."""
+    first, middle, last = record.samples[k]
+    change = np.maximum(np.abs(last - first), np.abs(first - 2.0 * middle + last))
+    variance = (MISSED_CHANGE * change) ** 2 + MISSED_NOISE**2 * record.noise_variance[:6]
+    return record.dt**2 * by_wrench @ np.diag(variance) @ by_wrench.T
+
+
+def test_what_acts_at_once_on_two_discs_is_what_newton_and_euler_say():
+    """Two of the six motions have no process noise but this."""
+    running = Running(recording("bilateral").records[0]).run(30)
+    record, before = running.record, running.belief["motion_cov"].copy()
+    running.predict(30)
+    A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
+    constant = A @ before @ A.T + G @ np.diag(record.noise_variance[:6]) @ G.T
+    R = half_way(record.jaw, running.belief["motion"], running.belief["motion"])[1]
+    mass, rho = float(record.jaw["mass"]), record.jaw["centre_of_mass"]
+    across = np.cross(np.eye(3), record.jaw["mouthpiece"] - rho)  # rows: e x r
+    spin = np.linalg.inv(record.jaw["inertia"]) @ np.hstack([-across.T, np.eye(3)])
+    place = R @ (np.hstack([np.eye(3) / mass, np.zeros((3, 3))]) + np.cross(rho, spin.T).T)
+    expected = impulse(np.vstack([place, spin]), record, 30)
+    found = (running.belief["motion_cov"] - constant)[6:, 6:]
+    sd = np.sqrt(np.diag(expected))
+    np.testing.assert_allclose(found / np.outer(sd, sd), expected / np.outer(sd, sd), rtol=0, atol=0.02)
+    assert np.linalg.eigvalsh(expected / np.outer(sd, sd)).min() > 1e-4
 
 
 @pytest.mark.parametrize("model", ["jaw", "bilateral"])
