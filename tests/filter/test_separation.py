@@ -57,7 +57,7 @@ class Joint:
 
 
 def impulse(by_wrench, record, k):
-    """Covariance (6, 6) of the speeds after a share of the wrench's change in tick k, and of its noise, acts at once."""
+    """Covariance (6, 6) of the speeds after shares of the wrench's change in tick k and of its noise act at once."""
     first, middle, last = record.samples[k]
     change = np.maximum(np.abs(last - first), np.abs(first - 2.0 * middle + last))
     variance = (MISSED_CHANGE * change) ** 2 + MISSED_NOISE**2 * record.noise_variance[:6]
