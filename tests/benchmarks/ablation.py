@@ -2,9 +2,10 @@
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
-in Markdown; takes about a minute for each row:
+in Markdown; takes about a minute for each row. With --condyles 2 of what is there for a jaw on two discs:
 
     python tests/benchmarks/ablation.py --patients 64 --seed 6000
+    python tests/benchmarks/ablation.py --patients 64 --seed 6000 --condyles 2
 """
 
 import argparse
@@ -39,6 +40,7 @@ class Cell(NamedTuple):
     agent: str
     control: str
     cohort: str = "trismus"
+    env_id: str = "jawenv/Jaw-v2"
 
 
 @njit
@@ -63,6 +65,19 @@ class Biting:
         return np.tile(np.float32([-1.0, -1.0, 1.0, 1.0]), (*np.shape(observation)[:-1], 1)), None
 
 
+class Corners(Biting):
+    """Motors held at a corner of their range, each world at the next of the 16."""
+
+    name = "corners"
+
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Any, None]:
+        world = np.arange(np.shape(observation)[0])[:, None]
+        return (1.0 - 2.0 * (world >> np.arange(4) & 1)).astype(np.float32), None
+
+
+HELD = {agent.name: agent for agent in (Biting, Corners)}
 ROWS = (
     Row("the filter as it is"),
     Row("no gate", {"measurement_update.GATE": math.inf}),
@@ -79,6 +94,13 @@ ROWS = (
     Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
 )
+BODY_ROWS = (
+    Row("the filter as it is"),
+    Row("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
+    Row("no impulse on the discs", {"time_update.MISSED_CHANGE": 0.0, "time_update.MISSED_NOISE": 0.0}),
+    Row("ten ticks until something is learnt", {"tick.SETTLING_TICKS": 10}),
+    Row("none", {"tick.SETTLING_TICKS": 0}),
+)
 CELLS = (
     Cell("hold_still", "force"),
     Cell("opening_with_swings_and_fore_aft", "force"),
@@ -92,9 +114,18 @@ CELLS = (
     Cell("biting", "force"),
     Cell("biting", "trajectory"),
 )
+BODY = "jawenv/JawBilateral-v2"
+BODY_CELLS = (
+    Cell("corners", "force", env_id=BODY),
+    Cell("corners", "trajectory", "wide", BODY),
+    Cell("hold_still", "targets", env_id=BODY),
+    Cell("slow_opening", "targets", env_id=BODY),
+    Cell("refined", "targets", env_id=BODY),
+)
+TABLES = {1: (ROWS, CELLS), 2: (BODY_ROWS, BODY_CELLS)}
 
 
-def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
+def measure(row: Row, cells: tuple[Cell, ...], patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient after 30 s, for each cell."""
     for place, value in row.constants.items():
         module, _, name = place.rpartition(".")
@@ -106,12 +137,12 @@ def measure(row: Row, patients: int, seed: int) -> list[list[float]]:
     from agents import load_agent
 
     found = []
-    for cell in CELLS:
+    for cell in cells:
         kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device}
-        agent = Biting() if cell.agent == Biting.name else load_agent(cell.agent, control=cell.control)
-        played = jawenv.play(agent, patients=patients, seed=seed, env_kwargs=kwargs)
-        error = played.belief_mean[:, -1] - played.truth
-        nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.belief_cov[:, -1]), error)
+        agent = HELD[cell.agent]() if cell.agent in HELD else load_agent(cell.agent, control=cell.control)
+        played = jawenv.play(agent, patients=patients, seed=seed, env_id=cell.env_id, env_kwargs=kwargs)
+        error = played.at_end(played.belief_mean) - played.truth
+        nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.at_end(played.belief_cov)), error)
         found.append((nees / error.shape[1]).tolist())
         print(f"  {cell.agent}, {cell.control}, {cell.cohort}: done", file=sys.stderr, flush=True)
     return found
@@ -127,16 +158,18 @@ def main() -> None:
     parser.add_argument("--patients", type=int, default=64)
     parser.add_argument("--seed", type=int, default=6000, help="of the first patient; tuning's are 5000 to 19999")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of the rows to make, from 0")
+    parser.add_argument("--condyles", type=int, choices=TABLES, default=1)
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
+    table, cells = TABLES[given.condyles]
     if given.row is not None:
-        print(json.dumps(measure(ROWS[given.row], given.patients, given.seed)))
+        print(json.dumps(measure(table[given.row], cells, given.patients, given.seed)))
         return
-    rows = list(enumerate(ROWS)) if given.only is None else [(number, ROWS[number]) for number in given.only]
-    print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in CELLS))
-    print("|---|" + len(CELLS) * "--:|", flush=True)
+    rows = list(enumerate(table)) if given.only is None else [(number, table[number]) for number in given.only]
+    print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in cells))
+    print("|---|" + len(cells) * "--:|", flush=True)
     for number, row in rows:
-        print(f"{row.what} ({number + 1} of {len(ROWS)})", file=sys.stderr, flush=True)
+        print(f"{row.what} ({number + 1} of {len(table)})", file=sys.stderr, flush=True)
         command = [sys.executable, *sys.argv, "--row", str(number)]
         with tempfile.TemporaryDirectory() as cache:
             # The kernels of a filter that lacks something must not be taken for those of the whole one.
