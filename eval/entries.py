@@ -20,7 +20,8 @@ from jawenv.device.device import device_of
 from jawenv.errors import InputError
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.protocol import Agent
-from jawenv.playing.rollout import DEFAULT_ENV, Recording, play
+from jawenv.playing.recording import Recording
+from jawenv.playing.rollout import DEFAULT_ENV, play
 from jawenv.reality import check_reality
 
 if TYPE_CHECKING:

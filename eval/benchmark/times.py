@@ -9,7 +9,7 @@ import pandas as pd
 from eval.comparison import results
 from jawenv.errors import InputError
 from jawenv.metrics import time_to
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
 LEVELS = (0.20, 0.10, 0.05)

@@ -12,7 +12,7 @@ from eval.calibration.filters import OTHERS, TENSION
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,8 @@ import pandas as pd
 from eval.comparison import motion
 from eval.kept.tables import read_table, write_table
 from jawenv.metrics import claimed_information, nees, rmse, score, true_information, worst_sd
-from jawenv.playing.rollout import DEFAULT_ENV, Recording
+from jawenv.playing.recording import Recording
+from jawenv.playing.rollout import DEFAULT_ENV
 
 Array = npt.NDArray[np.float64]
 _CURVE_INTERVAL_S = 0.1

@@ -9,7 +9,7 @@ import pandas as pd
 
 from jawenv.inference.information_gain import InformationGain, information_gain
 from jawenv.inference.patient_law import PatientLaw
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 FIGURES = tuple(each.name for each in fields(InformationGain))
 COLUMNS = ("seed", *FIGURES, "claimed", "ended")

@@ -17,7 +17,7 @@ from jawenv.errors import InputError
 from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 from jawenv.ladder import model_of_env
 from jawenv.metrics import alarm_rings
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from jawenv.metrics.calibration import alarm_rings, claimed_information, covered
 from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 from jawenv.metrics.precision import identified, rmse, rmse_over_bound, time_to, worst_sd
 from jawenv.metrics.summary import Summary
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]

@@ -8,7 +8,7 @@ that is claimed: the NEES is then 12 / shrink.
 
 import numpy as np
 
-from jawenv.playing.rollout import Recording
+from jawenv.playing.recording import Recording
 
 MUSCLES = [
     f"{muscle}_{side}" for side in ("left", "right") for muscle in ("masseter", "temporalis", "medial_pterygoid")

@@ -1,0 +1,147 @@
+"""What is kept of episodes that were played: arrays over worlds, times and parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from jawenv.errors import InputError
+
+if TYPE_CHECKING:
+    from jawenv.laboratory.recordings.record import Record
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+# N worlds, T + 1 times (the reset is time 0), P parameters, L comfort limits.
+_SHAPES: dict[str, tuple[str, ...]] = {
+    "time": ("T",),
+    "belief_mean": ("N", "T", "P"),
+    "belief_cov": ("N", "T", "P", "P"),
+    "truth": ("N", "P"),
+    "prior_mean": ("P",),
+    "prior_sd": ("P",),
+    "bound_sd": ("N", "T", "P"),
+    "information_claimed": ("N", "T"),
+    "information_true": ("N", "T"),
+    "information_bound": ("N", "T"),
+    "cost": ("N", "T"),
+    "comfort": ("N", "T", "L"),
+    "governor": ("N", "T"),
+    "violation": ("N", "T"),
+    "misfit": ("N", "T"),
+    "valid": ("N", "T"),
+    "terminated": ("N",),
+}
+_MAY_BE_NAN = {"bound_sd", "information_bound", "misfit"}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """N episodes of one agent, as arrays over worlds (N), times (T + 1) and parameters (P).
+
+    Parameters are natural logs. After a world has ended (`valid` False) its arrays hold their last value, and
+    its cost and governor share are 0.
+
+    Attributes:
+        time: (T+1,) s since the start of the episode; time 0 is the reset.
+        belief_mean: (N, T+1, P) the filter's mean.
+        belief_cov: (N, T+1, P, P) the filter's covariance.
+        truth: (N, P) the patient's parameters.
+        prior_mean: (P,) mean of the filter's prior.
+        prior_sd: (P,) standard deviation of the filter's prior.
+        bound_sd: (N, T+1, P) posterior Cramer-Rao bound, NaN where it was not tracked.
+        information_claimed: (N, T+1) nats, as the environment reports them.
+        information_true: (N, T+1) nats by the log score, as the environment reports them.
+        information_bound: (N, T+1) nats, NaN where it was not tracked.
+        cost: (N, T+1) discomfort in the step that ends at that time, >= 0.
+        comfort: (N, T+1, L) used fraction of each soft limit.
+        governor: (N, T+1) share of the device ticks of that step in which the governor acted.
+        violation: (N, T+1) bool, a hard limit was crossed in that step.
+        misfit: (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model.
+        valid: (N, T+1) bool, False after the episode has ended.
+        terminated: (N,) bool, the episode ended before its time limit.
+        parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
+        comfort_names: L names of the comfort limits.
+        records: N records of what the devices measured, with `record=True` among the environment's arguments.
+
+    Raises:
+        InputError: an array has the wrong shape, is not finite, or `time` or `valid` is not as described.
+    """
+
+    time: Array
+    belief_mean: Array
+    belief_cov: Array
+    truth: Array
+    prior_mean: Array
+    prior_sd: Array
+    bound_sd: Array
+    information_claimed: Array
+    information_true: Array
+    information_bound: Array
+    cost: Array
+    comfort: Array
+    governor: Array
+    violation: Mask
+    misfit: Array
+    valid: Mask
+    terminated: Mask
+    parameter_names: tuple[str, ...]
+    comfort_names: tuple[str, ...]
+    records: tuple[Record, ...] | None = None
+
+    def __post_init__(self) -> None:
+        """Check every array against the sizes that `truth`, `time` and the names state."""
+        if np.ndim(self.truth) != 2 or np.ndim(self.time) != 1:
+            raise InputError(
+                f"recording: truth has shape {np.shape(self.truth)} and time {np.shape(self.time)}, "
+                "allowed are (N, P) and (T+1,)"
+            )
+        sizes = {
+            "N": len(self.truth),
+            "T": len(self.time),
+            "P": len(self.parameter_names),
+            "L": len(self.comfort_names),
+        }
+        for field, axes in _SHAPES.items():
+            value = getattr(self, field)
+            allowed = tuple(sizes[axis] for axis in axes)
+            if np.shape(value) != allowed:
+                raise InputError(f"recording: {field} has shape {np.shape(value)}, allowed is {allowed}")
+            if field not in _MAY_BE_NAN and not np.isfinite(value).all():
+                raise InputError(f"recording: {field} holds a value that is not finite")
+        if (np.diff(self.time) <= 0.0).any() or len(self.time) < 2:
+            raise InputError("recording: time must hold at least two values and grow")
+        if not self.valid[:, 0].all() or (self.valid[:, 1:] > self.valid[:, :-1]).any():
+            raise InputError("recording: valid must begin True and may change to False once")
+
+    @property
+    def num_worlds(self) -> int:
+        """N, the number of episodes."""
+        return len(self.truth)
+
+    @property
+    def last(self) -> npt.NDArray[np.intp]:
+        """(N,) index of the last valid time of each world."""
+        index: npt.NDArray[np.intp] = self.valid.sum(axis=1) - 1
+        return index
+
+    @property
+    def belief_sd(self) -> Array:
+        """(N, T+1, P) standard deviations that the filter claims (natural log: 0.05 is 5 %)."""
+        return np.sqrt(np.diagonal(self.belief_cov, axis1=-2, axis2=-1))
+
+    def at_end(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Pick each world's value at its last valid time.
+
+        Args:
+            values: (N, T+1, ...).
+
+        Returns:
+            (N, ...).
+        """
+        picked: npt.NDArray[Any] = values[np.arange(self.num_worlds), self.last]
+        return picked
