@@ -24,7 +24,7 @@ import jawenv
 from agents.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.controls import mode_of
 
-IDS = ("JawHinge-v2", "JawSides-v2", "Jaw-v2", "JawPortions-v2", "JawBilateral-v2", "JawSagittal-v2", "JawImaged-v1")
+IDS = ("JawHinge-v2", "JawSides-v2", "Jaw-v2", "JawPortions-v2", "JawBilateral-v2", "JawImaged-v1", "JawSagittal-v2")
 SLOW = {"JawSagittal-v2": 0.02, "JawBilateral-v2": 0.5}  # share of the steps, pymunk's bodies being slow
 CONTROLS = ("targets", "force", "trajectory")
 CORNERS = np.array([[1.0 - 2.0 * (i >> k & 1) for k in range(ACTION_SIZE)] for i in range(2**ACTION_SIZE)])
