@@ -120,9 +120,9 @@ class JawEnv(gym.Env[Observation, Action]):
             raise InputError(f"render_mode is {shown(render_mode)}; allowed: {modes}")
         self.configuration = configure(arguments, type(self))
         if render_mode == "human":
-            from jawenv.rendering.display import check_display
+            from jawenv.rendering.display import check_window
 
-            check_display("render_mode: 'human'", "use 'rgb_array'")
+            check_window("render_mode: 'human'", "use 'rgb_array', or SDL_VIDEODRIVER=dummy to draw unseen")
         self.render_mode = render_mode
         self.simulation = Simulation(1, self.configuration)
         self.observation_space: spaces.Space[Observation] = observation_space(self.simulation.observation.shape[1])

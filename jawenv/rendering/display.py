@@ -33,6 +33,23 @@ def check_display(user: str, remedy: str) -> None:
     _open_display(user, remedy)
 
 
+def check_window(user: str, remedy: str) -> None:
+    """Make sure that a window would be seen, or that ``SDL_VIDEODRIVER`` itself asks for one that is not.
+
+    Gymnasium's ``check_env`` makes every environment with a window; where there is no display it is run so.
+
+    Args:
+        user: as of ``check_display``.
+        remedy: as of ``check_display``.
+
+    Raises:
+        InputError: there is no display, and no driver that needs none was asked for.
+        MissingPackageError: pygame is not installed.
+    """
+    if os.environ.get("SDL_VIDEODRIVER") not in _UNSEEN:
+        check_display(user, remedy)
+
+
 def _open_display(user: str, remedy: str) -> None:
     """Connect to the display and leave it, unless a window is open already."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")

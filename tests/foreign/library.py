@@ -6,9 +6,11 @@ import pytest
 
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.ladder import KNOWN_WITHIN_SDS
 
 REPEATS = pytest.mark.repeats
 _USUAL = "jawenv/Jaw-v2"
+_IDS = (*ENVIRONMENTS, KNOWN_WITHIN_SDS)  # version 1 of an id is the same world
 
 
 def library(name: str) -> list[pytest.MarkDecorator]:
@@ -20,7 +22,7 @@ def ids_and_controls() -> list[Any]:
     """Every id in every control: each id in one control and each control in one id, the others marked as repeats."""
     return [
         pytest.param(env_id, control, marks=() if env_id == _USUAL or control == DEFAULT_CONTROL else REPEATS)
-        for env_id in ENVIRONMENTS
+        for env_id in _IDS
         for control in CONTROLS
     ]
 
@@ -29,7 +31,7 @@ def ids_controls_and_pictures() -> list[Any]:
     """The same in every render mode: controls where nothing is drawn, pictures of each id, a window once."""
     return [
         pytest.param(env_id, control, mode, marks=() if first else REPEATS)
-        for env_id in ENVIRONMENTS
+        for env_id in _IDS
         for control in CONTROLS
         for mode, first in (
             (None, env_id == _USUAL),
