@@ -117,8 +117,11 @@ def add_impulse(covariance, samples, noise_variance, dt, by_wrench):
         change = MISSED_CHANGE * max(abs(last - first), abs(last - 2.0 * middle + first))
         variance = dt * dt * (change * change + MISSED_NOISE * MISSED_NOISE * noise_variance[k])
         for i in range(half):
-            for j in range(half):
-                covariance[half + i, half + j] += by_wrench[i, k] * variance * by_wrench[j, k]
+            for j in range(i + 1):
+                value = by_wrench[i, k] * variance * by_wrench[j, k]
+                covariance[half + i, half + j] += value
+                if j < i:
+                    covariance[half + j, half + i] += value
 
 
 @njit

@@ -79,6 +79,7 @@ def test_what_acts_at_once_on_two_discs_is_what_newton_and_euler_say():
     expected = impulse(np.vstack([place, spin]), record, 30)
     found = (running.belief["motion_cov"] - constant)[6:, 6:]
     sd = np.sqrt(np.diag(expected))
+    np.testing.assert_array_equal(running.belief["motion_cov"], running.belief["motion_cov"].T)
     np.testing.assert_allclose(found / np.outer(sd, sd), expected / np.outer(sd, sd), rtol=0, atol=0.02)
     assert np.linalg.eigvalsh(expected / np.outer(sd, sd)).min() > 1e-4
 
