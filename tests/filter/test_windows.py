@@ -17,11 +17,11 @@ from jawenv.filter.tick import (
     LAST_WINDOW,
     MOVED,
     ends_window,
-    filter_tick,
     has_moved,
     replay,
     take_readings,
 )
+from jawenv.laboratory.online import take_tick
 from jawenv.laboratory.record_filter import FilterRun, TensionFilter
 from jawenv.laboratory.recordings.thinning import divided, thinned
 from jawenv.metrics.calibration import nees, nees_band
@@ -30,6 +30,13 @@ from jawenv.metrics.calibration import nees, nees_band
 @pytest.fixture(scope="module")
 def record():
     return recording().records[0]
+
+
+def filter_tick(run, tick):
+    """One tick of the filter in a control period that does not end."""
+    jaw, belief, rows, settings, scratch = run.arguments
+    row = rows[tick]
+    take_tick(jaw, belief, rows, (tick, 1_000_000), row["measured"], row["samples"], settings, scratch)
 
 
 def test_windows_end_after_so_many_readings(record):
@@ -111,13 +118,14 @@ def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
 
 def test_ends_of_windows_and_surprises_renew_the_belief(record):
     """The others leave it to the end of the control period."""
-    jaw, belief, rows, settings, scratch = FilterRun(record).arguments
+    run = FilterRun(record)
+    _, belief, rows, settings, scratch = run.arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
     begin_motion(belief, rows[0]["believed"], settings["start_sd"])
     renewed, surprising = [], []
     for tick in range(100):
         before = belief["mean"].copy()
-        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        filter_tick(run, tick)
         if (belief["mean"] != before).any():
             renewed.append(tick)
         if scratch["verdict"] == SURPRISING:
@@ -173,13 +181,14 @@ def test_refused_ticks_are_counted_once_whatever_is_filtered_again(record):
     """Hostile readings, and readings that are filtered again behind them: no tick counts for more than one."""
     measured = record.measured.copy()
     measured[8:19:2, 0] += 0.02
-    jaw, belief, rows, settings, scratch = FilterRun(replace(record, measured=measured)).arguments
+    run = FilterRun(replace(record, measured=measured))
+    _, belief, rows, settings, _ = run.arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
     begin_motion(belief, rows[0]["believed"], settings["start_sd"])
     counted, replayed = [], []
     for tick in range(100):
         before, place = int(belief["gated"]), belief["replayed_at"].copy()
-        filter_tick(jaw, belief, rows, tick, rows[tick]["measured"], rows[tick]["samples"], settings, scratch)
+        filter_tick(run, tick)
         counted.append(int(belief["gated"]) - before)
         if (belief["replayed_at"] != place).any():
             replayed.append((tick, before))

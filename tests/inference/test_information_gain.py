@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
-from test_patient_law import HINGE, cells
+from test_patient_law import HINGE
 
 import jawenv
 from jawenv.inference import information_gain as module
@@ -105,9 +105,12 @@ def opened():
 
 def test_a_hinge_against_a_grid(opened):
     record, law = opened
-    theta, volume = cells(law, (120, 120))
+    aside = np.linspace(-0.1, 0.1, 50)  # the sds are 0.010 and 0.015
+    theta = record.truth + np.stack(np.meshgrid(aside, aside, indexing="ij"), axis=-1).reshape(-1, 2)
+    volume = (aside[1] - aside[0]) ** 2
     joint = jawenv.log_likelihood(record, theta) + law.log_density(theta)
     weight = np.exp(joint - joint.max())
+    assert weight[np.abs(theta - record.truth).max(axis=1) > 0.09].sum() < 1e-6 * weight.sum(), "all is on the grid"
     evidence = joint.max() + np.log(weight.sum() * volume)
     exact = float(jawenv.log_likelihood(record, record.truth)) - evidence
     mean = weight @ theta / weight.sum()

@@ -21,7 +21,7 @@ def cells(law, counts):
 @pytest.mark.parametrize("cohort", ["trismus", "healthy"])
 def test_its_integral_is_1_and_its_entropy_that_of_its_density(cohort):
     law = PatientLaw.of(cohort, env_id=HINGE, draws=4000)
-    theta, volume = cells(law, (100, 100))
+    theta, volume = cells(law, (60, 60))
     density = law.log_density(theta)
     probability = np.exp(density) * volume
     assert probability.sum() == pytest.approx(1.0, abs=0.02)

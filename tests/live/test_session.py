@@ -137,13 +137,14 @@ def test_the_same_patient_begins_again(driven):
     np.testing.assert_array_equal(session.drive([0.4, 0.0, 0.0, 0.0]).scene.belief_mean, first.scene.belief_mean)
 
 
-def test_the_recording_of_a_drive_says_what_was_known(tmp_path):
-    session = Session(Setup(seed=500, episode_s=3.0, knowledge="imaged", force_sensor="straps"))
+@pytest.mark.parametrize(("knowledge", "force_sensor"), [("imaged", "cell"), ("exact", "straps")])
+def test_the_recording_of_a_drive_says_what_was_known(tmp_path, knowledge, force_sensor):
+    session = Session(Setup(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
     session.drive([0.4, 0.0, 0.0, 0.0])
     paths = session.save(tmp_path)
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
     record = load_record(paths[1])
-    assert (record.knowledge, record.force_sensor) == (LEVELS["imaged"], "straps")
+    assert (record.knowledge, record.force_sensor) == (LEVELS[knowledge], force_sensor)
 
 
 def test_samples_on_a_line_are_left_out():
