@@ -121,7 +121,7 @@ def _play(configuration: Configuration, theta: Array, actions: Array, seed: int)
     for step in range(actions.shape[1]):
         if not active.any():
             break
-        simulation.advance(np.ascontiguousarray(actions[:, step]), active)
+        simulation.advance(actions[:, step].copy(), active)
         truth, known = simulation.worlds["truth"], simulation.worlds["known"]
         active &= (truth["violated"] == 0) & np.isfinite(known["log_det"])
     return [record_of(simulation, i) if treated[i] else None for i in range(len(theta))]

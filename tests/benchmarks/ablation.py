@@ -98,8 +98,8 @@ BODY_ROWS = (
     Row("the filter as it is"),
     Row("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
     Row("no impulse on the discs", {"time_update.MISSED_CHANGE": 0.0, "time_update.MISSED_NOISE": 0.0}),
-    Row("ten ticks until something is learnt", {"tick.SETTLING_TICKS": 10}),
-    Row("none", {"tick.SETTLING_TICKS": 0}),
+    Row("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
+    Row("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
 )
 CELLS = (
     Cell("hold_still", "force"),
