@@ -9,6 +9,7 @@ import two_condyles
 from jawenv.filter.measurement_update import update_motion
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.encoders import expect
+from jawenv.filter.readings.screening import is_resolved
 from jawenv.filter.state import begin_belief, begin_motion
 from jawenv.filter.tick import add_tooth_noise
 from jawenv.filter.time_update import predict_motion
@@ -22,7 +23,7 @@ ALL = np.ones(12, dtype=np.uint8)
 class Running:
     """The filter's motion and information along a record, at a belief that stays ``log_parameters``.
 
-    ``teeth``: with the uncertainty of their force.
+    ``teeth``: with the uncertainty of their force, and learning from resolved ticks alone, as in an episode.
     """
 
     def __init__(self, record, log_parameters=None, teeth=False):
@@ -32,6 +33,7 @@ class Running:
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.settings["basis"], self.belief, theta, record.prior.sd.copy())
         begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())
+        self.resolved = True
         self.columns = self.belief["nominal"].size + 1  # of the coefficients and the gain error; the rest is zero
 
     def predict(self, k):
@@ -39,6 +41,7 @@ class Running:
         noise = record.noise_variance[:N_WRENCH].copy()
         if self.teeth:
             add_tooth_noise(record.jaw, self.belief["motion"], noise)
+            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"])
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
@@ -47,7 +50,8 @@ class Running:
         return self.take(self.record.measured[k], used)
 
     def take(self, measured, used=ALL):
-        return update_motion(self.record.jaw, self.belief, measured, used, True, self.settings, self.scratch["update"])
+        scratch = self.scratch["update"]
+        return update_motion(self.record.jaw, self.belief, measured, used, self.resolved, self.settings, scratch)
 
     def expected(self):
         """(12,) readings to expect."""
