@@ -1,5 +1,6 @@
 """The page in headless Chromium: keys and sliders move the jaw, standard deviations fall, all browsers see one jaw."""
 
+import re
 import socket
 import threading
 import time
@@ -62,6 +63,17 @@ def wait_until(condition, seconds=30.0):
     while not condition():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.05)
+
+
+def test_a_screen_reader_is_told_what_each_slider_and_button_is(tmp_path):
+    with serving(0) as server:
+        page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
+        with running(page), looking_at(server) as tab:
+            tab.wait_for_selector("[role=slider][aria-label]:not([aria-label=''])")
+            sliders = tab.locator("[role=slider]")
+            names = [sliders.nth(k).get_attribute("aria-label") for k in range(sliders.count())]
+            assert len(set(names)) == len(names) >= 4 and "opening" in names[0].lower()
+            assert tab.locator("button:not([aria-label])", has_not_text=re.compile("[A-Za-z]")).count() == 0
 
 
 def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
