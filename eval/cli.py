@@ -88,7 +88,7 @@ def play_command(
     from eval.entries import env_of_runs, load_entries
     from eval.settings import Settings
 
-    world = options.world(None, None, None, knowledge, comfort, anatomy, force_sensor)
+    world = options.world(knowledge=knowledge, comfort=comfort, anatomy=anatomy, force_sensor=force_sensor)
     settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs(entries), **world)
     loaded, console = load_entries(entries, settings.env_kwargs, settings.env, trust=trust), terminal()
     films = [film.Film(each, seed, patient, start_s, width, every) for each in loaded]

@@ -92,13 +92,13 @@ ForceSensor = common.ForceSensor
 
 
 def world(
-    reality: list[str] | None,
-    device: list[str] | None,
-    estimator: str | None,
-    knowledge: str,
-    comfort: Path | None,
-    anatomy: Path | None,
-    force_sensor: str,
+    reality: list[str] | None = None,
+    device: list[str] | None = None,
+    estimator: str | None = None,
+    knowledge: str = "exact",
+    comfort: Path | None = None,
+    anatomy: Path | None = None,
+    force_sensor: str = "cell",
 ) -> dict[str, Any]:
     """What these options say of the world and of what the filter knows of it, as `Settings` takes it.
 
