@@ -72,7 +72,7 @@ class Device(NumericFields):
         servo_damping_N_s_m: Its damping (G).
         stop_stiffness_N_m: Stiffness of the governor's end stops in the linkage (G).
         stop_damping_N_s_m: Their damping while pressed (G).
-        brake_N_s_m: The governor's speed brake (G).
+        brake_N_s_m: The governor's speed brake (G). From 300 on a jaw of 0.2 kg stops within a step of the simulation.
         unmodelled_force_N: Sd of each component of the force that no model explains, anew every 10 ms (G).
         unmodelled_moment_N_m: The same for its moment (G).
         unmodelled_time_s: Time constant of its memory (an Ornstein-Uhlenbeck process of these sds); 0 for none (G: what
@@ -112,7 +112,7 @@ class Device(NumericFields):
     servo_damping_N_s_m: float = number(8.0, 800.0, "N s/m", zero=False)
     stop_stiffness_N_m: float = number(5000.0, 500000.0, "N/m", zero=False)
     stop_damping_N_s_m: float = number(10.0, 1000.0, "N s/m", zero=False)
-    brake_N_s_m: float = number(30.0, 3000.0, "N s/m")
+    brake_N_s_m: float = number(30.0, 100.0, "N s/m")
     unmodelled_force_N: float = number(0.1, 10.0, "N")
     unmodelled_moment_N_m: float = number(0.003, 0.3, "N m")
     unmodelled_time_s: float = number(0.0, 100.0, "s")

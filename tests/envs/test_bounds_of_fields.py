@@ -52,6 +52,23 @@ def test_an_episode_at_a_bound_is_finite(what, name, value, control):
     play_two_seconds(control=control, **{what: {**NEEDS.get(name, {}), name: value}})
 
 
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2"])
+def test_motors_switched_against_the_strongest_brake_move_a_jaw_finitely(env_id):
+    """A brake that stops the jaw within a step of the simulation throws it back faster each time."""
+    device = {"slew_N_s": 1e5, "brake_N_s_m": jawenv.Device.numeric_fields()["brake_N_s_m"].high}
+    env = gym.make_vec(
+        env_id, 32, cohort="wide", control="force", device=device, episode_s=3.0, autoreset_mode="disabled"
+    )
+    env.reset(seed=41000)
+    rng = np.random.default_rng(0)
+    for step in range(60):
+        if step % 4 == 0:
+            actions = rng.choice([-1.0, 1.0], (32, 4)).astype(np.float32)
+        observation, reward, _, _, info = env.step(actions)
+        assert np.isfinite(observation).all() and np.isfinite(reward).all() and np.isfinite(info["jaw_state"]).all()
+        assert info["cost"].max() < 10.0, "and no jaw is thrown about"
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [
