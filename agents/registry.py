@@ -3,18 +3,20 @@
 import os
 from pathlib import Path
 
-from agents.card import CARD, WEIGHTS, exported_place, policy_names
+from agents.card import CARD, WEIGHTS, exported_place, policy_names, read_card
 from agents.controller import ControlledAgent
 from agents.excitation import EXCITATIONS
 from agents.exported import load_exported
 from agents.following import TargetsLaw
 from agents.own import load_own, names_own, source_of
 from agents.planners import PLANNERS
-from agents.policies import files_of_run, load_policy
+from agents.policies import config_of_run, files_of_run, load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
-from jawenv.errors import InputError, meant
+from jawenv.envs.configuration import Configuration
+from jawenv.errors import InputError, meant, shown
+from jawenv.files import read_mapping
 from jawenv.ladder import model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
@@ -80,6 +82,29 @@ def load_agent(
         control_of(own, {"control": control})
         return own
     raise InputError(_unknown(str(spec)))
+
+
+def world_of(spec: str | Path) -> Configuration | None:
+    """What a run or an exported policy was trained on; None if the spec is none of them.
+
+    A checkpoint of a run counts as the run.
+
+    Raises:
+        InputError: a run's configuration, or a policy's card, is damaged.
+    """
+    if (place := exported_place(spec)) is not None:
+        trained_in = read_card(place).environment
+        return Configuration.from_mapping({"env": trained_in.id, **trained_in.kwargs()})
+    file = config_of_run(Path(spec))
+    if file is None:
+        return None
+    env = read_mapping(file).get("env", {})
+    if not isinstance(env, dict) or not isinstance(env.get("kwargs", {}), dict):
+        raise InputError(f"{file}: env is {shown(env)}; allowed: a mapping with id and kwargs")
+    try:
+        return Configuration.from_mapping({"env": env.get("id", DEFAULT_ENV), **env.get("kwargs", {})})
+    except InputError as error:
+        raise InputError(f"{file}: env: {error}") from None
 
 
 def files_of(spec: str | Path) -> tuple[Path, ...]:

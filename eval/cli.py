@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, cast
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -18,7 +18,6 @@ from eval.live import live_command
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
 from jawenv.commands.running import command_line, run
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.seeds import REPORTS
 
@@ -41,24 +40,17 @@ app.command("live")(live_command)
 
 
 @app.command("play")
+@options.takes_world()
 def play_command(
+    world: dict[str, Any],
     entries: options.OneOrTwo,
     video: Annotated[
         Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
     ] = None,
-    env: options.Environment = None,
-    cohort: options.Cohort = "trismus",
     patient: Annotated[
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")
     ] = None,
     seed: options.Seed = REPORTS[0].start,
-    control: options.Control = DEFAULT_CONTROL,
-    sensors: options.Sensors = "pose",
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
-    episode_s: options.EpisodeS = 30.0,
     start_s: Annotated[float, typer.Option(help="Where the film begins, s.", metavar="S")] = 0.0,
     width: Annotated[int, typer.Option(help="Of the film, pixels.", metavar="N")] = 1280,
     every: Annotated[int, typer.Option(help="Of the control steps one is filmed.", metavar="N")] = 1,
@@ -75,11 +67,10 @@ def play_command(
         check_display("a window", "use --video FILE, which writes a film")
     from eval import film
     from eval.entries import env_of_runs, load_entries
-    from eval.settings import Settings
+    from jawenv.envs.configuration import Configuration
 
-    world = options.world(knowledge=knowledge, comfort=comfort, anatomy=anatomy, force_sensor=force_sensor)
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env or env_of_runs(entries), **world)
-    loaded, console = load_entries(entries, settings.env_kwargs, settings.env, trust=trust), terminal()
+    asked = Configuration.from_mapping({"env": env_of_runs(entries)} | world)
+    loaded, console = load_entries(entries, asked, trust=trust), terminal()
     films = [film.Film(each, seed, patient, start_s, width, every) for each in loaded]
     said = film.show(films[0], console) if video is None else film.write(films, video, console)
     console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)

@@ -4,49 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agents import registry
-from agents.card import exported_place, read_card
+from agents.registry import world_of
 from agents.planning import Planner
-from agents.policies import TrainedPolicy, config_of_run
+from agents.policies import TrainedPolicy
 from agents.residual import ResidualPolicy
-from jawenv.anatomy import anatomy_of
-from jawenv.anatomy.knowledge import knowledge
-from jawenv.controls import DEFAULT_CONTROL, mode_of
-from jawenv.device.comfort_settings import comfort_of
-from jawenv.device.device import device_of
+from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
-from jawenv.ladder import KNOWN_WITHIN_SDS
+from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
 from jawenv.playing.protocol import Agent
 from jawenv.playing.recording import Recording
-from jawenv.playing.rollout import DEFAULT_ENV, play
-from jawenv.reality import check_reality
+from jawenv.playing.rollout import play
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
-    from training.run.config import EnvConfig
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
-_STUDYS_OWN = ("cohort", "episode_s", "force_sensor")
-_WORLD: dict[str, Callable[[Any], object]] = {
-    "device": device_of,
-    "reality": check_reality,
-    "knowledge": knowledge,
-    "comfort": comfort_of,
-    "anatomy": anatomy_of,
-}
-"""Arguments of which a note says only that those of the training were others, and what makes of them what they mean."""
+"""What a trained run keeps of its own."""
+_NAMED_IN_NOTES = ("cohort", "episode_s", "force_sensor")
+"""Arguments of which a note gives the training's value; of the others it says that they were others."""
+_LEARNING = ("reward", "comfort_weight", "track_bound", "record", "model", "estimator")
+"""Arguments that say nothing about a world as an agent meets it."""
 _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
 """Environments whose actions and observations mean the same."""
-_DEFAULTS: dict[str, Any] = {
-    "control": DEFAULT_CONTROL,
-    "sensors": "pose",
-    "cohort": "trismus",
-    "episode_s": 30.0,
-    "force_sensor": "cell",
-}
 
 
 @dataclass(frozen=True)
@@ -57,8 +39,7 @@ class Entry:
         label: unique within the study.
         spec: what the user typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of
             one's own.
-        env_id: the environment it is played in.
-        env_kwargs: its arguments.
+        world: what it is played in.
         note: in which settings it differs from those asked for; empty if in none.
         trained: whether it comes from a training run.
         planned: whether it is a planner.
@@ -70,8 +51,7 @@ class Entry:
 
     label: str
     spec: str
-    env_id: str
-    env_kwargs: dict[str, Any]
+    world: Configuration
     note: str
     trained: bool
     description: str
@@ -79,6 +59,16 @@ class Entry:
     planned: bool = False
     clairvoyant: bool = False
     replay_of: str = ""
+
+    @property
+    def env_id(self) -> str:
+        """Gymnasium's id of its environment."""
+        return self.world.env_id
+
+    @property
+    def env_kwargs(self) -> dict[str, Any]:
+        """Arguments of its environment, in plain values."""
+        return self.world.arguments
 
     def play(
         self,
@@ -100,7 +90,8 @@ class Entry:
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
-        return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "agent"}
+        own = {each.name: getattr(self, each.name) for each in fields(self) if each.name not in ("agent", "world")}
+        return own | {"env_id": self.env_id, "env_kwargs": self.env_kwargs}
 
 
 def maneuver_names() -> tuple[str, ...]:
@@ -114,8 +105,8 @@ def env_of_runs(specs: Iterable[str]) -> str:
     Raises:
         InputError: a run's configuration is damaged.
     """
-    trained_in = (env_of_run(spec) for spec in specs)
-    return next((own.id for own in trained_in if own is not None), DEFAULT_ENV)
+    trained_in = (world_of(spec) for spec in specs)
+    return next((own.env_id for own in trained_in if own is not None), DEFAULT_ENV)
 
 
 def fits(trained_in: str, env_id: str) -> bool:
@@ -123,22 +114,19 @@ def fits(trained_in: str, env_id: str) -> bool:
     return trained_in == env_id or {trained_in, env_id} <= _ALIKE
 
 
-def load_entries(
-    specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV, *, trust: bool = False
-) -> list[Entry]:
+def load_entries(specs: Sequence[str], world: Configuration | None = None, *, trust: bool = False) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
-        env_kwargs: settings asked for.
-        env_id: the environment of the study.
+        world: what is to be played; the default environment by default.
         trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
 
     Raises:
         InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
             trained in another environment.
     """
-    entries = [_load(spec, env_kwargs, env_id, trust) for spec in dict.fromkeys(specs)]
+    entries = [_load(spec, world or Configuration(), trust) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -146,35 +134,19 @@ def load_entries(
     ]
 
 
-def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> Entry:
-    run = env_of_run(spec)
-    if run is not None and not fits(run.id, env_id):
-        raise InputError(
-            f"{spec} was trained in {run.id}, but this comparison is in {env_id}: "
-            "entries of one comparison have one environment"
-        )
-    trained_in = {} if run is None else _completed(run.kwargs)
-    asked = _completed(env_kwargs)
-    own = {key: trained_in[key] for key in _OWN_OF_A_RUN if trained_in.get(key, asked[key]) != asked[key]}
-    notes = [f"played with {key} {value}" for key, value in own.items()]
-    notes += [
-        f"trained with {key} {trained_in[key]}" for key in _STUDYS_OWN if trained_in.get(key, asked[key]) != asked[key]
-    ]
-    if run is not None:
-        notes += [f"trained with another {key}" for key in _WORLD if _differ(key, trained_in.get(key), asked.get(key))]
-    settings = asked | own
+def _load(spec: str, asked: Configuration, trust: bool) -> Entry:
+    trained = world_of(spec)
+    world, notes = (asked, []) if trained is None else _of_a_run(spec, trained, asked)
     agent = registry.load_agent(
-        spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
+        spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust
     )
-    notes += [] if run is None or run.id == env_id else [f"trained in {run.id}"]
     maneuver = getattr(agent, "maneuver", None)
     return Entry(
         label=agent.name,
         spec=spec,
-        env_id=env_id,
-        env_kwargs=env_kwargs | own,
+        world=world,
         note=", ".join(notes),
-        trained=run is not None or isinstance(agent, TrainedPolicy | ResidualPolicy),
+        trained=trained is not None or isinstance(agent, TrainedPolicy | ResidualPolicy),
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
         planned=isinstance(agent, Planner),
@@ -182,35 +154,23 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
     )
 
 
-def _differ(key: str, one: Any, other: Any) -> bool:
-    """Whether two values of an argument of `_WORLD` mean something else; as they are, where a file of one has gone."""
-    try:
-        return _WORLD[key](one) != _WORLD[key](other)
-    except InputError:
-        return bool(one != other)
+def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[Configuration, list[str]]:
+    """In what a trained run is played, and in what that differs from what was asked for and from its training."""
+    if not fits(trained.env_id, asked.env_id):
+        raise InputError(
+            f"{spec} was trained in {trained.env_id}, but this comparison is in {asked.env_id}: "
+            "entries of one comparison have one environment"
+        )
+    # What an id stands for is said by the id.
+    said = {*trained.arguments, *asked.arguments}
+    other = [name for name in asked.differences(trained) if name not in _LEARNING and name in said | {"control_hz"}]
+    own = {name: getattr(trained, name) for name in _OWN_OF_A_RUN if name in other}
+    notes = [f"played with {name} {value}" for name, value in own.items()]
+    notes += [f"trained with {name} {_shown(trained, name)}" for name in _NAMED_IN_NOTES if name in other]
+    notes += [f"trained with another {name}" for name in other if name not in (*_OWN_OF_A_RUN, *_NAMED_IN_NOTES)]
+    notes += [] if trained.env_id == asked.env_id else [f"trained in {trained.env_id}"]
+    return replace(asked, **own), notes
 
 
-def _completed(env_kwargs: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of an environment with their defaults."""
-    return _DEFAULTS | {"control_hz": mode_of(env_kwargs).steps_per_s} | env_kwargs
-
-
-def env_of_run(spec: str) -> EnvConfig | None:
-    """The environment that a run or an exported policy was trained in; None if `spec` is none of them.
-
-    A checkpoint of a run counts as the run.
-
-    Raises:
-        InputError: a run's configuration, or a policy's card, is damaged.
-    """
-    if (place := exported_place(spec)) is not None:
-        from training.run.config import EnvConfig
-
-        trained_in = read_card(place).environment
-        return EnvConfig(id=trained_in.id, kwargs=trained_in.kwargs())
-    config_file = config_of_run(Path(spec))
-    if config_file is None:
-        return None
-    from training.run.config import TrainingConfig
-
-    return TrainingConfig.load(config_file).env
+def _shown(world: Configuration, name: str) -> Any:
+    return world.build_cohort().name if name == "cohort" else getattr(world, name)

@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from eval import options
+from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
-from jawenv.ladder import model_of_env
 from jawenv.live.server import PORT
 from jawenv.playing.protocol import Agent, Planning
 from jawenv.seeds import REPORTS
 
 
+@options.takes_world()
 def live_command(
+    world: dict[str, Any],
     entries: Annotated[list[str], typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)],
     port: Annotated[int, typer.Option(help="Of the page on this machine; 0 takes a free one.", metavar="N")] = PORT,
     driver: Annotated[
         str | None, typer.Option(help="Who drives at first; the first entry by default.", metavar="NAME")
     ] = None,
-    env: options.Environment = None,
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    episode_s: options.EpisodeS = 30.0,
     output: Annotated[Path, typer.Option(help="Folder where drives are saved.", metavar="FOLDER")] = Path("runs/live"),
     open_browser: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
     trust: options.Trust = False,
@@ -32,15 +31,15 @@ def live_command(
     """Drive a jaw by hand beside agents of targets control, which one can take over from and give back to."""
     from eval.entries import env_of_runs
     from jawenv.commands.live import drive
+    from jawenv.live.setup import Setup
 
-    model = model_of_env(env or env_of_runs(entries))
-    agents = _agents(entries, {"cohort": cohort, "episode_s": episode_s}, model.env_id, trust)
+    asked = Configuration.from_mapping({"env": env_of_runs(entries)} | world)
+    agents = _agents(entries, asked, trust)
     first = next(iter(agents)) if driver is None else driver
-    settings = {"seed": seed, "cohort": cohort, "model": model.name, "episode_s": episode_s}
-    drive(settings, first, port, output, open_browser, agents)
+    drive(Setup(asked, seed), first, port, output, open_browser, agents)
 
 
-def _agents(entries: list[str], env_kwargs: dict[str, object], env_id: str, trust: bool) -> dict[str, Agent]:
+def _agents(entries: list[str], world: Configuration, trust: bool) -> dict[str, Agent]:
     """Agents by their labels.
 
     Raises:
@@ -49,10 +48,9 @@ def _agents(entries: list[str], env_kwargs: dict[str, object], env_id: str, trus
     from eval.entries import load_entries
 
     agents: dict[str, Agent] = {}
-    for entry in load_entries(entries, env_kwargs, env_id, trust=trust):
-        control = entry.env_kwargs.get("control", "targets")
-        if control != "targets":
-            raise InputError(f"{entry.label}: control {control}; allowed on the live page: targets")
+    for entry in load_entries(entries, world, trust=trust):
+        if not entry.world.mode.takes_targets:
+            raise InputError(f"{entry.label}: control {entry.world.control}; allowed on the live page: targets")
         if isinstance(entry.agent, Planning):
             raise InputError(f"{entry.label}: plans longer than a step of the live page lasts; allowed: other agents")
         agents[entry.label] = entry.agent

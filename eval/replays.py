@@ -33,7 +33,7 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
-    with alone(path), Progress(settings.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
+    with alone(path), Progress(settings.world.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
         progress.say(f"averaging the targets of {words.label(entry.label)}")
         maneuver, yoked = replays_of(
             entry.agent,
@@ -41,7 +41,7 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
             seed=settings.seed,
             env_kwargs=entry.env_kwargs,
             env_id=entry.env_id,
-            progress=lambda step, steps: progress.advance_to(settings.episode_s * step / steps),
+            progress=lambda step, steps: progress.advance_to(settings.world.episode_s * step / steps),
         )
         yoked.save(path.with_suffix(".npz"))
         return save_maneuver(maneuver, path)

@@ -140,6 +140,7 @@ def model_named(name: str) -> Model:
     return MODELS[name]
 
 
+DEFAULT_ENV = "jawenv/Jaw-v2"
 KNOWN_WITHIN_SDS = "jawenv/JawImaged-v1"
 """The whole jaw with other arguments: known within sds, and disturbed by what lasts."""
 
@@ -153,7 +154,7 @@ def model_of_env(env: str) -> Model:
     if env in (KNOWN_WITHIN_SDS, title_of_env(KNOWN_WITHIN_SDS)):
         return MODELS["jaw"]
     for model in MODELS.values():
-        if env in (model.env_id, f"jawenv/{model.title}-v1", model.title, model.name):
+        if env in (model.env_id, model.title, model.name):
             return model
     ids = (*(model.env_id for model in MODELS.values()), KNOWN_WITHIN_SDS)
     raise not_among("env", env, ids, ", also as JawSides or sides")

@@ -95,6 +95,12 @@ class NumericFields:
         """
         return read_into(path, cls.from_dict)
 
+    def changes(self) -> dict[str, float]:
+        """The fields that have not their defaults, as ``from_dict`` takes them."""
+        return {
+            each.name: getattr(self, each.name) for each in fields(self) if getattr(self, each.name) != each.default
+        }
+
     def in_si(self) -> dict[str, float]:
         """All numbers in SI units, by their names in the kernels' record."""
         numbers = {}

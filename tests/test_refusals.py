@@ -303,7 +303,7 @@ COMMANDS = [
     (lambda: Course(drift=nan), "drift: nan given"),
     (lambda: Course(drift=2.0), "drift: 2.0 given"),
     (
-        lambda: load_entries(["examples.careful_agent:Careful"], Settings(control="force").env_kwargs),
+        lambda: load_entries(["examples.careful_agent:Careful"], Settings.of(control="force").world),
         "control is 'force'; allowed for agent 'careful'",
     ),
 ]

@@ -47,7 +47,7 @@ class Cell:
     def load(self) -> Entry:
         """The agent, ready to be played."""
         settings = self.task.settings()
-        return load_entries([self.spec], settings.env_kwargs, settings.env, trust=self.trust)[0]
+        return load_entries([self.spec], settings.world, trust=self.trust)[0]
 
 
 def cells_of(specs: Sequence[str], tasks: Sequence[Task], *, trust: bool = False) -> tuple[Cell, ...]:

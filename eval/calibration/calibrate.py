@@ -89,7 +89,7 @@ def calibrate(
     """
     if not specs:
         raise InputError("nothing to calibrate on: name a maneuver or a training run")
-    entries = load_entries(specs, wanted.settings.env_kwargs, wanted.settings.env, trust=trust)
+    entries = load_entries(specs, wanted.settings.world, trust=trust)
     for entry in entries:
         wanted.check_steps(entry)
     folder = folder_for(output, "chunks")
@@ -128,7 +128,7 @@ def judge_part(
         specs: what the user typed, by the maneuvers' labels.
         trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
-    entry = load_entries([specs[part.key]], wanted.settings.env_kwargs, wanted.settings.env, trust=trust)[0]
+    entry = load_entries([specs[part.key]], wanted.settings.world, trust=trust)[0]
     recorded = any(name != TENSION for name, _ in part.files)
     listener = (
         None if knowledge(entry.env_kwargs.get("knowledge")).exact else NuisanceListener(entry.agent, wanted.times)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from eval import options
 from eval.terminal import terminal, typed
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.seeds import REPORTS
 
 
+@options.takes_world("episode_s")
 def calibrate_command(
+    world: dict[str, Any],
     entries: Annotated[
         list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)
     ] = None,
@@ -30,20 +31,9 @@ def calibrate_command(
     ] = "tension",
     patients: options.Patients = 200,
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    control: options.Control = DEFAULT_CONTROL,
-    sensors: options.Sensors = "pose",
-    env: options.EnvironmentOrJaw = "Jaw",
     times: Annotated[
         str, typer.Option(help="When beliefs are judged, s; the last ends the episode.", metavar="S,...")
     ] = "10,30,60",
-    reality: options.Effects = None,
-    device: options.Changes = None,
-    estimator: options.Believed = None,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/calibrate"),
     details: options.Details = False,
     fresh: options.Fresh = False,
@@ -61,8 +51,7 @@ def calibrate_command(
     from eval.settings import Settings
 
     moments = tuple(_seconds(text) for text in times.split(","))
-    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
-    settings = Settings(patients, cohort, seed, control, sensors, moments[-1], env, **world)
+    settings = Settings.of(patients, seed, **world | {"episode_s": moments[-1]})
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)

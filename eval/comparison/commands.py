@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
 from eval import options
 from eval.terminal import terminal, typed
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
@@ -20,7 +19,9 @@ if TYPE_CHECKING:
     from eval.comparison.results import Results
 
 
+@options.takes_world()
 def compare_command(
+    world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
         typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES),
@@ -28,20 +29,8 @@ def compare_command(
     all_maneuvers: Annotated[
         bool, typer.Option("--all-maneuvers", help="Add every hand-made maneuver and the random policy.")
     ] = False,
-    env: options.Environment = None,
     patients: options.Patients = 64,
-    cohort: options.Cohort = "trismus",
     seed: options.Seed = REPORTS[0].start,
-    control: options.Control = DEFAULT_CONTROL,
-    sensors: options.Sensors = "pose",
-    episode_s: options.EpisodeS = 30.0,
-    reality: options.Effects = None,
-    device: options.Changes = None,
-    estimator: options.Believed = None,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
     reference: options.Reference = None,
     largest_discomfort_s: options.LargestDiscomfort = 0.1,
     largest_violation: options.LargestViolation = 0.01,
@@ -71,13 +60,11 @@ def compare_command(
 
     admission = Admission(largest_discomfort_s, largest_violation)
     wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    env = env or env_of_runs(wanted)
-    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, **world)
-    loaded = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust)
+    settings = Settings.of(patients, seed, **{"env": env_of_runs(wanted)} | world)
+    loaded = load_entries(wanted, settings.world, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
-        raise InputError(f"reference: {reference!r} given, allowed are {allowed}")
+        raise InputError(f"reference is {reference!r}; allowed: {allowed}")
     console = terminal()
     if with_replay:
         from eval.replays import add_replays
@@ -133,15 +120,13 @@ def card_command(
     print(f"written: {output}")
 
 
+@options.takes_world("control")
 def replay_command(
+    world: dict[str, Any],
     agent: Annotated[str, typer.Argument(metavar="AGENT", help="A planner, a training run or any other entry.")],
     output: Annotated[Path, typer.Option(help="Maneuver file to write.", metavar="FILE.yaml")],
     patients: options.Patients = 64,
-    cohort: options.Cohort = "trismus",
     seed: options.Seed = REPLAYS.start,
-    sensors: options.Sensors = "pose",
-    episode_s: options.EpisodeS = 30.0,
-    env: options.EnvironmentOrJaw = "Jaw",
     trust: options.Trust = False,
 ) -> None:
     """Write what an agent does in targets control, averaged over patients, as a maneuver file.
@@ -152,8 +137,8 @@ def replay_command(
     from eval.replays import replay_of_entry
     from eval.settings import Settings
 
-    settings = Settings(patients, cohort, seed, "targets", sensors, episode_s, env)
-    entry = load_entries([agent], settings.env_kwargs, settings.env, trust=trust)[0]
+    settings = Settings.of(patients, seed, **world | {"control": "targets"})
+    entry = load_entries([agent], settings.world, trust=trust)[0]
     replay_of_entry(entry, settings, output, terminal())
     print(f"maneuver: {output}")
 

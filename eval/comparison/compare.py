@@ -57,8 +57,8 @@ def compare(
     if not entries:
         raise InputError("nothing to compare: name a maneuver or a training run, or use --all-maneuvers")
     for entry in entries:
-        if entry.env_id != settings.env:
-            raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.env}")
+        if entry.env_id != settings.world.env_id:
+            raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.world.env_id}")
     with TemporaryDirectory() if output is None else nullcontext(output) as place, alone(Path(place)):
         folder = folder_for(Path(place), "entries")
         parts = [_part_of(entry, settings, folder) for entry in entries]
@@ -67,7 +67,7 @@ def compare(
         kept = finish(parts, work, _read, "entries", Run(fresh, 1, console=console))
         study = results.join(
             [kept[path] for part in parts for _, path in part.files],
-            made_with(command, settings=asdict(settings), entries=[entry.about() for entry in entries]),
+            made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries]),
         )
         if output is not None:
             results.save(study, output)
@@ -102,7 +102,7 @@ def play_entry(part: Part, progress: Progress, entries: Mapping[str, Entry], set
 
 
 def _part_of(entry: Entry, settings: Settings, folder: Path) -> Part:
-    stem = f"{fingerprint(entry, asdict(settings), results, motion)}."
+    stem = f"{fingerprint(entry, settings.to_mapping(), results, motion)}."
     return Part(entry.label, 0, 1, ((stem, folder / f"{stem}{_LAST}"),))
 
 

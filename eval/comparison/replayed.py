@@ -27,13 +27,13 @@ def play_patient(study: Results, seed: int, console: Console, *, trust: bool = F
     Raises:
         InputError: no patient of the comparison has that seed, or an agent is not there any more.
     """
-    settings = Settings(**study.about["settings"])
+    settings = Settings.from_mapping(study.about["settings"])
     last = settings.seed + settings.patients - 1
     if not settings.seed <= seed <= last:
         raise InputError(f"patient: {seed} given, allowed are the seeds of the comparison, {settings.seed} to {last}")
     specs = [each["spec"] for each in study.about["entries"]]
     motions: dict[str, Any] = {}
-    for entry in load_entries(specs, settings.env_kwargs, settings.env, trust=trust):
+    for entry in load_entries(specs, settings.world, trust=trust):
         agent = Watched(entry.agent)
         with console.status(f"playing {words.label(entry.label)}"):
             replace(entry, agent=agent).play(1, seed)

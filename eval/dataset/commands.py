@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from eval import options
 from eval.terminal import terminal, typed
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.seeds import REPORTS
 
 
+@options.takes_world()
 def dataset_command(
+    world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
         typer.Argument(metavar="[MANEUVER|FILE|RUN|MODULE:NAME]...", help=options.ENTRIES + " Five by default."),
     ] = None,
     patients: options.Patients = 64,
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    control: options.Control = DEFAULT_CONTROL,
-    env: options.EnvironmentOrJaw = "Jaw",
-    episode_s: options.EpisodeS = 30.0,
     file_format: Annotated[
         str, typer.Option("--format", help="arrow, or hdf5, which needs h5py.", metavar="NAME")
     ] = "arrow",
@@ -42,7 +39,7 @@ def dataset_command(
 
     if file_format not in FORMATS:
         raise InputError(f"format: {shown(file_format)} given, allowed are {', '.join(FORMATS)}")
-    settings = Settings(patients, cohort, seed, control, episode_s=episode_s, env=env)
+    settings = Settings.of(patients, seed, **world)
     console = terminal()
     names = write_all(
         entries or list(REFERENCES), settings, output, file_format, typed(), console, fresh=fresh, trust=trust

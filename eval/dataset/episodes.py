@@ -74,7 +74,7 @@ def write_all(
             import h5py  # noqa: F401
     git = made_with(command)["git"]
     made = f"Made by: {command}; jawenv {jawenv.__version__}" + (f", commit {git['commit']}" if git else "")
-    entries = load_entries(specs, settings.env_kwargs, settings.env, trust=trust)
+    entries = load_entries(specs, settings.world, trust=trust)
     for entry in entries:
         if entry.planned:
             raise InputError(

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from eval import options
 from eval.terminal import terminal, typed
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.seeds import REPORTS
 
 
+@options.takes_world()
 def information_command(
+    world: dict[str, Any],
     entries: Annotated[
         list[str] | None, typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help=options.ENTRIES)
     ] = None,
     patients: options.Patients = 100,
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    control: options.Control = DEFAULT_CONTROL,
-    env: options.EnvironmentOrJaw = "Jaw",
-    episode_s: options.EpisodeS = 10.0,
-    device: options.Changes = None,
     contrasts: Annotated[
         int, typer.Option(help="Of each record, each a likelihood; 0 leaves the bound of the belief.", metavar="N")
     ] = 64,
@@ -34,22 +30,21 @@ def information_command(
 ) -> None:
     """Bound the expected information gain of designs and policies, in nats with standard errors (docs/inference.md).
 
+    Episodes last 10 s unless --episode-s says otherwise.
+
     Writes information.md, information.parquet and patients.parquet. Ctrl-C keeps the patients that are finished: the
     same command goes on from there.
     """
-    from dataclasses import asdict
-
     from eval.information import run, tables
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
     from eval.settings import Settings
     from jawenv.files import write_text
 
-    changes, console = options.changes(device), terminal()
-    settings = Settings(patients, cohort, seed, control, episode_s=episode_s, env=env, device=changes)
+    settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
     specs = list(dict.fromkeys(entries or []))
     rows = run.play(specs, settings, contrasts, output, Run(fresh, workers, console=console), trust=trust)
-    table, about = tables.summarise(rows), made_with(typed(), settings=asdict(settings), contrasts=contrasts)
+    table, about = tables.summarise(rows), made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts)
     write_table(rows, output / "patients.parquet", about)
     write_table(table, output / "information.parquet", about)
     write_text(output / "information.md", tables.markdown(table, about))

@@ -48,7 +48,7 @@ def play(
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")
     if contrasts < 0:
         raise InputError(f"contrasts: {contrasts} given, allowed is 0 or more")
-    entries = load_entries(specs, settings.env_kwargs, settings.env, trust=trust)
+    entries = load_entries(specs, settings.world, trust=trust)
     folder = folder_for(output, "parts")
     parts = {entry.label: _parts_of(entry, settings, contrasts, folder) for entry in entries}
     of_labels = {entry.label: entry.spec for entry in entries}
@@ -77,9 +77,9 @@ def play_part(
         contrasts: of each record.
         trust: whether checkpoints that lie in no run's folder may be unpickled.
     """
-    entry = load_entries([specs[part.key]], settings.env_kwargs, settings.env, trust=trust)[0]
+    entry = load_entries([specs[part.key]], settings.world, trust=trust)[0]
     recording = entry.play(part.number, part.first, record=True)
-    rows = rows_of(recording, law_of(settings.cohort, settings.env), part.first, contrasts)
+    rows = rows_of(recording, law_of(settings.world), part.first, contrasts)
     for _, path in part.files:
         write_table(rows, path, {})
 

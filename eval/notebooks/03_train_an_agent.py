@@ -99,7 +99,7 @@ from eval.report import figures
 from eval.settings import Settings
 
 settings = Settings(patients=PATIENTS, seed=300, episode_s=EPISODE_S, control="targets")
-study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.env_kwargs), settings)
+study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.world), settings)
 ranking = rank(study, config.residual.maneuver)
 figures.overview(study, ranking)
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from eval import options
 from eval.report import words
 from eval.terminal import terminal, typed
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.files import write_text
+from jawenv.ladder import DEFAULT_ENV, env_id_of
 from jawenv.seeds import REPORTS
 
 
+@options.takes_world()
 def patient_command(
+    world: dict[str, Any],
     entry: options.Entry,
     patient: Annotated[
         list[Path] | None,
@@ -37,21 +39,7 @@ def patient_command(
     show_truth: Annotated[
         bool, typer.Option("--show-truth", help="Show the true values of the simulated patient as well.")
     ] = False,
-    env: Annotated[
-        str | None, typer.Option(help="Environment with six muscles: Jaw or JawBilateral.", metavar="NAME")
-    ] = None,
-    cohort: options.Cohort = "trismus",
     seed: options.Seed = REPORTS[0].start,
-    control: options.Control = DEFAULT_CONTROL,
-    sensors: options.Sensors = "pose",
-    episode_s: options.EpisodeS = 30.0,
-    reality: options.Effects = None,
-    device: options.Changes = None,
-    estimator: options.Believed = None,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/patient"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -72,15 +60,13 @@ def patient_command(
     from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
-    env = env or env_of_runs([entry])
-    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
-    settings = Settings(1, cohort, seed, control, sensors, episode_s, env, **world)
-    page.check_env(settings.env)
+    settings = Settings.of(1, seed, **as_a_clinic({"env": env_of_runs([entry])} | world))
+    page.check_env(settings.world.env_id)
     people = persons(seed, patients, patient or [])
-    (loaded,) = load_entries([entry], settings.env_kwargs, settings.env, trust=trust)
+    (loaded,) = load_entries([entry], settings.world, trust=trust)
     console = terminal()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
-    about = made_with(typed(), settings=asdict(settings), course=asdict(plan), entry=loaded.about())
+    about = made_with(typed(), settings=settings.to_mapping(), course=asdict(plan), entry=loaded.about())
     prior = population_of(loaded).prior
     rows = [row for each in zip(people, courses, strict=True) for row in page.verdict_rows(*each, prior)]
     write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
@@ -92,25 +78,15 @@ def patient_command(
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
 
 
+@options.takes_world()
 def diagnose_command(
+    world: dict[str, Any],
     entries: Annotated[
         list[str] | None,
         typer.Argument(metavar="MANEUVER|FILE|RUN|MODULE:NAME...", help="Names, maneuver files or training runs."),
     ] = None,
-    env: options.Environment = None,
     patients: options.Patients = 200,
-    cohort: options.Cohort = "one_sided",
     seed: options.Seed = REPORTS[0].start,
-    control: options.Control = DEFAULT_CONTROL,
-    sensors: options.Sensors = "pose",
-    episode_s: options.EpisodeS = 30.0,
-    reality: options.Effects = None,
-    device: options.Changes = None,
-    estimator: options.Believed = None,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
     output: options.Output = Path("runs/diagnose"),
     fresh: options.Fresh = False,
     trust: options.Trust = False,
@@ -129,18 +105,22 @@ def diagnose_command(
     wanted = entries or []
     if not wanted:
         raise InputError("nothing to diagnose with: name a maneuver or a training run")
-    env = env or env_of_runs(wanted)
-    world = options.world(reality, device, estimator, knowledge, comfort, anatomy, force_sensor)
-    settings = Settings(patients, cohort, seed, control, sensors, episode_s, env, **world)
-    loaded, console = load_entries(wanted, settings.env_kwargs, settings.env, trust=trust), terminal()
+    settings = Settings.of(patients, seed, **{"env": env_of_runs(wanted), "cohort": "one_sided"} | world)
+    loaded, console = load_entries(wanted, settings.world, trust=trust), terminal()
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)
     lead = (
-        f"`{typed()}`: {patients} patients of the cohort {words.label(cohort)}, seeds {seed} to "
-        f"{seed + patients - 1}, {episode_s:g} s, {control} control."
+        f"`{typed()}`: {patients} patients of the cohort {words.label(settings.world.build_cohort().name)}, seeds {seed} to "
+        f"{seed + patients - 1}, {settings.world.episode_s:g} s, {settings.world.control} control."
     )
     write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
     accuracy.show(table, console)
     console.print(accuracy.NOTE, style="dim")
     console.print(f"table:   {output / 'diagnosis.md'}\nresults: {output / 'diagnosis.parquet'}", soft_wrap=True)
+
+
+def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:
+    """A world whose filter knows the anatomy as an image gives it, unless its knowledge is named, or must be exact."""
+    one_point = world.get("estimator") == "midline" or env_id_of(world["env"]) == DEFAULT_ENV
+    return {"knowledge": "imaged"} | world if one_point else world

@@ -63,7 +63,7 @@ class Cell:
 
     def load(self) -> Entry:
         """The entry, ready to be played."""
-        return load_entries([self.spec], self.settings.env_kwargs, self.settings.env, trust=self.trust)[0]
+        return load_entries([self.spec], self.settings.world, trust=self.trust)[0]
 
     def fingerprint(self, bound: bool = False) -> str:
         """The digest of a patient's row, which may have the bound."""
@@ -150,7 +150,7 @@ def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: boo
     Raises:
         InputError: it plays other settings than those asked for, or has the label of another entry.
     """
-    entry = load_entries([choice.agent], asked.env_kwargs, asked.env, trust=trust)[0]
+    entry = load_entries([choice.agent], asked.world, trust=trust)[0]
     if entry.env_kwargs != asked.env_kwargs:
         raise InputError(
             f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.control}, sensors "

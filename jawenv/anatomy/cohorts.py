@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,6 +199,15 @@ class Cohort:
         """The mapping that `from_dict` takes, of text and numbers alone."""
         groups = [{"left": asdict(left), "right": asdict(right)} for left, right in self.groups]
         return {"name": self.name, "description": self.description, "basis": self.basis, "groups": groups}
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the same patients are drawn, under the same name."""
+        alike = isinstance(other, Cohort) and self.muscles.parameter_names == other.muscles.parameter_names
+        return alike and self.to_dict() == cast(Cohort, other).to_dict()
+
+    def __hash__(self) -> int:
+        """Of name and numbers."""
+        return hash((self.name, repr(self.groups)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Rebuild through the constructor: plain unpickling would leave the arrays writable."""

@@ -127,6 +127,19 @@ class Anatomy:
             _changed(default_fossa(), data.get("fossa"), "fossa"),
         )
 
+    def to_dict(self) -> dict[str, Any]:
+        """What ``from_dict`` takes: the fields that differ from the default anatomy's."""
+        own = _numbers_of(self)
+        usual = {name: attachment(*_portion(name)) for name in self.attachments}
+        default = _numbers_of(Anatomy(usual))
+        changed = {
+            name: {key: value for key, value in numbers.items() if value != default[name][key]}
+            for name, numbers in own.items()
+        }
+        lines = {name: changed[name] for name in self.attachments}
+        parts = {"attachments": lines, "mandible": changed["mandible"], "fossa": changed["fossa"]}
+        return {name: part for name, part in parts.items() if part}
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """What a JSON, TOML or YAML file says, as ``from_dict`` takes it.

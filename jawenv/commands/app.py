@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from jawenv.commands import options
 from jawenv.commands.running import command_line, run
-from jawenv.controls import DEFAULT_CONTROL
 from jawenv.seeds import REPORTS
 
 app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 
 
 @app.command("live")
+@options.takes_world()
 def live_command(
+    world: dict[str, Any],
     recording: Annotated[
         Path | None, typer.Argument(metavar="[RECORDING]", help="Play this .csv or .parquet in place of a drive.")
     ] = None,
@@ -25,70 +26,43 @@ def live_command(
         str, typer.Option(help="Who drives at first: you, a maneuver or a maneuver file.", metavar="NAME")
     ] = "you",
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    model: options.Model = "jaw",
-    control: options.Control = DEFAULT_CONTROL,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
-    episode_s: options.EpisodeS = 30.0,
     output: Annotated[Path, typer.Option(help="Folder where drives are saved.", metavar="FOLDER")] = Path("runs/live"),
     open_browser: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
 ) -> None:
     """Drive the jaw of a patient by hand, on a page of this machine (docs/live.md). Ctrl-C ends it."""
     from jawenv.commands.live import drive, play_back
+    from jawenv.envs.configuration import Configuration
+    from jawenv.live.setup import Setup
 
     if recording is not None:
         play_back(recording, port, open_browser)
     else:
-        own = options.own_comfort_and_anatomy(comfort, anatomy)
-        settings = {"seed": seed, "cohort": cohort, "model": model, "control": control, "knowledge": knowledge}
-        more = {"force_sensor": force_sensor, "episode_s": episode_s}
-        drive({**settings, **own, **more}, driver, port, output, open_browser)
+        drive(Setup(Configuration.from_mapping(world), seed), driver, port, output, open_browser)
 
 
 @app.command("play")
-def play_command(
-    maneuver: options.Maneuver,
-    seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    model: options.Model = "jaw",
-    control: options.Control = DEFAULT_CONTROL,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
-    episode_s: options.EpisodeS = 30.0,
-) -> None:
+@options.takes_world()
+def play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: options.Seed = REPORTS[0].start) -> None:
     """Show one episode of a maneuver in a window, and say what was reached."""
     from jawenv.commands.maneuvers import play
+    from jawenv.envs.configuration import Configuration
 
-    kwargs = {"cohort": cohort, "control": control, "knowledge": knowledge, "episode_s": episode_s}
-    own = options.own_comfort_and_anatomy(comfort, anatomy)
-    play(maneuver, seed, model, {**kwargs, **own, "force_sensor": force_sensor})
+    play(maneuver, seed, Configuration.from_mapping(world))
 
 
 @app.command("score")
+@options.takes_world()
 def score_command(
     maneuver: options.Maneuver,
+    world: dict[str, Any],
     patients: Annotated[int, typer.Option(help="How many.", metavar="N")] = 16,
     seed: options.Seed = REPORTS[0].start,
-    cohort: options.Cohort = "trismus",
-    model: options.Model = "jaw",
-    control: options.Control = DEFAULT_CONTROL,
-    knowledge: options.Known = "exact",
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = "cell",
-    episode_s: options.EpisodeS = 30.0,
 ) -> None:
     """Play a maneuver on simulated patients; say what it finds out, and whether that can be believed."""
     from jawenv.commands.maneuvers import print_score
+    from jawenv.envs.configuration import Configuration
 
-    kwargs = {"cohort": cohort, "control": control, "knowledge": knowledge, "episode_s": episode_s}
-    own = options.own_comfort_and_anatomy(comfort, anatomy)
-    print_score(maneuver, patients, seed, model, {**kwargs, **own, "force_sensor": force_sensor})
+    print_score(maneuver, patients, seed, Configuration.from_mapping(world))
 
 
 @app.command("identify")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from jawenv.live.server import serving, url_of
+from jawenv.live.setup import Setup
 from jawenv.playing.protocol import Agent
 
 
@@ -18,7 +19,7 @@ class _Page(Protocol):
 
 
 def drive(
-    settings: Mapping[str, Any],
+    setup: Setup,
     driver: str,
     port: int,
     folder: Path,
@@ -28,7 +29,7 @@ def drive(
     """Show a page on which a patient is driven, until Ctrl-C.
 
     Args:
-        settings: fields of ``jawenv.live.setup.Setup``.
+        setup: whom, and how.
         driver: who drives at first.
         port: of the page.
         folder: where drives are saved.
@@ -40,9 +41,7 @@ def drive(
         MissingPackageError: viser is not installed.
     """
     from jawenv.live.page import Page
-    from jawenv.live.setup import Setup
 
-    setup = Setup(**settings)
     with serving(port) as server:
         _show(Page(server, setup, folder, driver, agents), server, open_browser)
 

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
-from jawenv.ladder import model_named
+from jawenv.envs.configuration import Configuration
 from jawenv.metrics import score
 from jawenv.playing.maneuvers import Player
 from jawenv.playing.rollout import play as play_on
 
 
-def print_score(maneuver: str, patients: int, seed: int, model: str, env_kwargs: Mapping[str, Any]) -> None:
+def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
     """Play a maneuver on patients, and print what it found out.
 
     Raises:
         InputError: an unknown maneuver, or what the environment refuses.
     """
-    player, env_id = Player(maneuver, control=env_kwargs["control"]), model_named(model).env_id
-    kwargs = dict(env_kwargs)
-    exact = kwargs["knowledge"] == "exact"
-    reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id))
+    player, env_id = Player(maneuver, control=world.control, control_hz=world.control_hz), world.env_id
+    reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(each, axis=0) for each in (reached.sd, np.abs(reached.error), reached.bound_sd))
     print(f"{player.name} in {env_id} on {patients} patients, medians over them\n")
     print(f"{'parameter':32s}{'claimed sd':>12}{'error':>9}{'bound':>9}")
@@ -39,11 +34,11 @@ def print_score(maneuver: str, patients: int, seed: int, model: str, env_kwargs:
     print(f"discomfort: {reached.discomfort_s.mean():.2f} s, a hard limit crossed in {reached.violated.mean():.0%}")
     if reached.alarm:
         print(f"alarm: {reached.alarm}; do not trust their beliefs")
-    if not exact:
+    if not world.build_knowledge().exact:
         print("the bound is that of a filter that knows the anatomy")
 
 
-def play(maneuver: str, seed: int, model: str, env_kwargs: Mapping[str, Any]) -> None:
+def play(maneuver: str, seed: int, world: Configuration) -> None:
     """Show one episode in a window.
 
     Raises:
@@ -55,9 +50,9 @@ def play(maneuver: str, seed: int, model: str, env_kwargs: Mapping[str, Any]) ->
     import jawenv.envs.registration  # noqa: F401  (the ids)
     from jawenv.rendering.display import check_display
 
-    player = Player(maneuver, control=env_kwargs["control"])
+    player = Player(maneuver, control=world.control, control_hz=world.control_hz)
     check_display("a window", "use `jawenv live --driver NAME`, which shows it in a browser")
-    env = gym.make(model_named(model).env_id, render_mode="human", **env_kwargs)
+    env = gym.make(world.env_id, render_mode="human", **world.arguments)
     try:
         observation, info = env.reset(seed=seed)
         ended = False

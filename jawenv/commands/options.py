@@ -1,63 +1,105 @@
-"""What several commands of ``jawenv`` ask for in the same words."""
+"""The options of a world, made of the fields of ``Configuration``, and others that several commands have."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
-from pathlib import Path
+from dataclasses import Field, fields
+from functools import wraps
 from typing import Annotated, Any
 
 import typer
 
+from jawenv.errors import InputError
+
 Maneuver = Annotated[
     str, typer.Argument(metavar="MANEUVER|FILE", help="A name of `jawenv list maneuvers`, or a maneuver file.")
 ]
-Model = Annotated[str, typer.Option(help="One of `jawenv list models`.", metavar="NAME")]
-Cohort = Annotated[str, typer.Option(help="One of `jawenv list cohorts`, or a cohort file.", metavar="NAME")]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
-Control = Annotated[str, typer.Option(help="force, trajectory or targets.", metavar="NAME")]
-Known = Annotated[
-    str,
-    typer.Option("--knowledge", help="What the filter knows of anatomy and device: exact or imaged.", metavar="NAME"),
+
+ENV = Annotated[
+    str | None,
+    typer.Option(
+        "--env",
+        "--model",
+        help="Environment, as jawenv/JawSides-v2, JawSides or sides; Jaw, or that of trained runs, by default.",
+        metavar="NAME",
+    ),
 ]
-EpisodeS = Annotated[float, typer.Option("--episode-s", help="Length of an episode, s.", metavar="S")]
-Comfort = Annotated[
-    Path | None, typer.Option(help="File of comfort limits that differ from the default's.", metavar="FILE")
-]
-Anatomy = Annotated[
-    Path | None,
-    typer.Option(help="File of attachments, mandible and fossa that differ from the default's.", metavar="FILE"),
-]
-ForceSensor = Annotated[
-    str,
-    typer.Option("--force-sensor", help="How the device knows its force: cell, motors or straps.", metavar="NAME"),
-]
+ENVIRONMENT = "env"
 
 
-def own_comfort_and_anatomy(comfort: Path | None, anatomy: Path | None) -> dict[str, Any]:
-    """What the files of ``--comfort`` and ``--anatomy`` say, as the environment takes it; nothing where none is given.
+def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorator of a command with a parameter ``world``: it has an option for each argument of a world instead.
 
-    Mappings, not paths: what is kept with results stays what was played, whatever becomes of the files.
+    The command gets a mapping of those that were given, ``env`` among them, as ``Configuration.from_mapping`` takes it.
+
+    Args:
+        without: arguments that the command sets itself.
+    """
+
+    def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
+        stated = inspect.signature(command, eval_str=True)
+        options = _options(without)
+        kept = [each for each in stated.parameters.values() if each.name != "world"]
+        place = next((i for i, each in enumerate(kept) if each.default is not each.empty), len(kept))
+        names = [option.name for option in options]
+
+        @wraps(command)
+        def run(**given: Any) -> Any:
+            world = {name: given.pop(name) for name in names}
+            return command(**given, world=_world({name: value for name, value in world.items() if value}))
+
+        vars(run)["__signature__"] = stated.replace(parameters=[*kept[:place], *options, *kept[place:]])
+        run.__annotations__ = {each.name: each.annotation for each in (*kept, *options)}
+        return run
+
+    return decorated
+
+
+def _options(without: tuple[str, ...]) -> list[inspect.Parameter]:
+    from jawenv.envs.configuration import Configuration
+
+    kinds = {ENVIRONMENT: ENV} | {each.name: _option(each) for each in fields(Configuration) if each.metadata["option"]}
+    return [
+        inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=None, annotation=kind)
+        for name, kind in kinds.items()
+        if name not in without
+    ]
+
+
+def _option(argument: Field[Any]) -> Any:
+    """The option of an argument: its name, its help and its kind of value."""
+    about, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
+    kind = {"fields": list[str], "number": float}.get(about["option"], str)
+    default = "" if argument.default is None else f" [default: {argument.default}]"
+    return Annotated[kind | None, typer.Option(name, help=about["help"] + default, metavar=about["metavar"])]
+
+
+def _world(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments as the environment takes them.
 
     Raises:
-        InputError: a file cannot be read or is damaged, or says what is not allowed.
+        InputError: a text is no field with a number, or a file cannot be read or is damaged.
     """
-    from jawenv.anatomy import Anatomy as OwnAnatomy
-    from jawenv.device.comfort_settings import Comfort as OwnComfort
+    from jawenv.envs.configuration import Configuration
 
-    own: dict[str, Any] = {}
-    if comfort is not None:
-        own["comfort"] = _checked(comfort, OwnComfort.from_dict)
-    if anatomy is not None:
-        own["anatomy"] = _checked(anatomy, OwnAnatomy.from_dict)
-    return own
+    world: dict[str, Any] = {}
+    for name, value in given.items():
+        kind = next((each.metadata["option"] for each in fields(Configuration) if each.name == name), "")
+        world[name] = _fields(name, value) if kind == "fields" else value
+    return world
 
 
-def _checked(file: Path, build: Callable[[Mapping[str, Any]], object]) -> dict[str, Any]:
-    """The mapping in a file that ``build`` takes."""
-    from jawenv.files import read_into
-
-    def said(data: Mapping[str, Any]) -> dict[str, Any]:
-        build(data)
-        return dict(data)
-
-    return read_into(file, said)
+def _fields(option: str, texts: list[str]) -> Any:
+    """What ``FIELD=VALUE`` say, or the one file that is named."""
+    if len(texts) == 1 and "=" not in texts[0]:
+        return texts[0]
+    found = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise InputError(f"{option} is {text!r}; allowed: FIELD=VALUE with a number, or a file") from None
+    return found

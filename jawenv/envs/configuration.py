@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
+import hashlib
+import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any, Literal, TypedDict, TypeVar, cast, get_args
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
-from jawenv.anatomy import Anatomy, Cohort, MuscleSet, anatomy_of, cohort
+from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
 from jawenv.anatomy.knowledge import Knowledge, knowledge
 from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
@@ -18,69 +19,88 @@ from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
+from jawenv.envs.registration import IMAGED
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, meant, not_among, shown
 from jawenv.files import Source
-from jawenv.ladder import Estimator, model_named
+from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
+from jawenv.numeric_fields import NumericFields
 from jawenv.reality import Reality, check_reality
 
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
-
-Initialise = TypeVar("Initialise", bound=Callable[..., None])
 
 NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
 
 LARGEST = 1e6  # of the numeric arguments
 
 
-class Arguments(TypedDict, total=False):
-    """What the environments are made with, as keyword arguments; ``Configuration`` has defaults and checks."""
+def _argument(default: Any, help: str, metavar: str = "", option: str = "") -> Any:
+    """A field of ``Configuration``.
 
-    control: Control
-    sensors: Sensors
-    reward: Reward
-    cohort: str | Cohort | Source
-    episode_s: float
-    control_hz: float | None
-    comfort_weight: float
-    track_bound: bool
-    record: bool
-    device: Device | Source | None
-    reality: Reality | Source | None
-    model: str
-    estimator: Estimator | Literal["none"] | OwnEstimator | None
-    knowledge: str | Knowledge | Source | None
-    force_sensor: ForceSensor
-    comfort: Comfort | Source | None
-    anatomy: Anatomy | Source | None
+    Args:
+        default: its default.
+        help: a sentence for tables and command lines.
+        metavar: what stands for its value there.
+        option: how command lines take it: "value", "number", "fields" (FIELD=VALUE, repeated, or a file); not at all
+            where empty.
+    """
+    return field(default=default, metadata={"help": help, "metavar": metavar, "option": option})
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """The arguments that ``gymnasium.make`` passes on, checked.
+    """A world to be played: the arguments that ``gymnasium.make`` passes on, checked.
 
-    Numbers become Python's own; cohort, device, reality, comfort and anatomy become objects: a file is read once.
+    Environments, studies, trainings, cards and command lines hand this on whole; tables of arguments and options of
+    commands are made of its fields. Numbers become Python's own; cohort, device, reality, knowledge, comfort and
+    anatomy become objects: a file is read once.
     """
 
-    control: Control = DEFAULT_CONTROL
-    sensors: Sensors = "pose"
-    reward: Reward = "uncertainty"
-    cohort: str | Cohort | Source = "trismus"
-    episode_s: float = 30.0
-    control_hz: float | None = None
-    comfort_weight: float = 0.0
-    track_bound: bool = False
-    record: bool = False
-    device: Device | Source | None = None
-    reality: Reality | Source | None = None
-    model: str = "jaw"
-    estimator: Estimator | Literal["none"] | OwnEstimator | None = None
-    knowledge: str | Knowledge | Source | None = None
-    force_sensor: ForceSensor = "cell"
-    comfort: Comfort | Source | None = None
-    anatomy: Anatomy | Source | None = None
+    control: Control = _argument(
+        DEFAULT_CONTROL, "What an action commands: targets, force or trajectory.", "NAME", "value"
+    )
+    sensors: Sensors = _argument("pose", "What the encoders measure: pose, or one point.", "NAME", "value")
+    reward: Reward = _argument("uncertainty", "What is paid for: uncertainty, bound, score, worst or mixed.")
+    cohort: str | Cohort | Source = _argument(
+        "trismus",
+        "Population the patients are drawn from: a name of `jawenv list cohorts`, or a file.",
+        "NAME",
+        "value",
+    )
+    episode_s: float = _argument(30.0, "Length of every episode, s.", "S", "number")
+    control_hz: float | None = _argument(
+        None, "Control steps per second; the control mode's own by default.", "HZ", "number"
+    )
+    comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
+    track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
+    record: bool = _argument(False, "Whether what the device measures is kept.")
+    device: Device | Source | None = _argument(
+        None, "Another value of a field of the device, as cell_force_N=0.2, or a file of them.", "FIELD=VALUE", "fields"
+    )
+    reality: Reality | Source | None = _argument(
+        None, "Effect that the filter does not know, as creep_share=0.3, or a file of them.", "FIELD=VALUE", "fields"
+    )
+    model: str = _argument("jaw", "Model of the jaw, which an environment's id names.")
+    estimator: Estimator | Literal["none"] | OwnEstimator | None = _argument(
+        None,
+        "Mechanics that the filter believes in, midline or bilateral; the environment's own by default.",
+        "NAME",
+        "value",
+    )
+    knowledge: str | Knowledge | Source | None = _argument(
+        None, "What the filter knows of anatomy and device: exact, imaged, or a file of sds.", "NAME", "value"
+    )
+    force_sensor: ForceSensor = _argument(
+        "cell", "How the device knows its force: cell, motors or straps.", "NAME", "value"
+    )
+    comfort: Comfort | Source | None = _argument(
+        None, "File of comfort limits that differ from the default's.", "FILE", "value"
+    )
+    anatomy: Anatomy | Source | None = _argument(
+        None, "File of attachments, mandible and fossa that differ from the default's.", "FILE", "value"
+    )
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -144,6 +164,54 @@ class Configuration:
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_mapping(cls, mapping: Mapping[str, Any]) -> Configuration:
+        """What ``to_mapping`` wrote, or a user: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments.
+
+        Raises:
+            InputError: an unknown environment or argument, or a value that is not allowed.
+        """
+        env_id = env_id_of(mapping.get("env", DEFAULT_ENV))
+        return configure(registered_arguments(env_id) | {key: value for key, value in mapping.items() if key != "env"})
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The id of its environment as ``env``, and ``arguments``."""
+        return {"env": self.env_id, **self.arguments}
+
+    @property
+    def env_id(self) -> str:
+        """Gymnasium's id of the environment, whose own arguments are the defaults of ``arguments``."""
+        imaged = configure(registered_arguments(KNOWN_WITHIN_SDS))
+        alike = self.model == imaged.model and self.knowledge == imaged.knowledge and self.device == imaged.device
+        return KNOWN_WITHIN_SDS if alike else model_named(self.model).env_id
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Plain values with which ``gymnasium.make`` makes the same of the id: those that are not its own.
+
+        Control, sensors, cohort and length are always there.
+
+        Raises:
+            InputError: an estimator of one's own, which is no plain value.
+        """
+        own = configure({"control": self.control} | registered_arguments(self.env_id))
+        changed = [
+            each.name
+            for each in fields(self)
+            if each.name in STATED or getattr(self, each.name) != getattr(own, each.name)
+        ]
+        return {name: _plain(name, getattr(self, name)) for name in changed if name != "model"}
+
+    @property
+    def digest(self) -> str:
+        """Sixteen hexadecimal digits that change with anything that is played; cohorts count with their numbers."""
+        whole = {**self.to_mapping(), "cohort": self.build_cohort().to_dict()}
+        return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:16]
+
+    def differences(self, other: Configuration) -> tuple[str, ...]:
+        """Names of the arguments in which another one is not the same."""
+        return tuple(each.name for each in fields(self) if getattr(self, each.name) != getattr(other, each.name))
 
     @property
     def mode(self) -> ControlMode:
@@ -216,6 +284,31 @@ class Configuration:
         return check_reality(self.reality)
 
 
+STATED = ("control", "sensors", "cohort", "episode_s")
+"""Arguments that results and cards name whether they are the defaults or not."""
+
+
+def registered_arguments(env_id: str) -> dict[str, Any]:
+    """The arguments with which an id is registered."""
+    return dict(IMAGED) if env_id == KNOWN_WITHIN_SDS else {"model": model_of_env(env_id).name}
+
+
+def _plain(name: str, value: object) -> Any:
+    """A value of an argument as text, numbers and mappings."""
+    if isinstance(value, Cohort):
+        known = COHORTS.get(value.name)
+        return value.name if known is not None and known.groups == value.groups else value.to_dict()
+    if isinstance(value, NumericFields):
+        return value.changes()
+    if isinstance(value, Anatomy):
+        return value.to_dict()
+    if not (value is None or isinstance(value, str | bool | int | float)):
+        raise InputError(
+            f"{name} is {shown(value)}; allowed where a configuration is kept: a name, a number, a mapping"
+        )
+    return value
+
+
 def _checked_number(name: str, value: object, or_zero: bool = False) -> float:
     """A number more than 0, or also 0, and at most ``LARGEST``."""
     number = real_number(value)
@@ -244,17 +337,3 @@ def configure(arguments: Mapping[str, object], owner: type = Configuration) -> C
                 f"{meant(name, names)}allowed: {', '.join(names)}"
             )
     return Configuration(**cast(Any, arguments))
-
-
-def takes_arguments(initialise: Initialise) -> Initialise:
-    """Decorator of an ``__init__`` with ``**arguments: Unpack[Arguments]``; its signature names each, with defaults."""
-    stated = inspect.signature(initialise)
-    own = [one for one in stated.parameters.values() if one.kind is not one.VAR_KEYWORD]
-    listed = [
-        inspect.Parameter(one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=one.type)
-        for one in fields(Configuration)
-    ]
-    before = [one for one in own if one.kind is not one.KEYWORD_ONLY]
-    after = [one for one in own if one.kind is one.KEYWORD_ONLY]
-    vars(initialise)["__signature__"] = stated.replace(parameters=[*before, *listed, *after])
-    return initialise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Unpack, cast
+from typing import Any, Literal, cast
 
 import gymnasium as gym
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Prior
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
-from jawenv.envs.configuration import Arguments, configure, takes_arguments
+from jawenv.envs.configuration import configure
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset_options import checked_options, checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
@@ -102,12 +102,11 @@ class JawEnv(gym.Env[Observation, Action]):
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 20}
 
-    @takes_arguments
     def __init__(
         self,
         *,
         render_mode: str | None = None,
-        **arguments: Unpack[Arguments],
+        **arguments: Any,
     ) -> None:
         """Check the arguments and allocate one world.
 

@@ -22,13 +22,9 @@ IMAGED = {"model": "jaw", "knowledge": "imaged", "device": {"unmodelled_time_s":
 
 
 def register_environments() -> None:
-    """Register jawenv's environments; called by ``import jawenv``.
-
-    Version 1 of an id is the same world with ``control="force"`` by default, for what was made with it.
-    """
+    """Register jawenv's environments; called by ``import jawenv``."""
     for env_id, model in ENVIRONMENTS.items():
         _register(env_id, {"model": model})
-        _register(env_id.replace("-v2", "-v1"), {"model": model, "control": "force"})
     _register("jawenv/JawImaged-v1", IMAGED)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 from gymnasium import error, logger
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Patient, Prior
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_actions
-from jawenv.envs.configuration import Arguments, configure, takes_arguments
+from jawenv.envs.configuration import configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.pictures import WorldPictures
@@ -57,7 +57,6 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
-    @takes_arguments
     def __init__(
         self,
         num_envs: int = 1,
@@ -65,7 +64,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
-        **arguments: Unpack[Arguments],
+        **arguments: Any,
     ) -> None:
         """Check the arguments and allocate N worlds.
 

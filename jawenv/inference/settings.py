@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from jawenv.anatomy import Patient
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.errors import InputError, shown
+from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-DEFAULT_ENV = "jawenv/Jaw-v2"
 
 
 def configuration_of(env_id: str, env_kwargs: Mapping[str, Any] | None, own: Mapping[str, Any]) -> Configuration:

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
+from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
 from jawenv.playing.protocol import checked_decision
 from jawenv.playing.recording import Array, Mask, Recording
 from jawenv.playing.singles import SingleWorlds
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from jawenv.laboratory.recordings.record import Record
 
 LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
-DEFAULT_ENV = "jawenv/Jaw-v2"
 
 _TRACKED = (
     "belief_mean",

@@ -49,17 +49,6 @@ def test_both_checkers_have_nothing_to_say(env_id, control, sensors):
     checker.check_env(gym.make(env_id, **arguments).unwrapped, warn=True)
 
 
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
-def test_version_1_is_the_same_world_in_force_control(env_id):
-    """As it was made: without a word about control, and Gymnasium says that it is out of date."""
-    with pytest.warns(DeprecationWarning, match="out of date"):
-        old = gym.make(env_id.replace("-v2", "-v1"), episode_s=0.5).unwrapped
-    assert old.configuration.control == "force"
-    check_env(old, skip_render_check=True)
-    new = gym.make(env_id, episode_s=0.5, control="force").unwrapped
-    np.testing.assert_array_equal(old.reset(seed=3)[0], new.reset(seed=3)[0])
-
-
 @pytest.mark.parametrize("env_id", OTHERS)
 def test_names_and_sizes_follow_the_muscles(env_id):
     seen, _, info = played(env_id)

@@ -1,20 +1,20 @@
 """What Gymnasium asks of an environment, and what a user gets told who asks for the impossible."""
 
-import inspect
+import json
 import subprocess
 import sys
 from dataclasses import fields
-from typing import get_type_hints
 
 import gymnasium as gym
 import numpy as np
 import pytest
 
 import jawenv
+from jawenv.anatomy import COHORTS, Cohort
 from jawenv.controls import CONTROLS
-from jawenv.envs.configuration import Arguments, Configuration
-from jawenv.envs.jaw import JawEnv
+from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector import JawVectorEnv
 
 ID = "jawenv/Jaw-v2"
@@ -37,21 +37,53 @@ def test_make_vec_gives_the_native_vector_form():
     assert env.single_action_space == make().action_space
 
 
-@pytest.mark.parametrize("form", [JawEnv, JawVectorEnv])
-def test_the_signature_names_each_argument_with_its_default(form):
-    parameters = inspect.signature(form).parameters
-    stated = {name: one.default for name, one in parameters.items() if one.kind is one.KEYWORD_ONLY}
-    own = {"render_mode", "autoreset_mode", "max_episode_steps"} & set(stated)
-    assert {name: stated[name] for name in set(stated) - own} == {
-        one.name: one.default for one in fields(Configuration)
+NOT_DEFAULT = {
+    "control": "force",
+    "sensors": "point",
+    "reward": "worst",
+    "cohort": Cohort.from_dict({**COHORTS["wide"].to_dict(), "name": "mine"}),
+    "episode_s": 12.0,
+    "control_hz": 10.0,
+    "comfort_weight": 2.0,
+    "track_bound": True,
+    "record": True,
+    "device": {"full_scale_N": 5.0},
+    "reality": {"creep_share": 0.2},
+    "model": "sides",
+    "estimator": "none",
+    "knowledge": {"mass": 0.1},
+    "force_sensor": "straps",
+    "comfort": {"force_N": 9.0},
+    "anatomy": {
+        "mandible": {"mass_kg": 0.4},
+        "attachments": {"superficial_masseter_left": {"origin_m": [0.01, 0.05, 0.0]}},
+    },
+}
+
+
+def test_every_argument_is_described_and_comes_back_from_a_mapping_of_plain_values():
+    assert NOT_DEFAULT.keys() == {each.name for each in fields(Configuration)}
+    for name, value in NOT_DEFAULT.items():
+        default, other = Configuration(), configure({name: value})
+        assert name in other.differences(default) and other.digest != default.digest
+        assert Configuration.from_mapping(json.loads(json.dumps(other.to_mapping()))) == other
+        assert all(each.metadata["help"].endswith(".") for each in fields(Configuration))
+    whole = configure(NOT_DEFAULT)
+    assert Configuration.from_mapping(json.loads(json.dumps(whole.to_mapping()))) == whole
+
+
+@pytest.mark.parametrize("env_id", [*ENVIRONMENTS, "jawenv/JawImaged-v1"])
+def test_a_configuration_knows_its_id(env_id):
+    made = gym.make(env_id).unwrapped.configuration
+    again = Configuration.from_mapping({"env": env_id})
+    assert made == again and made.env_id == env_id and not made.differences(again)
+    assert made.to_mapping() == {
+        "env": env_id,
+        "control": "targets",
+        "sensors": "pose",
+        "cohort": "trismus",
+        "episode_s": 30.0,
     }
-    assert all(one.annotation is not one.empty for one in parameters.values())
-
-
-def test_there_is_one_list_of_arguments():
-    """What type checkers read, and what has the defaults."""
-    assert Arguments.__annotations__.keys() == Configuration.__annotations__.keys()
-    assert get_type_hints(Arguments) == get_type_hints(Configuration)
 
 
 def test_numpys_numbers_are_numbers():

@@ -83,7 +83,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 def test_an_exported_policy_plays_with_the_control_and_rate_of_its_card(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared")
     for spec in (folder, folder / CARD):
-        (entry,) = load_entries([str(spec)], Settings().env_kwargs)
+        (entry,) = load_entries([str(spec)], Settings().world)
         assert entry.trained and entry.label == "shared"
         assert (entry.env_kwargs["control"], entry.env_kwargs["control_hz"]) == ("trajectory", 10.0)
         assert entry.env_kwargs["episode_s"] == 30.0
@@ -94,14 +94,14 @@ def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared", env="sides")
     assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v2"
     with pytest.raises(InputError, match="shared was trained in jawenv/JawSides-v2, but this comparison is in jawenv/"):
-        load_entries([str(folder)], Settings().env_kwargs)
+        load_entries([str(folder)], Settings().world)
 
 
 def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared")
-    (entry,) = load_entries([str(folder)], Settings().env_kwargs, "jawenv/JawImaged-v1")
+    (entry,) = load_entries([str(folder)], Settings().world, "jawenv/JawImaged-v1")
     assert entry.env_id == "jawenv/JawImaged-v1" and "trained in jawenv/Jaw-v2" in entry.note
-    (entry,) = load_entries(["ppo_trismus"], Settings().env_kwargs, "jawenv/Jaw-v2")
+    (entry,) = load_entries(["ppo_trismus"], Settings().world, "jawenv/Jaw-v2")
     assert not entry.note
 
 
@@ -122,18 +122,18 @@ def test_a_note_says_what_of_the_world_was_another_in_training(
     folder = save_run(tmp_path / "run")
     config = TrainingConfig.load(folder / "config.yaml")
     config.with_env_kwargs(**trained).save(folder / "config.yaml")
-    (entry,) = load_entries([str(folder)], Settings(**asked).env_kwargs)
+    (entry,) = load_entries([str(folder)], Settings.of(**asked).world)
     (name,) = trained or asked
     assert (f"trained with another {name}" in entry.note) == noted
 
 
 def test_the_fingerprint_changes_with_the_weights_and_with_ones_own_module(tmp_path: Path, own: Path) -> None:
     specs = [str(exported(tmp_path / "shared")), str(tmp_path / "shared" / CARD), "entry_of_mine:Mine"]
-    before = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
-    assert before == [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
+    before = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().world)]
+    assert before == [fingerprint(entry, {}) for entry in load_entries(specs, Settings().world)]
     exported(tmp_path / "shared", gain=0.1)
     own.write_text(OWN + "# changed\n")
-    after = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().env_kwargs)]
+    after = [fingerprint(entry, {}) for entry in load_entries(specs, Settings().world)]
     assert all(new != old for new, old in zip(after, before, strict=True))
 
 
@@ -142,7 +142,7 @@ def test_the_fingerprint_changes_with_the_files_that_ones_own_agent_names(tmp_pa
     prints = set()
     for gains in ("1", "2"):
         (tmp_path / "gains.txt").write_text(gains)
-        (entry,) = load_entries(["entry_of_mine:Mine"], Settings().env_kwargs)
+        (entry,) = load_entries(["entry_of_mine:Mine"], Settings().world)
         prints.add(fingerprint(entry, {}))
     assert len(prints) == 2
     entry.agent.made_of = "gains.txt"  # type: ignore[attr-defined]
@@ -151,7 +151,7 @@ def test_the_fingerprint_changes_with_the_files_that_ones_own_agent_names(tmp_pa
 
 
 def test_an_agent_of_ones_own_gets_the_control_of_the_study(own: Path) -> None:
-    (entry,) = load_entries(["entry_of_mine:Mine"], Settings(control="trajectory").env_kwargs)
+    (entry,) = load_entries(["entry_of_mine:Mine"], Settings.of(control="trajectory").world)
     assert entry.label == "mine" and not entry.trained
     assert entry.agent.control == "trajectory"  # type: ignore[attr-defined]
 

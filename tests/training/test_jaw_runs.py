@@ -95,8 +95,8 @@ def test_a_run_keeps_its_own_comfort_anatomy_and_force_sensor(tmp_path: Path) ->
     for name in ("strict.toml", "jaw.toml"):
         (tmp_path / name).unlink()
     assert main(["train", "--resume", str(run.path), "--steps", "62"]) == 0
-    (same,) = load_entries([str(run.path)], Settings(**kept).env_kwargs)
-    (other,) = load_entries([str(run.path)], Settings().env_kwargs)
+    (same,) = load_entries([str(run.path)], Settings.of(**kept).world)
+    (other,) = load_entries([str(run.path)], Settings().world)
     assert "another" not in same.note and "force_sensor" not in same.note
     for said in ("trained with another comfort", "trained with another anatomy", "trained with force_sensor straps"):
         assert said in other.note

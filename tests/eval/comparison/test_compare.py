@@ -203,14 +203,14 @@ def test_all_maneuvers_are_the_hand_made_ones_and_chance():
 
 
 def test_an_entry_named_twice_counts_once():
-    assert len(load_entries(["hold_still", "hold_still"], Settings().env_kwargs)) == 1
+    assert len(load_entries(["hold_still", "hold_still"], Settings().world)) == 1
 
 
 def test_the_filters_mechanics_go_to_the_environment():
-    assert "estimator" not in Settings().env_kwargs
-    assert Settings(env="JawBilateral", estimator="midline").env_kwargs["estimator"] == "midline"
+    assert "estimator" not in Settings().world
+    assert Settings.of(env="JawBilateral", estimator="midline").world["estimator"] == "midline"
     with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v2 are midline"):
-        Settings(estimator="bilateral")
+        Settings.of(estimator="bilateral")
 
 
 def test_entries_with_the_same_name_are_told_apart(tmp_path):
@@ -218,7 +218,7 @@ def test_entries_with_the_same_name_are_told_apart(tmp_path):
 
     copy = tmp_path / "other.yaml"
     copy.write_text((FOLDER / "hold_still.yaml").read_text())
-    labels = [entry.label for entry in load_entries(["hold_still", str(copy)], Settings().env_kwargs)]
+    labels = [entry.label for entry in load_entries(["hold_still", str(copy)], Settings().world)]
     assert labels == ["hold_still (hold_still)", f"hold_still ({copy})"]
 
 
@@ -228,7 +228,7 @@ def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
     text = (FOLDER / "slow_opening.yaml").read_text()
     copy = tmp_path / "slow_opening.yaml"
     copy.write_text(text)
-    (entry,) = load_entries([str(copy)], Settings().env_kwargs)
+    (entry,) = load_entries([str(copy)], Settings().world)
     before = fingerprint(entry, {"seed": 0})
     assert before == fingerprint(entry, {"seed": 0})
     assert before != fingerprint(entry, {"seed": 1})
@@ -295,7 +295,7 @@ def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, 
 
 
 def test_entries_of_another_environment_than_the_settings_are_refused():
-    entries = load_entries(["hold_still"], Settings().env_kwargs, "jawenv/JawSides-v2")
+    entries = load_entries(["hold_still"], Settings().world, "jawenv/JawSides-v2")
     with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v2, but this comparison is in jawenv/Jaw-v"):
         comparison.compare(entries, Settings())
 
@@ -308,7 +308,7 @@ def test_another_environment_is_another_study(tmp_path, plays):
 
 @pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
 def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, checkpoint):
-    (entry,) = load_entries([str(trained_run / checkpoint)], Settings(control="force").env_kwargs)
+    (entry,) = load_entries([str(trained_run / checkpoint)], Settings.of(control="force").world)
     assert entry.trained
     assert entry.env_kwargs["control"] == "trajectory"
     assert entry.env_kwargs["episode_s"] == 30.0
@@ -338,13 +338,13 @@ def test_a_run_with_a_damaged_configuration_is_named(trained_run, tmp_path):
     folder.mkdir()
     (folder / "config.yaml").write_text("env: [")
     with pytest.raises(InputError, match=r"config\.yaml: damaged YAML"):
-        load_entries([str(folder)], Settings().env_kwargs)
+        load_entries([str(folder)], Settings().world)
 
 
 def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):
     """A comparison plays all patients together, a study some at a time."""
-    settings = Settings(patients=3, seed=41, episode_s=1.0)
-    compared = comparison.compare(load_entries(["chirp", "random"], settings.env_kwargs), settings).patients
+    settings = Settings.of(patients=3, seed=41, episode_s=1.0)
+    compared = comparison.compare(load_entries(["chirp", "random"], settings.world), settings).patients
     monkeypatch.setattr("eval.studies.run.PATIENTS_IN_A_PART", 2)
     design = Design(
         title="", entries=("chirp", "random"), patients=3, seed=41, episode_s=1.0, metrics=["worst_bound_sd"]

@@ -12,14 +12,14 @@ from jawenv.errors import InputError
 
 @pytest.fixture(scope="module")
 def study():
-    settings = Settings(patients=2, control="targets", episode_s=2.0)
-    return compare(load_entries(["slow_opening", "hold_still"], settings.env_kwargs, settings.env), settings)
+    settings = Settings.of(patients=2, control="targets", episode_s=2.0)
+    return compare(load_entries(["slow_opening", "hold_still"], settings.world), settings)
 
 
 def test_the_first_patient_is_watched_at_most_ten_times_a_second(study):
     for control, steps in (("targets", 10), ("force", 20)):
-        settings = Settings(patients=1, control=control, episode_s=2.0)
-        (moved,) = compare(load_entries(["chirp"], settings.env_kwargs, settings.env), settings).motions.values()
+        settings = Settings.of(patients=1, control=control, episode_s=2.0)
+        (moved,) = compare(load_entries(["chirp"], settings.world), settings).motions.values()
         times = moved["frames"]["time_s"]
         assert len(times) == steps
         assert np.diff(times) == pytest.approx(2.0 / steps)
@@ -49,7 +49,7 @@ def test_frames_put_the_mouthpiece_where_it_is_said_to_be(study):
 def test_watching_changes_no_result(study):
     from jawenv.playing.rollout import play
 
-    entry = load_entries(["slow_opening"], Settings(control="targets", episode_s=2.0).env_kwargs)[0]
+    entry = load_entries(["slow_opening"], Settings.of(control="targets", episode_s=2.0).world)[0]
     plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)
     assert study.of("slow_opening")["information_true"].to_numpy() == pytest.approx(plain.information_true[:, -1])
 

@@ -21,7 +21,7 @@ from tests.eval.runs import save_checkpoint, save_run
 
 def print_of(spec: str | Path, **settings: str) -> str:
     """The fingerprint of an entry, loaded anew."""
-    (entry,) = load_entries([str(spec)], Settings(**{"control": "targets", **settings}).env_kwargs)
+    (entry,) = load_entries([str(spec)], Settings.of(**{"control": "targets", **settings}).world)
     return fingerprint(entry, {})
 
 

@@ -20,7 +20,7 @@ PAIRS, FIRST_SEED, DRIFT = 60, 990_000, 0.1  # seeds of no other use
 
 def entry_of(episode_s):
     settings = Settings(1, "trismus", FIRST_SEED, "targets", "pose", episode_s, knowledge=known_within("imaged"))
-    return load_entries(["refined"], settings.env_kwargs, settings.env)[0]
+    return load_entries(["refined"], settings.world)[0]
 
 
 def normal_data(rng, x, count):

@@ -97,7 +97,7 @@ def test_nothing_is_known_at_the_start(three):
     """Each treatment begins unknown, and a page of beliefs as wide as the prior says so."""
     _, _, folder = three
     settings = Settings(1, "wide", 5200, "force", "pose", 8.0)
-    (entry,) = load_entries([RICH], settings.env_kwargs, settings.env)
+    (entry,) = load_entries([RICH], settings.world)
     population = cohort("wide").prior
     for name in (HEALTHY, LEFT, BLOCKED):
         played = first_treatment(entry, 5200, Patient.load(folder / f"{name}.json"))

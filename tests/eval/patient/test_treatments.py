@@ -14,7 +14,7 @@ PATIENTS, TREATMENTS, FIRST_SEED = 16, 5, 5100
 
 def entry_of(cohort="trismus", episode_s=5.0, maneuver="opening_with_swings_and_fore_aft"):
     settings = Settings(1, cohort, FIRST_SEED, "force", "pose", episode_s)
-    return load_entries([maneuver], settings.env_kwargs, settings.env)[0]
+    return load_entries([maneuver], settings.world)[0]
 
 
 def course_of(entry, seed, drift=0.0, number=TREATMENTS):

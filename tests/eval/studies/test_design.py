@@ -41,7 +41,7 @@ def test_an_environment_may_be_played_in_some_controls_alone():
     made = cells(environments=["Jaw", {"env": "JawImaged", "controls": ["targets"]}], controls=["force", "targets"])
     played = {(cell.environment, cell.control) for cell in made}
     assert played == {("Jaw", "force"), ("Jaw", "targets"), ("JawImaged", "targets")}
-    assert {cell.settings.env for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
+    assert {cell.settings.world.env_id for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
 
 
 def test_rates_reach_the_environment():
