@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from jawenv.live.keys import script_html
 
+TITLE = "jawenv live"
+NOTICE = "Simulated, for research, not a medical device."
+NOTICE_HTML = f"""
+<p id='notice' style='position:fixed; z-index:9; top:0; left:50%; transform:translateX(-50%); pointer-events:none;
+  margin:0; padding:1px 10px; border-radius:0 0 8px 8px; background:var(--live-card, #fff);
+  color:var(--live-soft, #5b636e); white-space:nowrap; font:12px/1.5 system-ui,sans-serif'>{NOTICE}</p>
+"""
 DARK_DIGIT = 9
 """The hotkey by which a browser tells that its reader prefers dark pages; with shift, light ones."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
@@ -20,15 +21,18 @@ from jawenv.ladder import MODELS
 from jawenv.live import panels
 from jawenv.live.keys import Keys, keys_html, moved
 from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.saving import Saves
 from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Known, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.protocol import Agent, Array
+from jawenv.playing.rollout import LARGEST_SEED
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 _NOBODY = "nobody"
+_MOST_WISHES = 100  # between two steps; more are dropped
 _BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
 _AGAIN = "Again: the same patient once more. Patient and model: another one."
 
@@ -57,8 +61,8 @@ class Page:
         driver: str = BY_HAND,
         agents: Mapping[str, Agent] | None = None,
     ) -> None:
-        self._folder = folder
-        self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._saves = Saves(folder)
+        self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WISHES)
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
@@ -73,7 +77,15 @@ class Page:
         self._show()
 
     def run(self) -> None:
-        """Drive in real time until ``stop``."""
+        """Drive in real time until ``stop``; what was driven is saved where an error ends it."""
+        try:
+            self._run()
+        except Exception:
+            with contextlib.suppress(InputError):  # nothing was driven, or it cannot be written
+                self._saves.save(self.session)
+            raise
+
+    def _run(self) -> None:
         due = time.perf_counter()
         while not self._stopped.is_set():
             while not self._wishes.empty():
@@ -145,10 +157,11 @@ class Page:
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
 
     def _saved(self) -> list[str]:
-        return [str(path) for path in self.session.save(self._folder)]
+        return [str(path) for path in self._saves.save(self.session)]
 
     def _begin(self) -> None:
         """The same patient again."""
+        self._saves.begin()
         self._score.content = ""
         self._paused = False
         self._keys.take()
@@ -231,7 +244,8 @@ class Page:
 
         def leave(event: Any) -> None:
             if event.client is not None:
-                self._wishes.put(wish)
+                with contextlib.suppress(queue.Full):
+                    self._wishes.put_nowait(wish)
 
         return leave
 
@@ -273,7 +287,7 @@ class Page:
         cohorts = tuple(dict.fromkeys((*COHORTS, setup.cohort)))
         with gui.add_folder("Patient and model", expand_by_default=False):
             self._choices = {
-                "seed": gui.add_number("Patient seed", setup.seed, min=0, step=1),
+                "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),
                 "cohort": gui.add_dropdown("Cohort", cohorts, initial_value=setup.cohort),
                 "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=setup.model),
                 "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=setup.control),

@@ -214,11 +214,15 @@ class Session:
             raise InputError("recording: nothing was driven; allowed: one step or more")
         return record_of(self._env.simulation, 0)
 
-    def save(self, folder: Path) -> list[Path]:
-        """Write what was driven into a folder: a maneuver file and a recording.
+    def save(self, folder: Path, path: Path | None = None) -> list[Path]:
+        """Write what was driven: a maneuver file and a recording beside it.
+
+        Args:
+            folder: made where it is missing.
+            path: of the maneuver file; by default one with a number that none in the folder has.
 
         Returns:
-            The files, with a number that none in the folder has.
+            The files.
 
         Raises:
             InputError: nothing was driven, or the folder cannot be written.
@@ -228,9 +232,9 @@ class Session:
         except OSError as error:
             raise InputError(f"{folder}: cannot be made: {error.strerror or error}") from None
         number = 1
-        while (folder / f"my_drive_{number}.yaml").exists():
+        while path is None and (folder / f"my_drive_{number}.yaml").exists():
             number += 1
-        path = folder / f"my_drive_{number}.yaml"
+        path = path or folder / f"my_drive_{number}.yaml"
         write_maneuver(path, self.maneuver(path.stem))
         save_record(self.record(), path.with_suffix(".csv"))
         return [path, path.with_suffix(".csv")]
