@@ -124,7 +124,12 @@ def fits(trained_in: str, env_id: str) -> bool:
 
 
 def load_entries(
-    specs: Sequence[str], env_kwargs: dict[str, Any], env_id: str = DEFAULT_ENV, *, trust: bool = False
+    specs: Sequence[str],
+    env_kwargs: dict[str, Any],
+    env_id: str = DEFAULT_ENV,
+    *,
+    trust: bool = False,
+    load: Callable[..., Agent] = registry.load_agent,
 ) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
@@ -133,12 +138,13 @@ def load_entries(
         env_kwargs: settings asked for.
         env_id: the environment of the study.
         trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
+        load: makes the agents, as `agents.registry.load_agent`.
 
     Raises:
         InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
             trained in another environment.
     """
-    entries = [_load(spec, env_kwargs, env_id, trust) for spec in dict.fromkeys(specs)]
+    entries = [_load(spec, env_kwargs, env_id, trust, load) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -146,7 +152,7 @@ def load_entries(
     ]
 
 
-def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> Entry:
+def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool, load: Callable[..., Agent]) -> Entry:
     run = env_of_run(spec)
     if run is not None and not fits(run.id, env_id):
         raise InputError(
@@ -163,9 +169,7 @@ def _load(spec: str, env_kwargs: dict[str, Any], env_id: str, trust: bool) -> En
     if run is not None:
         notes += [f"trained with another {key}" for key in _WORLD if _differ(key, trained_in.get(key), asked.get(key))]
     settings = asked | own
-    agent = registry.load_agent(
-        spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust
-    )
+    agent = load(spec, control=settings["control"], control_hz=settings["control_hz"], env_id=env_id, trust=trust)
     notes += [] if run is None or run.id == env_id else [f"trained in {run.id}"]
     maneuver = getattr(agent, "maneuver", None)
     return Entry(

@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from eval.benchmark import times
+from eval.benchmark.agent_process import load_apart
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.benchmark.times import COLUMNS, rows_of
 from eval.comparison import results
@@ -47,7 +48,7 @@ class Cell:
     def load(self) -> Entry:
         """The agent, ready to be played."""
         settings = self.task.settings()
-        return load_entries([self.spec], settings.env_kwargs, settings.env, trust=self.trust)[0]
+        return load_entries([self.spec], settings.env_kwargs, settings.env, trust=self.trust, load=load_apart)[0]
 
 
 def cells_of(specs: Sequence[str], tasks: Sequence[Task], *, trust: bool = False) -> tuple[Cell, ...]:
