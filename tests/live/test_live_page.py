@@ -47,6 +47,8 @@ def looking_at(server, width=700, scheme="light"):
         tab.context.close()
 
 
+CUT = """() => [...document.querySelectorAll("#status, #posterior, #comfort, #legend")]
+  .filter((card) => card.scrollWidth > card.clientWidth).map((card) => card.id)"""
 HALF_WAY = """() => {
   [window.polls, window.taps] = [0, 0];
   addEventListener("keydown", (event) => { if (event.key === "8" && !event.shiftKey) taps += 1; }, true);
@@ -82,6 +84,8 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
         with running(page), looking_at(server) as tab, looking_at(server, 480, "dark") as other:
             before = worst(tab)
             assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
+            assert tab.title() == "jawenv live" and "not a medical device" in tab.inner_text("#notice")
+            assert tab.evaluate(CUT) == other.evaluate(CUT) == []
             tab.keyboard.down("KeyS")
             wait_until(lambda: page.session.steering.hand[0] > 0.4)
             tab.keyboard.up("KeyS")
