@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 from unittest import mock
 
@@ -17,7 +17,6 @@ from websockets.http11 import Request, Response
 
 from jawenv.errors import InputError
 from jawenv.live.look import NOTICE_HTML, TITLE
-from jawenv.live.server import HOST
 
 _LARGEST_MESSAGE = 2**14  # bytes; those of a browser are below 500
 _MOST_BROWSERS = 32
@@ -60,11 +59,16 @@ class Admission:
     no Origin. Of the messages those are taken that move a camera, press a hotkey, or set a control to a value that it
     has. Others are dropped, requests to share the page among them.
 
+    Args:
+        host: address of the server.
+
     Attributes:
         gui: of the server; None while it has no controls that could be set.
     """
 
-    gui: Any = None
+    def __init__(self, host: str) -> None:
+        self._names = (host, "localhost")
+        self.gui: Any = None
 
     @contextlib.contextmanager
     def installed(self) -> Iterator[None]:
@@ -78,7 +82,7 @@ class Admission:
         def guarded(handler: Any, *args: Any, process_request: Any, **options: Any) -> Any:
             made.append(handler)
             options |= {"max_size": _LARGEST_MESSAGE, "create_connection": self._connection, "logger": _silent()}
-            return serve(handler, *args, process_request=_answering(process_request), **options)
+            return serve(handler, *args, process_request=self._answering(process_request), **options)
 
         with mock.patch.object(websockets_server, "serve", guarded):  # viser has no argument for it
             yield
@@ -96,6 +100,20 @@ class Admission:
             return list(message.updates) == ["value"] and _has(controls.get(message.uuid), message.updates["value"])
         return isinstance(message, _Hotkey) or (isinstance(message, _Camera) and _is_finite(message))
 
+    def _answering(self, process_request: Any) -> Any:
+        """What answers a request before viser does."""
+
+        def answer(connection: ServerConnection, request: Request) -> Response | None:
+            if not _is_own(request, self._names, connection.local_address[1]):
+                return connection.respond(403, "The page is for browsers of this machine, at its own address.\n")
+            if len(connection.server.connections) > _MOST_BROWSERS:
+                return connection.respond(503, f"{_MOST_BROWSERS} connections are open already.\n")
+            request.headers.pop("Accept-Encoding", None)  # so that the page comes as it is
+            response: Response | None = process_request(connection, request)
+            return response if response is None or b"</head>" not in (response.body or b"") else _named(response)
+
+        return answer
+
     def _connection(self, *args: Any, **options: Any) -> ServerConnection:
         return _Connection(self, *args, **options)
 
@@ -112,24 +130,8 @@ class _Connection(ServerConnection):
         return raw
 
 
-def _answering(process_request: Any) -> Any:
-    """What answers a request before viser does."""
-
-    def answer(connection: ServerConnection, request: Request) -> Response | None:
-        if not _is_own(request, connection.local_address[1]):
-            return connection.respond(403, "The page is for browsers of this machine, at its own address.\n")
-        if len(connection.server.connections) > _MOST_BROWSERS:
-            return connection.respond(503, f"{_MOST_BROWSERS} connections are open already.\n")
-        request.headers.pop("Accept-Encoding", None)  # so that the page comes as it is
-        response: Response | None = process_request(connection, request)
-        return response if response is None or b"</head>" not in (response.body or b"") else _named(response)
-
-    return answer
-
-
-def _is_own(request: Request, port: int) -> bool:
+def _is_own(request: Request, names: Sequence[str], port: int) -> bool:
     """Whether a request was meant for this address, and comes from a page of it or from none."""
-    names = (HOST, "localhost")
     own = [f"{name}:{port}" for name in names] + [name for name in names if port == _HTTP_PORT]
     hosts, origins = (request.headers.get_all(name) for name in ("Host", "Origin"))
     from_none = not origins and "Upgrade" not in request.headers

@@ -37,7 +37,7 @@ def serving(port: int = PORT) -> Iterator[Any]:
     from jawenv.live.admission import Admission
 
     _check_free(number)
-    admission = Admission()
+    admission = Admission(HOST)
     with admission.installed(), contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
         server: Any = viser.ViserServer(host=HOST, port=number, label=TITLE, verbose=False)
     admission.gui = server.gui
