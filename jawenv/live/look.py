@@ -23,7 +23,7 @@ STYLE = """
   --live-line: #3d4147; --live-track: #4a4e55; --live-remark: #f0b45c; --live-accent: #86bfe4; }
 p > label { color: var(--live-soft); }
 .mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
-[data-variant=filled] .mantine-Button-label { color: var(--live-card); }
+@media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }
 @media (max-width: 36em) {
   [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
   [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }

@@ -146,7 +146,7 @@ _SCORE_HEADS = (
     ("worst", f"{_WORST}, at the end"),
     ("discomfort", "how far comfort limits were exceeded, times how long"),
 )
-_NAME = "text-align:left;font-weight:400;padding:1px 6px 1px 0"
+_NAME = "text-align:left;font-weight:400;white-space:nowrap;padding:1px 6px 1px 0"
 
 
 def _hint(words: str, meaning: str) -> str:
