@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Mapping
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
@@ -52,30 +53,43 @@ def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
 
 
 def source_of(spec: str) -> Path | None:
-    """The file that an agent of one's own stands in; None if the text names none, or no file has it.
+    """The file that an agent of one's own stands in, found without running it; None if no file has it.
 
     Raises:
         InputError: no such module.
     """
     if not names_own(spec):
         return None
-    file = getattr(_module(spec), "__file__", None)
+    _add_current_folder()
+    name, places, file = "", None, None
+    for part in spec.partition(":")[0].split("."):
+        name = f"{name}.{part}".lstrip(".")
+        found = PathFinder.find_spec(name, places)
+        if found is None:
+            raise _absent(spec, name)
+        places, file = found.submodule_search_locations or [], found.origin
     return None if file is None else Path(file)
+
+
+def _add_current_folder() -> None:
+    if not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())  # last: no file here shall stand in for an installed package
+
+
+def _absent(spec: str, module: str) -> InputError:
+    return InputError(f"agent '{spec}': no module '{module}'; allowed: one in the current folder, or an installed one")
 
 
 def _module(spec: str) -> Any:
     """Import the module of a spec."""
     name = spec.partition(":")[0]
-    if not {"", os.getcwd()} & set(sys.path):
-        sys.path.append(os.getcwd())  # last: no file here shall stand in for an installed package
+    _add_current_folder()
     try:
         return importlib.import_module(name)
     except (Exception, SystemExit) as error:  # a module of the user's can raise anything, and end the program
         absent = error.name if isinstance(error, ModuleNotFoundError) else None
         if absent is not None and (name == absent or name.startswith(f"{absent}.")):
-            raise InputError(
-                f"agent '{spec}': no module '{absent}'; allowed: one in the current folder, or an installed one"
-            ) from None
+            raise _absent(spec, absent) from None
         raise InputError(f"agent '{spec}': module '{name}' cannot be imported: {_reason(error)}") from error
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from agents import registry
-from agents.registry import world_of
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
+from agents.registry import world_of
 from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
@@ -114,19 +114,26 @@ def fits(trained_in: str, env_id: str) -> bool:
     return trained_in == env_id or {trained_in, env_id} <= _ALIKE
 
 
-def load_entries(specs: Sequence[str], world: Configuration | None = None, *, trust: bool = False) -> list[Entry]:
+def load_entries(
+    specs: Sequence[str],
+    world: Configuration | None = None,
+    *,
+    trust: bool = False,
+    load: Callable[..., Agent] = registry.load_agent,
+) -> list[Entry]:
     """Load every agent, with its own control mode and sensors where it was trained on others.
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         world: what is to be played; the default environment by default.
         trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
+        load: makes the agents, as `agents.registry.load_agent`.
 
     Raises:
         InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
             trained in another environment.
     """
-    entries = [_load(spec, world or Configuration(), trust) for spec in dict.fromkeys(specs)]
+    entries = [_load(spec, world or Configuration(), trust, load) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -134,12 +141,10 @@ def load_entries(specs: Sequence[str], world: Configuration | None = None, *, tr
     ]
 
 
-def _load(spec: str, asked: Configuration, trust: bool) -> Entry:
+def _load(spec: str, asked: Configuration, trust: bool, load: Callable[..., Agent]) -> Entry:
     trained = world_of(spec)
     world, notes = (asked, []) if trained is None else _of_a_run(spec, trained, asked)
-    agent = registry.load_agent(
-        spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust
-    )
+    agent = load(spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust)
     maneuver = getattr(agent, "maneuver", None)
     return Entry(
         label=agent.name,

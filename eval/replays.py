@@ -33,7 +33,11 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
     """
     if path.suffix != ".yaml":
         raise InputError(f"output is {shown(str(path))}; allowed: a file that ends in .yaml")
-    with alone(path), Progress(settings.world.episode_s, "s of all patients", console or Console(quiet=True)) as progress:
+    seconds = settings.world.episode_s
+    with (
+        alone(path),
+        Progress(seconds, "s of all patients", console or Console(quiet=True)) as progress,
+    ):
         progress.say(f"averaging the targets of {words.label(entry.label)}")
         maneuver, yoked = replays_of(
             entry.agent,
@@ -41,7 +45,7 @@ def replay_of_entry(entry: Entry, settings: Settings, path: Path, console: Conso
             seed=settings.seed,
             env_kwargs=entry.env_kwargs,
             env_id=entry.env_id,
-            progress=lambda step, steps: progress.advance_to(settings.world.episode_s * step / steps),
+            progress=lambda step, steps: progress.advance_to(seconds * step / steps),
         )
         yoked.save(path.with_suffix(".npz"))
         return save_maneuver(maneuver, path)
@@ -91,5 +95,5 @@ def add_replays(
 
 def _entry_of(path: Path, entry: Entry, kind: str) -> Entry:
     """The replay of ``entry`` in ``path``, played with the entry's own settings."""
-    loaded = load_entries([str(path)], entry.env_kwargs, entry.env_id)[0]
+    loaded = load_entries([str(path)], entry.world)[0]
     return replace(loaded, label=f"{kind} of {entry.label}", replay_of=entry.label, note=entry.note)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
-from jawenv.commands.options import own_comfort_and_anatomy
+from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from training import options
@@ -26,16 +26,12 @@ app.command("distill")(distill)
 
 
 @app.command("train")
+@takes_world("device")
 def train(
+    world: dict[str, Any],
     config: options.Config = None,
-    env: options.Environment = None,
     residual_on: options.ResidualOn = None,
-    control: options.Control = None,
-    cohort: options.Cohort = None,
     reward: options.Reward = None,
-    comfort: options.Comfort = None,
-    anatomy: options.Anatomy = None,
-    force_sensor: options.ForceSensor = None,
     target_discomfort: options.TargetDiscomfort = None,
     output: options.Output = None,
     steps: options.Steps = None,
@@ -58,12 +54,10 @@ def train(
     from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
-    changes: dict[str, object] = {"env": env, "residual-on": residual_on, "control": control, "cohort": cohort}
-    changes |= {
+    changes: dict[str, object] = {
+        **{name.replace("_", "-"): value for name, value in world.items()},
+        "residual-on": residual_on,
         "reward": reward,
-        "comfort": comfort,
-        "anatomy": anatomy,
-        "force-sensor": force_sensor,
         "target-discomfort": target_discomfort,
         "seed": seed,
         "n-envs": n_envs,
@@ -79,10 +73,9 @@ def train(
         return training.resume(RunFolder(resume), console, steps)
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    wanted, stem = configured(config, env, residual_on)
+    wanted, stem = configured(config, world.pop("env", None), residual_on)
     wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    own = own_comfort_and_anatomy(comfort, anatomy)
-    wanted = wanted.with_env_kwargs(control=control, cohort=cohort, reward=reward, force_sensor=force_sensor, **own)
+    wanted = wanted.with_env_kwargs(**world, reward=reward)
     if target_discomfort is not None:
         wanted = wanted.within_discomfort(target_discomfort)
     if seeds is not None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jawenv.commands import options as common
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,16 +24,9 @@ ResidualOn = Annotated[
     str | None,
     typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file)."),
 ]
-Control = Annotated[str | None, typer.Option(metavar="NAME", help="Control mode: targets, force or trajectory.")]
-Cohort = Annotated[str | None, typer.Option(metavar="NAME", help="Population of the patients: trismus, one_sided, ...")]
 Reward = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
-]
-Comfort = common.Comfort
-Anatomy = common.Anatomy
-ForceSensor = Annotated[
-    str | None, typer.Option(metavar="NAME", help="How the device knows its force: cell, motors or straps.")
 ]
 TargetDiscomfort = Annotated[
     float | None,

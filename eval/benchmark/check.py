@@ -6,23 +6,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from agents.own import names_own
-from eval.benchmark import submission
+from eval.benchmark import differences, submission, tables
+from eval.benchmark.patients import read_patients
 from eval.benchmark.run import Cell, parts_of_cell, play_parts
 from eval.benchmark.scores import by_cell
-from eval.benchmark.submission import PATIENTS, Submission, SubmittedAgent, SubmittedScore
+from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
-from eval.benchmark.times import COLUMNS
 from eval.kept.parts import Part, Run
-from eval.kept.tables import read_table
+from jawenv import versions
 from jawenv.controls import mode_of
 from jawenv.errors import InputError, shown
+from jawenv.reading import read_text
 
 _ROUNDING = 1e-9
+CANNOT_KNOW = (
+    "whether an agent was made for these patients, whose seeds are public",
+    "whether a module reads or changes files and other processes of this machine, whose rights it has",
+    "who made the submission, when, and on what: command, commit and machine are what it says",
+)
+"""What no check finds."""
 
 
 @dataclass(frozen=True)
@@ -33,44 +41,61 @@ class Checked:
         played: how many episodes were played again.
         equal: how many of them have the same score to the digit.
         faults: what does not reproduce, a line each; none if all does.
+        given: patients of each score; 0 where nothing was played.
+        exact: whether every column was compared to the bit, on the platform that made them.
     """
 
     played: int
     equal: int
     faults: tuple[str, ...]
+    given: int = 0
+    exact: bool = False
 
 
-def check(
-    folder: Path, patients: int | None = None, seed: int = 0, run: Run | None = None, *, trust: bool = False
-) -> Checked:
+def check(folder: Path, patients: int | None = None, run: Run | None = None, *, trust: bool = False) -> Checked:
     """Play a submission again.
 
-    A patient reproduces if the score is the same but for one control step: another processor rounds otherwise.
+    On the platform that made it every column is compared to the bit. On another one, which rounds otherwise, times
+    may differ by a control step and other columns by a tenth, unless the differences lean one way.
 
     Args:
         folder: of the submission.
-        patients: of each task and agent so many at least, drawn in whole parts; all by default.
-        seed: of the draw.
+        patients: of each task and agent so many, drawn by entropy of this machine's; with each the part is played in
+            which it lies. All by default.
         run: how it is played.
-        trust: whether modules that the submission names may be imported, and checkpoints unpickled.
+        trust: whether modules that the submission names may be run, and checkpoints unpickled.
 
     Raises:
         InputError: a file is missing or damaged, is of other tasks, or needs trust.
     """
     given = submission.read(folder)
-    rows = read_table(folder / PATIENTS, ("task", "agent", *COLUMNS), "get the submission again")[0]
+    rows = read_patients(folder / PATIENTS, given.made_with)
     faults = [*_of_agents(given, folder, trust), *_of_figures(given, rows)]
+    if not faults and read_text(folder / PAGE) != tables.markdown(rows, given.made_with):
+        faults = [f"{PAGE}: is not the page of these patients"]
     if faults:
         return Checked(0, 0, tuple(faults))
     cells = [_cell(score, given, folder, trust) for score in given.scores]
+    faults, steps = _of_entries(cells, given)
+    if faults:
+        return Checked(0, 0, tuple(faults))
     with TemporaryDirectory() as place:
-        draw = np.random.default_rng(seed)
+        draw = np.random.default_rng()
         parts: list[tuple[Cell, Part]] = []
         for cell, score in zip(cells, given.scores, strict=True):
             every = parts_of_cell(cell, Path(place), score.patients)
             parts += [(cell, part) for part in drawn(every, patients, draw)]
         again = play_parts(parts, run)
-    return _compared(rows, again, cells)
+    exact = _platform(given.made_with) == _platform(versions.made_with())
+    faults = differences.faults_of(rows, again, None if exact else steps)
+    both = again.merge(rows, on=differences.KEYS, suffixes=("", "_given"))
+    equal = int((both["score_s"] == both["score_s_given"]).sum())
+    return Checked(len(again), equal, tuple(faults), given.scores[0].patients, exact)
+
+
+def _platform(made_with: Mapping[str, Any]) -> list[Any]:
+    machine = made_with["machine"]
+    return [machine["processor"], machine["system"], made_with["versions"]]
 
 
 def _of_agents(given: Submission, folder: Path, trust: bool) -> list[str]:
@@ -95,7 +120,8 @@ def _of_figures(given: Submission, rows: pd.DataFrame) -> list[str]:
     """Scores that do not follow from the patients' rows."""
     cells = by_cell(rows)
     named = {(score.task, score.agent) for score in given.scores}
-    faults = [f"{task}, {agent}: patients without a score" for task, agent in cells if (task, agent) not in named]
+    played = dict.fromkeys(zip(map(str, rows["task"]), map(str, rows["agent"]), strict=True))
+    faults = [f"{task}, {agent}: patients without a score" for task, agent in played if (task, agent) not in named]
     for score in given.scores:
         cell = cells.get((score.task, score.agent))
         if cell is None:
@@ -110,6 +136,9 @@ def _of_figures(given: Submission, rows: pd.DataFrame) -> list[str]:
                 f"{score.task}, {score.agent}: the score is {score.score_s:.4g} s of {score.patients} patients, "
                 f"the table gives {made.score_s:.4g} s of {made.patients}"
             )
+    numbers = sorted({score.patients for score in given.scores})
+    if len(numbers) > 1 or numbers[0] == 1:
+        faults.append(f"scores of {numbers[0]} to {numbers[-1]} patients; allowed: as many for each, 2 at least")
     return faults
 
 
@@ -117,6 +146,20 @@ def _same(one: SubmittedScore, other: SubmittedScore) -> bool:
     figures = [[score.score_s, score.low_s, score.high_s] for score in (one, other)]
     mine, theirs = (np.array([np.nan if value is None else value for value in each]) for each in figures)
     return one.patients == other.patients and bool(np.allclose(mine, theirs, rtol=_ROUNDING, atol=0.0, equal_nan=True))
+
+
+def _of_entries(cells: Sequence[Cell], given: Submission) -> tuple[list[str], dict[tuple[str, str], float]]:
+    """Labels and notes that are not those of the agents; and the control step, s, by task and agent."""
+    specs = {each.agent: each.spec for each in given.agents}
+    faults, steps = [], {}
+    for cell in cells:
+        entry = cell.load()
+        steps[cell.task.id, cell.agent] = 1.0 / mode_of(entry.env_kwargs).steps_per_s
+        if cell.agent not in (entry.label, f"{entry.label} ({specs[cell.agent]})"):
+            faults.append(f"{cell.agent}: is the label of what calls itself {entry.label}")
+        if cell.note != entry.note:
+            faults.append(f"{cell.name}: the note is {shown(cell.note)}, the agent gives {shown(entry.note)}")
+    return faults, steps
 
 
 def _cell(score: SubmittedScore, given: Submission, folder: Path, trust: bool) -> Cell:
@@ -129,31 +172,9 @@ def _spec(agent: SubmittedAgent, folder: Path) -> str:
 
 
 def drawn(parts: Sequence[Part], patients: int | None, draw: np.random.Generator) -> list[Part]:
-    """Parts that have so many patients at least; all of them where none are asked for."""
+    """The parts in which so many drawn patients lie; all of them where none are asked for."""
     if patients is None:
         return list(parts)
-    number = min(-(-patients // PATIENTS_IN_A_PART), len(parts))
-    return [parts[place] for place in sorted(draw.choice(len(parts), number, replace=False))]
-
-
-def _compared(rows: pd.DataFrame, again: pd.DataFrame, cells: Sequence[Cell]) -> Checked:
-    """Rows of the submission beside those that were played again."""
-    keys = ["task", "agent", "seed"]
-    both = again[[*keys, "score_s"]].merge(rows[[*keys, "score_s"]], on=keys, suffixes=("", "_given"), validate="1:1")
-    steps = _steps(cells)
-    apart = (both["score_s"] - both["score_s_given"]).abs()
-    allowed = pd.Series([steps[task, agent] for task, agent in zip(both["task"], both["agent"], strict=True)])
-    wrong = both[(apart > allowed + _ROUNDING).to_numpy()]
-    faults = []
-    for (task, agent), cell in wrong.groupby(["task", "agent"], sort=False):
-        one = cell.iloc[0]
-        faults.append(
-            f"{task}, {agent}: {len(cell)} patients differ, as seed {one['seed']}: "
-            f"{one['score_s_given']:.4g} s given, {one['score_s']:.4g} s played"
-        )
-    return Checked(len(both), int((apart <= _ROUNDING).sum()), tuple(faults))
-
-
-def _steps(cells: Sequence[Cell]) -> Mapping[tuple[str, str], float]:
-    """Length of a control step, s, by task and agent."""
-    return {(cell.task.id, cell.agent): 1.0 / mode_of(cell.load().env_kwargs).steps_per_s for cell in cells}
+    places = len(parts) * PATIENTS_IN_A_PART
+    found = draw.choice(places, min(patients, places), replace=False) // PATIENTS_IN_A_PART
+    return [parts[place] for place in np.unique(found)]

@@ -14,6 +14,21 @@ from jawenv.errors import InputError
 if TYPE_CHECKING:
     from eval.kept.parts import Run
 
+TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
+BASELINES = (
+    "random",
+    "slow_opening",
+    "opening_with_swings_and_fore_aft",
+    "designed",
+    "refined",
+    "refined_imaged",
+    "ppo_trismus",
+    "ppo_one_sided",
+    "distilled_one_sided",
+    "ppo_force",
+    "ppo_imaged",
+)
+
 
 def benchmark_command(
     agents: Annotated[
@@ -29,10 +44,14 @@ def benchmark_command(
     patients: Annotated[
         int | None,
         typer.Option(
-            help="The first of every task, to try it out; with --check so many, drawn in tens.", metavar="N", min=1
+            help="The first of every task, to try it out; with --check so many of every score, drawn.",
+            metavar="N",
+            min=1,
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of that draw.", metavar="N", min=0)] = 0,
+    baselines: Annotated[
+        bool, typer.Option("--baselines", help="Play what comes with jawenv, and renew docs/tables/benchmark.md.")
+    ] = False,
     output: options.Output = Path("runs/benchmark"),
     fresh: options.Fresh = False,
     workers: Annotated[int | None, typer.Option(help="Processes; all cores by default.", metavar="N", min=1)] = None,
@@ -53,8 +72,10 @@ def benchmark_command(
             print(f"{task.id:20s} {task.description}")
     elif check is not None:
         if agents or tasks is not None:
-            raise InputError("--check: plays what the submission names; allowed beside it: --patients, --seed")
-        _check(check, patients, seed, run, trust)
+            raise InputError("--check: plays what the submission names; allowed beside it: --patients, --trust")
+        _check(check, patients, run, trust)
+    elif baselines:
+        _play_baselines(agents or [], wanted, patients, output, run)
     else:
         _play(agents or [], wanted, patients, output, run, trust)
 
@@ -83,11 +104,49 @@ def _play(
     console.print(f"tables:     {output / submission.PAGE}\nsubmission: {output / submission.FILE}", soft_wrap=True)
 
 
-def _check(folder: Path, patients: int | None, seed: int, run: Run, trust: bool) -> None:
-    from eval.benchmark.check import check
+def _play_baselines(agents: list[str], wanted: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
+    """All patients of all tasks, at a commit without changes."""
+    from eval.benchmark.submission import PAGE
+    from jawenv.files import write_text
+    from jawenv.reading import read_text
+    from jawenv.versions import made_with
 
-    found = check(folder, patients, seed, run, trust=trust)
+    if agents or wanted is not None or patients is not None:
+        raise InputError(
+            "--baselines: plays every task of all patients; allowed beside it: --output, --workers, --fresh"
+        )
+    git = made_with()["git"]
+    if git is None or git["changed"]:
+        raise InputError("--baselines: files differ from the commit; allowed: a clone without changes")
+    _play(list(BASELINES), None, None, output, run, False)
+    write_text(TABLE, read_text(output / PAGE))
+
+
+def _check(folder: Path, patients: int | None, run: Run, trust: bool) -> None:
+    from eval.benchmark.check import CANNOT_KNOW, check
+    from eval.benchmark.differences import LARGEST_SHARE
+    from eval.benchmark.tasks import TASKS
+
+    found = check(folder, patients, run, trust=trust)
     if found.faults:
         more = f" (and {len(found.faults) - 1} more)" if len(found.faults) > 1 else ""
         raise InputError(f"{folder} does not reproduce: {found.faults[0]}{more}")
     print(f"{folder} reproduces: {found.played} episodes played again, {found.equal} with the same score to the digit")
+    how = "to the bit" if found.exact else f"within a control step and {100 * LARGEST_SHARE:g} %, on another platform"
+    print(f"compared: every column, {how}")
+    whole = min(task.patients for task in TASKS.values())
+    trial = "" if found.given >= whole else f"the first {found.given} of {whole}, which is no whole submission; "
+    print(f"patients: {trial}{_drawn(patients, found.given)}")
+    for line in CANNOT_KNOW:
+        print(f"not known: {line}")
+
+
+def _drawn(patients: int | None, given: int) -> str:
+    """How surely a check finds patients that were forged."""
+    if patients is None or patients >= given:
+        return "all were played"
+    from scipy.stats import hypergeom
+
+    forged = -(-given // 10)
+    missed = 100 * hypergeom(given, forged, patients).pmf(0)
+    return f"{patients} were drawn: {forged} forged ones of a score stay unseen with a chance of {missed:.2g} % at most"

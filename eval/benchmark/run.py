@@ -9,11 +9,13 @@ from pathlib import Path
 
 import pandas as pd
 
+from agents.registry import world_of
 from eval.benchmark import times
+from eval.benchmark.agent_process import load_apart
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.benchmark.times import COLUMNS, rows_of
 from eval.comparison import results
-from eval.entries import Entry, env_of_run, fits, load_entries
+from eval.entries import Entry, fits, load_entries
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
@@ -47,7 +49,7 @@ class Cell:
     def load(self) -> Entry:
         """The agent, ready to be played."""
         settings = self.task.settings()
-        return load_entries([self.spec], settings.world, trust=self.trust)[0]
+        return load_entries([self.spec], settings.world, trust=self.trust, load=load_apart)[0]
 
 
 def cells_of(specs: Sequence[str], tasks: Sequence[Task], *, trust: bool = False) -> tuple[Cell, ...]:
@@ -73,10 +75,10 @@ def cells_of(specs: Sequence[str], tasks: Sequence[Task], *, trust: bool = False
 
 
 def _cells_of_one(spec: str, tasks: Sequence[Task], trust: bool) -> list[Cell]:
-    trained_in = env_of_run(spec)
-    fitting = [task for task in tasks if trained_in is None or fits(trained_in.id, task.settings().env)]
+    trained_in = world_of(spec)
+    fitting = [task for task in tasks if trained_in is None or fits(trained_in.env_id, task.settings().world.env_id)]
     if trained_in is not None and not fitting:
-        raise InputError(f"{spec} was trained in {trained_in.id}, where none of these tasks is played")
+        raise InputError(f"{spec} was trained in {trained_in.env_id}, where none of these tasks is played")
     cells = []
     for task in fitting:
         cell = Cell(task, "", spec, trust=trust)

@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Self
 
 import pandas as pd
-from pydantic import Field, JsonValue, model_validator
+from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from agents import registry
 from agents.card import policy_names
@@ -37,7 +37,40 @@ from jawenv.playing.maneuvers import Maneuver
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
-Text = Annotated[str, Field(min_length=1)]
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("must be one line of printable characters")
+    return text
+
+
+Text = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_printable)]
+
+
+class _MadeWith(InputModel):
+    command: Text
+    versions: dict[Text, Text]
+    git: dict[str, Text | bool] | None
+    machine: dict[str, Text | int | None]
+    finished: Text
+
+    @model_validator(mode="after")
+    def _has_all(self) -> Self:
+        for field, names in (("versions", ("jawenv",)), ("git", ("commit", "changed")), ("machine", _MACHINE)):
+            held = getattr(self, field)
+            missing = [name for name in names if held is not None and name not in held]
+            if missing:
+                raise ValueError(f"{field}: lacks '{missing[0]}'")
+        return self
+
+
+_MACHINE = ("processor", "cores", "system")
+
+
+def _made(content: dict[str, Any]) -> dict[str, Any]:
+    _MadeWith.model_validate(content)
+    return content
 
 
 class SubmittedAgent(InputModel):
@@ -75,7 +108,7 @@ class SubmittedScore(InputModel):
     score_s: Number
     low_s: Number | None
     high_s: Number | None
-    note: str = ""
+    note: Annotated[str, AfterValidator(_printable)] = ""
 
 
 class Submission(InputModel):
@@ -93,7 +126,7 @@ class Submission(InputModel):
     tasks_digest: Text
     agents: Annotated[tuple[SubmittedAgent, ...], Field(min_length=1)]
     scores: Annotated[tuple[SubmittedScore, ...], Field(min_length=1)]
-    made_with: dict[str, JsonValue]
+    made_with: Annotated[dict[str, JsonValue], AfterValidator(_made)]
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -244,5 +277,6 @@ def _check_origin(agent: SubmittedAgent, file: Path) -> None:
             raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
         return
     copy_at = PurePosixPath(agent.copy_at)
-    if copy_at.is_absolute() or ".." in copy_at.parts or "\\" in agent.copy_at or copy_at.parts[0] != AGENTS:
+    inside = (file.parent / copy_at).resolve().is_relative_to((file.parent / AGENTS).resolve())
+    if copy_at.parts[:1] != (AGENTS,) or ".." in copy_at.parts or "\\" in agent.copy_at or not inside:
         raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}, allowed is a path within {AGENTS}/")

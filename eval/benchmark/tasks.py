@@ -67,16 +67,9 @@ class Task:
         Args:
             patients: the first ones only; all by default.
         """
-        return Settings(
-            patients or self.patients,
-            self.cohort,
-            self.first_seed,
-            self.control,
-            episode_s=self.episode_s,
-            env=self.env,
-            device=dict(self.device),
-            knowledge=self.known_within,
-        )
+        world = {"env": self.env, "cohort": self.cohort, "control": self.control, "episode_s": self.episode_s}
+        within = {"device": dict(self.device), "knowledge": self.known_within}
+        return Settings.of(patients or self.patients, self.first_seed, **world, **within)
 
     def frozen(self) -> dict[str, Any]:
         """All that makes the task, with the numbers behind the names; no words, no effects that are off."""

@@ -7,6 +7,7 @@ from functools import cache
 
 import pandas as pd
 
+from jawenv.envs.configuration import Configuration
 from jawenv.inference.information_gain import InformationGain, information_gain
 from jawenv.inference.patient_law import PatientLaw
 from jawenv.playing.recording import Recording
@@ -16,9 +17,9 @@ COLUMNS = ("seed", *FIGURES, "claimed", "ended")
 
 
 @cache
-def law_of(cohort: str, env_id: str) -> PatientLaw:
+def law_of(world: Configuration) -> PatientLaw:
     """The prior, once for all parts of a process."""
-    return PatientLaw.of(cohort, env_id=env_id)
+    return PatientLaw.of(world.build_cohort(), env_id=world.env_id)
 
 
 def rows_of(recording: Recording, law: PatientLaw, seed: int, contrasts: int) -> pd.DataFrame:

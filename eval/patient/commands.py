@@ -110,9 +110,10 @@ def diagnose_command(
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)
+    asked = settings.world
     lead = (
-        f"`{typed()}`: {patients} patients of the cohort {words.label(settings.world.build_cohort().name)}, seeds {seed} to "
-        f"{seed + patients - 1}, {settings.world.episode_s:g} s, {settings.world.control} control."
+        f"`{typed()}`: {patients} patients of the cohort {words.label(asked.build_cohort().name)}, seeds {seed} to "
+        f"{seed + patients - 1}, {asked.episode_s:g} s, {asked.control} control."
     )
     write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
     accuracy.show(table, console)

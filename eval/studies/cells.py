@@ -12,9 +12,8 @@ from eval.entries import Entry, load_entries
 from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from eval.studies.design import Choice, Design, Environment, Pair
-from jawenv.envs.configuration import configure
+from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
-from jawenv.ladder import model_of_env
 
 FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
 """What tells cells apart, in the order of the columns."""
@@ -123,7 +122,6 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
     for cohort_name, control, sensors, force_sensor, reality, hz in settings:
         fields: dict[str, Any] = {
             "cohort": cohort_name,
-            "seed": design.seed,
             "control": control,
             "sensors": sensors,
             "force_sensor": force_sensor,
@@ -133,14 +131,14 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
             "estimator": environment.estimator,
             "control_hz": hz,
         }
-        checked = configure({**Settings(**fields).env_kwargs, "model": model_of_env(environment.env).name})
+        world = Configuration.from_mapping(fields)
         labels: dict[str, str] = {}
         for choice in design.entries:
             if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
                 number = min(choice.patients or design.patients, design.patients)
-                asked = Settings(patients=number, **fields)
+                asked = Settings(world, number, design.seed)
                 entry = _checked(choice, asked, labels, trust)
-                place = environment.name, cohort_name, control, sensors, force_sensor, reality, checked.steps_per_s
+                place = environment.name, cohort_name, control, sensors, force_sensor, reality, world.steps_per_s
                 yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
 
 
@@ -151,10 +149,11 @@ def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: boo
         InputError: it plays other settings than those asked for, or has the label of another entry.
     """
     entry = load_entries([choice.agent], asked.world, trust=trust)[0]
-    if entry.env_kwargs != asked.env_kwargs:
+    if entry.world != asked.world:
         raise InputError(
-            f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.control}, sensors "
-            f"{asked.sensors}; allowed: what it was trained with, also as {{agent: {choice.agent}, controls: [...]}}"
+            f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.world.control}, sensors "
+            f"{asked.world.sensors}; allowed: what it was trained with, also as "
+            f"{{agent: {choice.agent}, controls: [...]}}"
         )
     if entry.label in labels:
         raise InputError(

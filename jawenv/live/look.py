@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from jawenv.live.keys import script_html
 
+TITLE = "jawenv live"
+NOTICE = "Simulated, for research, not a medical device."
+NOTICE_HTML = f"""
+<p id='notice' style='position:fixed; z-index:9; top:0; left:50%; transform:translateX(-50%); pointer-events:none;
+  margin:0; padding:1px 10px; border-radius:0 0 8px 8px; background:var(--live-card, #fff);
+  color:var(--live-soft, #5b636e); white-space:nowrap; font:12px/1.5 system-ui,sans-serif'>{NOTICE}</p>
+"""
 DARK_DIGIT = 9
 """The hotkey by which a browser tells that its reader prefers dark pages; with shift, light ones."""
 
@@ -16,6 +23,7 @@ STYLE = """
   --live-line: #3d4147; --live-track: #4a4e55; --live-remark: #f0b45c; --live-accent: #86bfe4; }
 p > label { color: var(--live-soft); }
 .mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
+@media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }
 @media (max-width: 36em) {
   [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }
   [style*='width: 20em'] div[style='width: 20em;'] { width: 100% !important; }

@@ -20,7 +20,7 @@ class Cell:
         driver: who drives at first: ``you`` or a maneuver.
         folder: where drives are saved.
         height: of the cell, pixels.
-        **settings: of the patient and the episode, as those of `jawenv.live.setup.Setup`.
+        **settings: `seed`, `env` and arguments of the environment, as those of `jawenv.live.setup.Setup.of`.
 
     Attributes:
         page: what is shown; its ``session`` holds the environment.
@@ -33,7 +33,7 @@ class Cell:
     def __init__(
         self, driver: str = BY_HAND, folder: Path | str = "runs/live", height: int = 700, **settings: Any
     ) -> None:
-        setup = Setup(**settings)
+        setup = Setup.of(**settings)
         self._height = height
         self._open = contextlib.ExitStack()
         server = self._open.enter_context(serving(0))

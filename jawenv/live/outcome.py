@@ -68,15 +68,18 @@ def outcomes_of_rivals(
     Raises:
         InputError: an agent refuses the setup.
     """
-    able = dict(agents or {}) if takes_targets(setup.control) else {}
-    players = [Player(Maneuver.named(name), control=setup.control, control_hz=setup.control_hz) for name in names]
+    able = dict(agents or {}) if takes_targets(setup.world.control) else {}
+    control, hz = setup.world.control, setup.world.steps_per_s
+    players = [Player(Maneuver.named(name), control=control, control_hz=hz) for name in names]
     of_agents = [_played(setup, name, agent, None) for name, agent in able.items()]
-    return of_agents + [_played(setup, player.name, player, setup.control_hz) for player in players]
+    return of_agents + [_played(setup, player.name, player, setup.world.steps_per_s) for player in players]
 
 
 def _played(setup: Setup, name: str, player: Agent, control_hz: float | None) -> Outcome:
-    kwargs = setup.env_kwargs | {"track_bound": False, "record": False, "control_hz": control_hz}
-    reached = score(play(player, patients=1, seed=setup.seed, env_kwargs=kwargs, env_id=setup.env_id), targets=KNOWN)
+    kwargs = setup.world.arguments | {"track_bound": False, "record": False, "control_hz": control_hz}
+    reached = score(
+        play(player, patients=1, seed=setup.seed, env_kwargs=kwargs, env_id=setup.world.env_id), targets=KNOWN
+    )
     return Outcome(
         name,
         (float(reached.time_to_s[KNOWN[0]][0]), float(reached.time_to_s[KNOWN[1]][0])),

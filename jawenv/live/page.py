@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
 from jawenv.anatomy import COHORTS
+from jawenv.anatomy.knowledge import LEVELS
 from jawenv.controls import CONTROLS
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError
@@ -20,15 +22,18 @@ from jawenv.ladder import MODELS
 from jawenv.live import panels
 from jawenv.live.keys import Keys, keys_html, moved
 from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.saving import Saves
 from jawenv.live.session import BY_HAND, Session
-from jawenv.live.setup import LONGEST_S, SHORTEST_S, Known, Setup
+from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.protocol import Agent, Array
+from jawenv.playing.rollout import LARGEST_SEED
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 _NOBODY = "nobody"
+_MOST_WISHES = 100  # between two steps; more are dropped
 _BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
 _AGAIN = "Again: the same patient once more. Patient and model: another one."
 
@@ -57,8 +62,8 @@ class Page:
         driver: str = BY_HAND,
         agents: Mapping[str, Agent] | None = None,
     ) -> None:
-        self._folder = folder
-        self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._saves = Saves(folder)
+        self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WISHES)
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
         self.steps = 0
@@ -73,7 +78,15 @@ class Page:
         self._show()
 
     def run(self) -> None:
-        """Drive in real time until ``stop``."""
+        """Drive in real time until ``stop``; what was driven is saved where an error ends it."""
+        try:
+            self._run()
+        except Exception:
+            with contextlib.suppress(InputError):  # nothing was driven, or it cannot be written
+                self._saves.save(self.session)
+            raise
+
+    def _run(self) -> None:
         due = time.perf_counter()
         while not self._stopped.is_set():
             while not self._wishes.empty():
@@ -90,7 +103,7 @@ class Page:
     @property
     def period_s(self) -> float:
         """Time from one step to the next, s."""
-        return 1.0 / self.session.setup.control_hz
+        return 1.0 / self.session.setup.world.steps_per_s
 
     def _wait(self) -> None:
         """Let no time pass before somebody moves, or sees a maneuver move."""
@@ -145,10 +158,11 @@ class Page:
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
 
     def _saved(self) -> list[str]:
-        return [str(path) for path in self.session.save(self._folder)]
+        return [str(path) for path in self._saves.save(self.session)]
 
     def _begin(self) -> None:
         """The same patient again."""
+        self._saves.begin()
         self._score.content = ""
         self._paused = False
         self._keys.take()
@@ -162,7 +176,9 @@ class Page:
     def _change(self) -> None:
         """Another patient, model, control or knowledge."""
         values = {name: handle.value for name, handle in self._choices.items()}
-        setup = replace(self.session.setup, **(values | {"seed": int(values["seed"])}))
+        seed = int(values.pop("seed"))
+        known = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._levels[values["knowledge"]]}
+        setup = Setup(replace(self.session.setup.world, **(values | known)), seed)
         self._say("making the environment: the first of a model compiles for up to a minute")
         session = Session(setup, self.session.agents)
         session.hand_over(self._driver.value)
@@ -231,7 +247,8 @@ class Page:
 
         def leave(event: Any) -> None:
             if event.client is not None:
-                self._wishes.put(wish)
+                with contextlib.suppress(queue.Full):
+                    self._wishes.put_nowait(wish)
 
         return leave
 
@@ -269,15 +286,18 @@ class Page:
             self._driver.value = BY_HAND
 
     def _add_choices(self, gui: Any) -> None:
-        setup = self.session.setup
-        cohorts = tuple(dict.fromkeys((*COHORTS, setup.cohort)))
+        setup, world = self.session.setup, self.session.setup.world
+        cohort, known = world.build_cohort(), world.build_knowledge()
+        self._cohorts = {**COHORTS, cohort.name: cohort}
+        level = next((name for name, level in LEVELS.items() if level == known), "as given")
+        self._levels = {**LEVELS, level: known}
         with gui.add_folder("Patient and model", expand_by_default=False):
             self._choices = {
-                "seed": gui.add_number("Patient seed", setup.seed, min=0, step=1),
-                "cohort": gui.add_dropdown("Cohort", cohorts, initial_value=setup.cohort),
-                "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=setup.model),
-                "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=setup.control),
-                "knowledge": gui.add_dropdown("Knowledge", get_args(Known), initial_value=setup.knowledge),
-                "episode_s": gui.add_number("Episode, s", setup.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5),
+                "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),
+                "cohort": gui.add_dropdown("Cohort", tuple(self._cohorts), initial_value=cohort.name),
+                "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=world.model),
+                "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=world.control),
+                "knowledge": gui.add_dropdown("Knowledge", tuple(self._levels), initial_value=level),
+                "episode_s": gui.add_number("Episode, s", world.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5),
             }
             gui.add_button("New episode").on_click(self._wish(self._change))

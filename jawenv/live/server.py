@@ -1,4 +1,4 @@
-"""A viser server of this machine alone, or one line that says why there is none."""
+"""A viser server for browsers of this machine alone, or one line that says why there is none."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 from jawenv.checks import whole_number
 from jawenv.errors import InputError, shown
 from jawenv.extras import needs
+from jawenv.live.look import TITLE
 
 HOST = "127.0.0.1"
 PORT = 8090
@@ -33,9 +34,13 @@ def serving(port: int = PORT) -> Iterator[Any]:
         raise InputError(f"port: {shown(port)} given, allowed is a whole number, 0 to {LARGEST_PORT}")
     with needs("jawenv live", "viser", "live"):
         import viser
+    from jawenv.live.admission import Admission
+
     _check_free(number)
-    with contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
-        server: Any = viser.ViserServer(host=HOST, port=number, label="jawenv live", verbose=False)
+    admission = Admission(HOST)
+    with admission.installed(), contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
+        server: Any = viser.ViserServer(host=HOST, port=number, label=TITLE, verbose=False)
+    admission.gui = server.gui
     try:
         if number and server.get_port() != number:  # viser takes the next one when it is too late
             raise _taken(number)

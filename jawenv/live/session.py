@@ -72,15 +72,15 @@ class Session:
 
     def __init__(self, setup: Setup, agents: Mapping[str, Agent] | None = None) -> None:
         self.setup, self.agents = setup, dict(agents or {})
-        made: Any = gym.make(setup.env_id, disable_env_checker=True, **setup.env_kwargs)
+        made: Any = gym.make(setup.world.env_id, disable_env_checker=True, **setup.world.arguments)
         self._env = made.unwrapped
-        self.steering = Steering(setup.control, setup.control_hz)
+        self.steering = Steering(setup.world.control, setup.world.steps_per_s)
         self.begin()
 
     def begin(self) -> Shown:
         """Start the episode anew: the same patient with the same noise, at rest."""
         driver = self.steering.driver
-        self.steering = Steering(self.setup.control, self.setup.control_hz)
+        self.steering = Steering(self.setup.world.control, self.setup.world.steps_per_s)
         self.steering.driver = driver
         if isinstance(driver, Deciding):
             driver.begin()
@@ -114,9 +114,9 @@ class Session:
             self.steering.driver = Maneuver.load(name) if Path(name).suffix else Maneuver.named(name)
 
     def _deciding(self, name: str) -> Deciding:
-        if not takes_targets(self.setup.control):
-            raise InputError(f"control: {self.setup.control} given; allowed where {name} drives: targets")
-        deciding = Deciding(name, self.agents[name], self.setup.control_hz)
+        if not takes_targets(self.setup.world.control):
+            raise InputError(f"control: {self.setup.world.control} given; allowed where {name} drives: targets")
+        deciding = Deciding(name, self.agents[name], self.setup.world.steps_per_s)
         deciding.try_out(self._observation)
         return deciding
 
@@ -150,10 +150,10 @@ class Session:
             return self.shown()
         action, _ = self.steering.predict(self._observation, episode_start=np.array([not self._times]))
         self._observation, _, terminated, truncated, info = self._env.step(action)
-        self._times.append((len(self._times) + 1) / self.setup.control_hz)
+        self._times.append((len(self._times) + 1) / self.setup.world.steps_per_s)
         self._targets.append(np.clip(self.steering.asked, *_LIMITS))
         self._note_sd(info)
-        self._discomfort_s += info["cost"] / self.setup.control_hz
+        self._discomfort_s += info["cost"] / self.setup.world.steps_per_s
         self._violated |= bool(info["violation"])
         self._misfit = float(info["misfit"])
         self._drivers.add(self.driver)
@@ -214,11 +214,15 @@ class Session:
             raise InputError("recording: nothing was driven; allowed: one step or more")
         return record_of(self._env.simulation, 0)
 
-    def save(self, folder: Path) -> list[Path]:
-        """Write what was driven into a folder: a maneuver file and a recording.
+    def save(self, folder: Path, path: Path | None = None) -> list[Path]:
+        """Write what was driven: a maneuver file and a recording beside it.
+
+        Args:
+            folder: made where it is missing.
+            path: of the maneuver file; by default one with a number that none in the folder has.
 
         Returns:
-            The files, with a number that none in the folder has.
+            The files.
 
         Raises:
             InputError: nothing was driven, or the folder cannot be written.
@@ -228,9 +232,9 @@ class Session:
         except OSError as error:
             raise InputError(f"{folder}: cannot be made: {error.strerror or error}") from None
         number = 1
-        while (folder / f"my_drive_{number}.yaml").exists():
+        while path is None and (folder / f"my_drive_{number}.yaml").exists():
             number += 1
-        path = folder / f"my_drive_{number}.yaml"
+        path = path or folder / f"my_drive_{number}.yaml"
         write_maneuver(path, self.maneuver(path.stem))
         save_record(self.record(), path.with_suffix(".csv"))
         return [path, path.with_suffix(".csv")]

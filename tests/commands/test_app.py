@@ -81,7 +81,7 @@ def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):
 
 @pytest.mark.parametrize("knowledge", ["exact", "imaged"])
 def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
-    session = Session(Setup(seed=500, episode_s=1.0))
+    session = Session(Setup.of(seed=500, episode_s=1.0))
     session.hand_over("refined")
     while not session.ended:
         session.drive()
@@ -101,7 +101,7 @@ def test_live_drives_until_it_is_interrupted(tmp_path, capsys, monkeypatch):
 
 
 def test_live_plays_a_recording(tmp_path, capsys, monkeypatch):
-    session = Session(Setup(seed=500, episode_s=1.0))
+    session = Session(Setup.of(seed=500, episode_s=1.0))
     session.drive([0.3, 0.0, 0.0, 0.0])
     monkeypatch.setattr("jawenv.live.playback_page.PlaybackPage.run", interrupt)
     assert main(["live", str(session.save(tmp_path)[1]), "--port", "0"]) == 0

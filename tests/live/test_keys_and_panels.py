@@ -63,7 +63,7 @@ def test_every_channel_has_a_key_for_either_way_and_stays_in_its_range():
 
 @pytest.fixture(scope="module")
 def shown():
-    session = Session(Setup(seed=500, episode_s=2.0))
+    session = Session(Setup.of(seed=500, episode_s=2.0))
     return session.drive([0.3, 0.1, 0.0, 0.0])
 
 
@@ -81,7 +81,7 @@ def test_panels_say_what_is_known_and_used(shown):
     assert "saved: runs/live/my_drive_1.yaml" in score and "–" in score
 
 
-@pytest.mark.parametrize(("aspect", "moved_away"), [(0.53, True), (1.5, False)])
+@pytest.mark.parametrize(("aspect", "moved_away"), [(0.53, True), (0.6, True), (0.69, False), (1.5, False)])
 def test_a_narrow_page_looks_at_the_jaw_from_farther_whenever_it_begins_as_a_wide_one(aspect, moved_away):
     told = []
     camera = SimpleNamespace(aspect=aspect, position=(3.0, 3.0, 3.0), look_at=None, on_update=told.append)

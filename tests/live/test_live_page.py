@@ -47,6 +47,8 @@ def looking_at(server, width=700, scheme="light"):
         tab.context.close()
 
 
+CUT = """() => [...document.querySelectorAll("#status, #posterior, #comfort, #legend")]
+  .filter((card) => card.scrollWidth > card.clientWidth).map((card) => card.id)"""
 HALF_WAY = """() => {
   [window.polls, window.taps] = [0, 0];
   addEventListener("keydown", (event) => { if (event.key === "8" && !event.shiftKey) taps += 1; }, true);
@@ -67,7 +69,7 @@ def wait_until(condition, seconds=30.0):
 
 def test_a_screen_reader_is_told_what_each_slider_and_button_is(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
+        page = Page(server, Setup.of(seed=500, episode_s=600.0), tmp_path)
         with running(page), looking_at(server) as tab:
             tab.wait_for_selector("[role=slider][aria-label]:not([aria-label=''])")
             sliders = tab.locator("[role=slider]")
@@ -78,10 +80,12 @@ def test_a_screen_reader_is_told_what_each_slider_and_button_is(tmp_path):
 
 def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=600.0), tmp_path)
+        page = Page(server, Setup.of(seed=500, episode_s=600.0), tmp_path)
         with running(page), looking_at(server) as tab, looking_at(server, 480, "dark") as other:
             before = worst(tab)
             assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
+            assert tab.title() == "jawenv live" and "not a medical device" in tab.inner_text("#notice")
+            assert tab.evaluate(CUT) == other.evaluate(CUT) == []
             tab.keyboard.down("KeyS")
             wait_until(lambda: page.session.steering.hand[0] > 0.4)
             tab.keyboard.up("KeyS")
@@ -110,7 +114,7 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
 
 def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=4.0), tmp_path, driver="refined")
+        page = Page(server, Setup.of(seed=500, episode_s=4.0), tmp_path, driver="refined")
         assert page._driver.value == "refined"
         page._pause()
         with running(page), looking_at(server) as tab:
@@ -132,7 +136,7 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
 
 def test_a_recording_plays_in_the_same_view(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=1.0), tmp_path, driver="refined")
+        page = Page(server, Setup.of(seed=500, episode_s=1.0), tmp_path, driver="refined")
         while not page.session.ended:
             page.step()
     playback = Playback(load_record(tmp_path / "my_drive_1.csv"), "my_drive_1")
@@ -145,7 +149,7 @@ def test_a_recording_plays_in_the_same_view(tmp_path):
 
 def test_another_patient_and_a_refused_choice(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=2.0), tmp_path)
+        page = Page(server, Setup.of(seed=500, episode_s=2.0), tmp_path)
         page.step()
         page._choices["seed"].value = 501
         page._choices["model"].value = "sides"
@@ -161,7 +165,7 @@ def test_another_patient_and_a_refused_choice(tmp_path):
 
 def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=2.0), tmp_path)
+        page = Page(server, Setup.of(seed=500, episode_s=2.0), tmp_path)
         for _ in range(3):
             page.step()
         page._ghosts.value = "refined"
@@ -185,7 +189,7 @@ def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
 def test_a_folder_that_cannot_be_written_is_said_on_the_page(tmp_path):
     (tmp_path / "file").write_text("")
     with serving(0) as server:
-        page = Page(server, Setup(seed=500, episode_s=1.0), tmp_path / "file")
+        page = Page(server, Setup.of(seed=500, episode_s=1.0), tmp_path / "file")
         while not page.session.ended:
             page.step()
         assert "cannot be made" in page._view._status.content and "refined" in page._score.content

@@ -14,7 +14,7 @@ from jawenv.live.session import BY_HAND, Session
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import Maneuver, Player
 
-SHORT = Setup(seed=500, episode_s=3.0)
+SHORT = Setup.of(seed=500, episode_s=3.0)
 
 
 def circles(step):
@@ -43,7 +43,7 @@ def test_a_hand_makes_20_steps_a_second_and_learns(driven):
 
 @pytest.mark.parametrize("control", ["targets", "trajectory", "force"])
 def test_the_hand_opens_the_jaw_in_every_control_mode(control):
-    session = Session(Setup(seed=500, episode_s=3.0, control=control))
+    session = Session(Setup.of(seed=500, episode_s=3.0, control=control))
     for _ in range(40):
         shown = session.drive([0.5, 0.0, 0.0, 0.0])
     assert 0.3 < shown.scene.comfort["opening"] < 0.7
@@ -98,8 +98,8 @@ def test_an_agent_is_taken_over_given_back_and_refused_where_it_cannot_drive():
     session.hand_over("own")
     assert session.drive().outcome.name == "you and own"
     with pytest.raises(InputError, match="control: force given; allowed where own drives: targets"):
-        Session(Setup(seed=500, control="force"), agents).hand_over("own")
-    assert [one.name for one in outcomes_of_rivals(Setup(seed=500, episode_s=1.0, control="force"), agents)] == [
+        Session(Setup.of(seed=500, control="force"), agents).hand_over("own")
+    assert [one.name for one in outcomes_of_rivals(Setup.of(seed=500, episode_s=1.0, control="force"), agents)] == [
         "refined",
         "slow_opening",
     ]
@@ -139,7 +139,7 @@ def test_the_same_patient_begins_again(driven):
 
 @pytest.mark.parametrize(("knowledge", "force_sensor"), [("imaged", "cell"), ("exact", "straps")])
 def test_the_recording_of_a_drive_says_what_was_known(tmp_path, knowledge, force_sensor):
-    session = Session(Setup(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
+    session = Session(Setup.of(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
     session.drive([0.4, 0.0, 0.0, 0.0])
     paths = session.save(tmp_path)
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
@@ -180,7 +180,7 @@ def test_targets_out_of_range_are_refused(driven, targets, message):
 )
 def test_a_setup_says_what_is_wrong(settings, message):
     with pytest.raises(InputError, match=message):
-        Setup(**settings)
+        Setup.of(**settings)
 
 
 def test_nothing_driven_is_nothing_to_save(tmp_path):

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 import yaml
 from rich.console import Console
 
+from jawenv.commands.options import takes_world
 from jawenv.errors import InputError
 from jawenv.files import read_model, validate, write_text
 from jawenv.locks import alone
 from jawenv.progress import Progress
-from training.options import Cohort, Config, Output, Overwrite, ResidualOn, Reward, Seed, configured
+from training.options import Config, Output, Overwrite, ResidualOn, Reward, Seed, configured
 from training.search.session import INTERRUPTED, quiet_console, until_stopped
 
 if TYPE_CHECKING:
@@ -22,11 +23,12 @@ if TYPE_CHECKING:
     from training.search.distill import Distillation
 
 
+@takes_world()
 def distill(
+    world: dict[str, Any],
     config: Config = "distilled",
     planner: Annotated[str, typer.Option(metavar="NAME", help="Whose decisions are learnt.")] = "receding_horizon",
     residual_on: ResidualOn = None,
-    cohort: Cohort = None,
     reward: Reward = None,
     rounds: Annotated[int, typer.Option(metavar="N", help="How often labels are gathered.")] = 8,
     patients: Annotated[int, typer.Option(metavar="N", help="New patients in each round.")] = 12,
@@ -43,8 +45,8 @@ def distill(
     from training.run.folder import RunFolder
     from training.search.distill import Distillation, check_distillable
 
-    wanted, stem = configured(config, None, residual_on)
-    wanted = wanted.changed(seed=seed).with_env_kwargs(cohort=cohort, reward=reward)
+    wanted, stem = configured(config, world.pop("env", None), residual_on)
+    wanted = wanted.changed(seed=seed).with_env_kwargs(**world, reward=reward)
     check_distillable(wanted)
     given = {"planner": planner, "rounds": rounds, "patients": patients}
     settings = validate(Distillation, given, "command line")
