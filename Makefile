@@ -8,6 +8,7 @@ STUDIES := agents headline imaged robustness sensors force_sensors rates ladder 
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $(DEMO)
 
+comma := ,
 export PYTHON
 # Compiled sources are kept in .venv and here: without them each of the many processes starts three times as slowly.
 unexport PYTHONDONTWRITEBYTECODE
@@ -32,11 +33,12 @@ notebooks: ## open the notebooks in JupyterLab
 	@.ci/setup train eval notebooks
 	$(BIN)/jupyter lab eval/notebooks
 
-docs: ## run notebooks, examples and films, and build the site: runs/site/index.html
+docs: ## run notebooks and examples, and build the site: runs/site/index.html; FILMS=1 films the maneuvers too
 	@.ci/setup train eval docs
+	@echo "the first time takes about 5 minutes on two quiet cores$(if $(FILMS),$(comma) and 10 more for the films)"
 	$(BIN)/python docs/site/notebook_pages.py
 	$(BIN)/python docs/site/example_pages.py
-	$(BIN)/python docs/site/gallery.py
+	$(if $(FILMS),$(BIN)/python docs/site/gallery.py)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables

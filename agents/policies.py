@@ -166,4 +166,20 @@ def _checkpoint(path: Path) -> Path:
     elif not path.exists():
         raise InputError(f"{path}: no such file or folder")
     check_checkpoint(path)
+    _refuse_normalised(path)
     return path
+
+
+def _refuse_normalised(checkpoint: Path) -> None:
+    """A policy that was trained behind stable-baselines3's `VecNormalize` would be played on what it has never seen.
+
+    Raises:
+        InputError: its statistics lie beside the checkpoint, or in a folder there.
+    """
+    folder = checkpoint.parent
+    statistics = [file for pattern in ("*normalize*.pkl", "*/*normalize*.pkl") for file in folder.glob(pattern)]
+    if statistics:
+        raise InputError(
+            f"{checkpoint}: its observations were normalised (by {statistics[0].relative_to(folder)}), which is not "
+            "applied; allowed: a policy without VecNormalize, or an agent of your own that normalises first"
+        )

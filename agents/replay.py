@@ -19,7 +19,7 @@ from agents.controller import ControlledAgent
 from agents.following import TargetsLaw
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, printable, shown
 from jawenv.files import write_text
 from jawenv.playing.agents import BatchAgent, Listener
 from jawenv.playing.maneuvers import Maneuver
@@ -28,6 +28,7 @@ from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, Sta
 from jawenv.playing.rollout import DEFAULT_ENV, play
 
 FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target
+LONGEST_NAME = 200  # characters
 DIGITS = 5
 STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
 
@@ -82,7 +83,9 @@ class Replay(BatchAgent):
             raise InputError(f"{path}: actions have shape {actions.shape}; allowed: (N, T, 4), each in [-1, 1]")
         if hz.shape != () or hz.dtype.kind not in "iuf" or not 0.0 < hz < np.inf:
             raise InputError(f"{path}: decision_hz is {shown(hz.tolist())}; allowed: a positive number")
-        return cls(str(name), actions.astype(np.float64), float(hz))
+        if name.shape != () or name.dtype.kind != "U" or not 0 < name.dtype.itemsize // 4 <= LONGEST_NAME:
+            raise InputError(f"{path}: name is of type {name.dtype}; allowed: text of 1 to {LONGEST_NAME} characters")
+        return cls(printable(str(name)), actions.astype(np.float64), float(hz))
 
     def save(self, path: Path) -> None:
         """Write all (.npz), wholly or not at all."""

@@ -17,7 +17,7 @@ from eval.information.commands import information_command
 from eval.live import live_command
 from eval.patient.commands import diagnose_command, patient_command
 from eval.terminal import terminal, typed
-from jawenv.commands.running import Commands, run
+from jawenv.commands.running import command_line, run
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.seeds import REPORTS
@@ -26,18 +26,7 @@ INTERRUPTED = 130
 QUICK_DRAWS = 4
 MOST_FILMED = 2
 
-app = typer.Typer(
-    cls=Commands,
-    name="python -m eval",
-    help="Compare maneuvers and trained agents on the same patients; draw the thesis's results again.",
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-
-
-@app.callback()
-def _root() -> None:
-    """Compare maneuvers and trained agents on the same patients."""
+app = command_line("Compare maneuvers and trained agents on the same patients; draw the thesis's results again.")
 
 
 app.command("compare")(compare_command)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, not_among, shown
 
 Control = Literal["force", "trajectory", "targets"]
 DEFAULT_CONTROL: Final[Control] = "targets"
@@ -60,7 +60,7 @@ def mode_of(env_kwargs: Mapping[str, Any]) -> ControlMode:
     """
     control = env_kwargs.get("control", DEFAULT_CONTROL)
     if not isinstance(control, str) or control not in CONTROLS:
-        raise InputError(f"control is {shown(control)}; allowed: {', '.join(CONTROLS)}")
+        raise not_among("control", control, CONTROLS)
     return CONTROLS[control]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import reprlib
+import unicodedata
 from collections.abc import Iterable
 
 __all__ = [
@@ -12,11 +13,14 @@ __all__ = [
     "UnknownArgumentError",
     "UnknownAttributeError",
     "meant",
+    "not_among",
     "out_of_memory",
+    "printable",
     "shown",
 ]
 
 LONGEST_SHOWN_VALUE = 60
+LONGEST_MESSAGE = 2000
 
 _REPR = reprlib.Repr()
 # Longer than what is shown, so that the beginning of a value is shown and not its two ends.
@@ -28,8 +32,13 @@ class InputError(ValueError):
     """A value from outside (argument, file, action) is not usable.
 
     The message is one line that names the field, the value and what is allowed, so that command lines can
-    print it as it stands.
+    print it as it stands: control characters of names from outside are escaped.
     """
+
+    def __init__(self, message: object = "") -> None:
+        """Keep the message, printable and of 2,000 characters at most."""
+        text = printable(str(message))
+        super().__init__(text if len(text) <= LONGEST_MESSAGE else text[: LONGEST_MESSAGE - 3] + "...")
 
 
 class MissingPackageError(InputError, ImportError):
@@ -46,14 +55,40 @@ class UnknownAttributeError(InputError, AttributeError):
 
 def meant(name: str, known: Iterable[str]) -> str:
     """A question after the known names that are like an unknown one, with a blank at its end; empty if none is."""
-    near = difflib.get_close_matches(name, known, n=3)
+    near = difflib.get_close_matches(name[:LONGEST_SHOWN_VALUE], known, n=3)
     return f"did you mean {' or '.join(near)}? " if near else ""
+
+
+def not_among(field: str, value: object, names: Iterable[str], more: str = "") -> InputError:
+    """The error of a name that is none of those allowed, with the names that are like it.
+
+    Args:
+        field: what has the value.
+        value: what was given.
+        names: what is allowed.
+        more: what else is allowed, in words.
+    """
+    known = tuple(names)
+    near = meant(value, known) if isinstance(value, str) else ""
+    return InputError(f"{field} is {shown(value)}; {near}allowed: {', '.join(known)}{more}")
 
 
 def out_of_memory(error: MemoryError) -> str:
     """What a command says when there is too little memory, without the description of the array."""
     reason = str(error).partition(" for an array")[0]
     return f"too little memory{': ' if reason else ''}{reason}"
+
+
+def printable(text: str) -> str:
+    """A text in one line: characters that steer a terminal or turn the direction of writing become escapes."""
+    if text.isprintable():
+        return text
+    return "".join(
+        one.encode("unicode_escape").decode() if unicodedata.category(one) in _STEERING else one for one in text
+    )
+
+
+_STEERING = ("Cc", "Cf", "Cs", "Zl", "Zp")  # control, format, half of a pair, ends of line and paragraph
 
 
 def shown(value: object) -> str:

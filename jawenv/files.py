@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, printable, shown
 from jawenv.reading import read_text
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "InputModel",
     "Number",
     "Source",
+    "Text",
     "atomic_write",
     "instance_of",
     "read_into",
@@ -53,6 +54,18 @@ def _real_number(value: object) -> float:
 
 Number = Annotated[float, BeforeValidator(_real_number)]
 """A finite real number: int, float or numpy scalar."""
+
+
+def _in_one_line(text: str) -> str:
+    """A text whose line ends and tabs are blanks, and which holds nothing else that steers a terminal."""
+    text = " ".join(text.split())
+    if printable(text) != text:
+        raise ValueError("must be text without control characters")
+    return text
+
+
+Text = Annotated[str, AfterValidator(_in_one_line)]
+"""A text that can be shown: in one line, without control characters."""
 
 
 class InputModel(BaseModel):
@@ -249,7 +262,7 @@ def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping: dict[str, Any] = {}
     for key, value in pairs:
         if key in mapping:
-            raise ValueError(f"key '{key}' appears twice")
+            raise ValueError(f"key {shown(key)} appears twice")
         mapping[key] = value
     return mapping
 
@@ -296,7 +309,7 @@ def _one_line(error: ValidationError, model: type[BaseModel], source: str) -> st
 
 
 def _problem(problem: Any, model: type[BaseModel]) -> str:
-    field = ".".join(str(part) for part in problem["loc"])
+    field = ".".join(_brief(part) for part in problem["loc"])
     kind = problem["type"]
     message = _flat(problem["msg"]).removeprefix("Value error, ").replace("a valid dictionary", "a mapping")
     message = re.sub(r"^\w+ should ", "must ", message)
@@ -308,6 +321,11 @@ def _problem(problem: Any, model: type[BaseModel]) -> str:
     if kind == "value_error" and isinstance(problem["input"], Mapping | BaseModel):
         return f"{field}: {message}" if field else message
     return f"{field} = {shown(problem['input'])} {message}"
+
+
+def _brief(part: int | str) -> str:
+    """A key as messages name it, in 60 characters at most."""
+    return shown(part).strip("'\"")
 
 
 def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:

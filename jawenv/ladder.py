@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
-from jawenv.errors import InputError, shown
+from jawenv.errors import not_among
 from jawenv.mechanics.jaw import ALL_FREE
 
 Plant = Literal["midline", "contact", "bilateral"]
@@ -136,7 +136,7 @@ def model_named(name: str) -> Model:
         InputError: unknown name; the message lists the known ones.
     """
     if not isinstance(name, str) or name not in MODELS:
-        raise InputError(f"model is {shown(name)}; allowed: {', '.join(MODELS)}")
+        raise not_among("model", name, MODELS)
     return MODELS[name]
 
 
@@ -155,8 +155,8 @@ def model_of_env(env: str) -> Model:
     for model in MODELS.values():
         if env in (model.env_id, f"jawenv/{model.title}-v1", model.title, model.name):
             return model
-    ids = ", ".join((*(model.env_id for model in MODELS.values()), KNOWN_WITHIN_SDS))
-    raise InputError(f"env {shown(env)}: unknown; allowed: {ids}, also as JawSides or sides")
+    ids = (*(model.env_id for model in MODELS.values()), KNOWN_WITHIN_SDS)
+    raise not_among("env", env, ids, ", also as JawSides or sides")
 
 
 def env_id_of(env: str) -> str:

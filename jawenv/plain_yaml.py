@@ -7,10 +7,14 @@ from typing import Any
 
 import yaml
 
+from jawenv.errors import shown
+
 __all__ = ["parse"]
 
 MOST_VALUES = 200_000
 """Values in a text, where each alias counts as all that it stands for."""
+LONGEST_TEXT = 2**20
+"""Characters of a text: pyyaml takes a second for them."""
 LONGEST_NUMBER = 1000
 """Characters of a number."""
 
@@ -47,7 +51,7 @@ class _Loader(yaml.SafeLoader):
                 raise ValueError(f"found unhashable key (line {key_node.start_mark.line + 1})")
             key = str(key_node.value)
             if key in keys and key != "<<":
-                raise ValueError(f"key '{key}' appears twice")
+                raise ValueError(f"key {shown(key)} appears twice")
             keys.add(key)
         return super().construct_mapping(node, deep)
 
@@ -76,6 +80,8 @@ def parse(text: str) -> Any:
     Raises:
         ValueError: damaged text, a repeated key, or more values than `MOST_VALUES`.
     """
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"{len(text):,} characters; allowed: {LONGEST_TEXT:,} at most (JSON and TOML may be longer)")
     try:
         return yaml.load(text, _Loader)
     except yaml.MarkedYAMLError as error:

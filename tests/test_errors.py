@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jawenv.checks import real_number, whole_number
-from jawenv.errors import LONGEST_SHOWN_VALUE, shown
+from jawenv.errors import LONGEST_SHOWN_VALUE, InputError, not_among, shown
 
 
 @pytest.mark.parametrize(
@@ -53,3 +53,18 @@ def test_real_numbers(value, number):
 def test_whole_numbers(value, number):
     assert whole_number(value) == number
     assert number is None or type(whole_number(value)) is int
+
+
+@pytest.mark.parametrize("message", ["a\x1b[2Jb", "two\nlines", "tab\tbell\a", "turned \u202e round", "\u2028"])
+def test_a_message_is_one_line_that_steers_no_terminal(message: str) -> None:
+    told = str(InputError(f"key {message}: unknown"))
+    assert told.isprintable() and told.startswith("key ")
+
+
+def test_a_message_has_a_bounded_length() -> None:
+    assert len(str(InputError("x" * 10**6))) == 2000
+
+
+def test_a_name_that_is_not_among_those_allowed_is_told_with_what_may_have_been_meant() -> None:
+    told = str(not_among("cohort", "onesided", ["one_sided", "wide"], ", or a file"))
+    assert told == "cohort is 'onesided'; did you mean one_sided? allowed: one_sided, wide, or a file"

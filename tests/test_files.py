@@ -1,12 +1,14 @@
 """Files from outside: every fault is one line that names the file and the field."""
 
+import json
 from pathlib import Path
 
 import pytest
 from pydantic import Field
 
 from jawenv.errors import InputError
-from jawenv.files import InputModel, Number, atomic_write, read_mapping, read_model, validate, write_json
+from jawenv.files import InputModel, Number, Text, atomic_write, read_mapping, read_model, validate, write_json
+from jawenv.playing.maneuvers import Maneuver
 
 
 class Part(InputModel):
@@ -162,3 +164,27 @@ def test_an_error_while_writing_leaves_the_old_file_and_nothing_else(tmp_path: P
         _ = 1 / 0
     assert path.read_text() == "new"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("text", ["a\x1b[2J", "turned \u202e round"])
+def test_a_text_that_steers_a_terminal_is_refused(text: str, tmp_path: Path) -> None:
+    class Named(InputModel):
+        title: Text
+
+    assert Named(title="two\n  lines").title == "two lines"
+    with pytest.raises(InputError, match="title .* control characters"):
+        Named(title=text)
+
+
+@pytest.mark.parametrize("name", ["x" * 10**6, "x\x1b[2J\x07"])
+def test_an_unknown_key_is_shown_short_and_printable(name: str, tmp_path: Path) -> None:
+    (tmp_path / "odd.json").write_text(json.dumps({name: 1}))
+    with pytest.raises(InputError) as caught:
+        Maneuver.load(tmp_path / "odd.json")
+    assert str(caught.value).isprintable() and len(str(caught.value)) < 400
+
+
+def test_yaml_is_bounded_by_what_it_takes_to_read(tmp_path: Path) -> None:
+    (tmp_path / "long.yaml").write_text("#" * (2**20 + 1))
+    with pytest.raises(InputError, match="1,048,577 characters; allowed: 1,048,576"):
+        read_mapping(tmp_path / "long.yaml")

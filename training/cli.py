@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 
 from jawenv.commands.options import own_comfort_and_anatomy
-from jawenv.commands.running import Commands, run
+from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from training import options
 from training.options import configured
@@ -19,21 +19,10 @@ from training.search.design_command import design
 from training.search.distill_command import distill
 from training.search.optimise_command import optimise
 
-app = typer.Typer(
-    cls=Commands,
-    help="Train agents that identify a patient's closing muscles.",
-    add_completion=False,
-    rich_markup_mode="markdown",
-    pretty_exceptions_enable=False,
-)
+app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
 app.command("design")(design)
 app.command("distill")(distill)
-
-
-@app.callback()
-def _root() -> None:
-    """Train agents that identify a patient's closing muscles."""
 
 
 @app.command("train")

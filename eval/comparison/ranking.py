@@ -14,7 +14,7 @@ import numpy as np
 
 from agents.registry import shipped_names
 from eval import statistics
-from eval.comparison.admission import PER_S, Admission, does_not_fit, false_sd
+from eval.comparison.admission import LARGEST_RINGING, PER_S, Admission, does_not_fit, false_sd
 from eval.comparison.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
@@ -170,6 +170,16 @@ class Ranking:
     def n_parameters(self) -> int:
         """How many parameters there are, which is also what an honest NEES is on average."""
         return len(self.parameters)
+
+    @property
+    def best(self) -> Row | None:
+        """The first ranked row whose stated errors can be believed, by NEES and alarm; None if there is none."""
+        return next((row for row in self.ranked if self.believes(row)), None)
+
+    def believes(self, row: Row) -> bool:
+        """Whether a row's stated errors can be believed: neither too small, nor false, nor those of ringing alarms."""
+        rings = row.rings.value > LARGEST_RINGING
+        return self.calibration(row) != "overconfident" and not rings and not row.false_sd
 
     def calibration(self, row: Row) -> str:
         """`honest`, `overconfident` or `cautious`, by the mean NEES against its band."""

@@ -20,12 +20,13 @@
 # right, two numbers each, has to be told from that: 12 parameters. How well this works depends on the *maneuver*.
 # This notebook plays one on simulated patients, next to holding still, and looks at what each has told us.
 #
-# It needs `pip install "jawenv[render]" pandas matplotlib moviepy`.
+# It needs `pip install "jawenv[render]" pandas matplotlib "imageio[ffmpeg]"`.
 
 # %%
 import os
 
 import gymnasium as gym
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
@@ -64,6 +65,7 @@ agent = jawenv.Player(MANEUVER)
 
 
 def play_to_the_end(env):
+    """What the environment says after each step."""
     observation, info = env.reset(seed=0)
     agent.reset(1, seed=0)
     done = False
@@ -71,10 +73,11 @@ def play_to_the_end(env):
         action, _ = agent.predict(observation)
         observation, reward, terminated, truncated, info = env.step(action)
         done = terminated or truncated
-    return info
+        yield info
 
 
-belief(play_to_the_end(env))
+*_, info = play_to_the_end(env)
+belief(info)
 
 # %% [markdown]
 # ## What the jaw does
@@ -84,19 +87,17 @@ belief(play_to_the_end(env))
 
 # %%
 import base64
-import io
 import tempfile
 
-import matplotlib.pyplot as plt
+import imageio.v3 as iio
 from IPython.display import Video
 
-plt.imsave(last := io.BytesIO(), env.render(), format="png")
-poster = "data:image/png;base64," + base64.b64encode(last.getvalue()).decode()
-folder = os.path.join(tempfile.mkdtemp(), "film")
-filmed = gym.wrappers.RecordVideo(env, folder, disable_logger=True)
-play_to_the_end(filmed)
-filmed.close()
-film = os.path.join(folder, "rl-video-episode-0.mp4")
+last = iio.imwrite("<bytes>", env.render(), extension=".png")
+poster = "data:image/png;base64," + base64.b64encode(last).decode()
+pictures = [env.render() for _ in play_to_the_end(env)]
+env.close()
+film = os.path.join(tempfile.mkdtemp(), "film.mp4")
+iio.imwrite(film, pictures, fps=5)
 Video(film, embed=True, html_attributes=f'controls loop width="100%" poster="{poster}"')
 
 # %% [markdown]

@@ -65,10 +65,11 @@ def rest(ranking: Ranking) -> tuple[Row, ...]:
 
 
 def films(study: Results, ranking: Ranking) -> tuple[tuple[str, Row], ...]:
-    """The best entry whose motion was kept, and that of ``BESIDE``, with what stands before their names."""
+    """The best entry whose motion was kept, else the first, and ``BESIDE``; with words before the names."""
     kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    shown = [row for row in kept if row is kept[0] or row.entry == BESIDE]
-    return tuple(("The best: " if row is kept[0] else "", row) for row in shown)
+    best = ranking.best if ranking.best in kept else None
+    shown = [row for row in kept if row is (best or kept[0]) or row.entry == BESIDE]
+    return tuple(("The best: " if row is best else "", row) for row in shown)
 
 
 def answer(ranking: Ranking) -> str:
@@ -78,7 +79,10 @@ def answer(ranking: Ranking) -> str:
         return f"No maneuver identifies the {number} parameters of these {patients}: the stated precision is false."
     if not ranking.ranked:
         return f"No maneuver can be ranked on these {patients}: the table below says why."
-    best = ranking.ranked[0]
+    best = ranking.best
+    if best is None:
+        first = words.label(ranking.ranked[0].entry)
+        return f"No maneuver is best on these {patients}: {first} is ahead, but its stated errors cannot be believed."
     said = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
@@ -130,7 +134,7 @@ def _reached(row: Row, target: float) -> str:
 
 def belief(ranking: Ranking) -> Belief:
     """Whether the stated precision of the best entry can be believed: its NEES against the band, and its alarm."""
-    row = (ranking.ranked or ranking.rows)[0]
+    row = ranking.best or (ranking.ranked or ranking.rows)[0]
     low, high = ranking.band
     kind = ranking.calibration(row)
     honest = f"honest sds give {words.number(low)} to {words.number(high)}"
@@ -144,8 +148,7 @@ def belief(ranking: Ranking) -> Belief:
     rings = row.rings.value > LARGEST_RINGING
     if rings:
         alarm += f", allowed {words.percent(LARGEST_RINGING, 0)} %"
-    yes = kind != "overconfident" and not rings and not row.false_sd
-    return Belief(yes, f"{reasons[kind]}; {alarm}.")
+    return Belief(ranking.believes(row), f"{reasons[kind]}; {alarm}.")
 
 
 def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:

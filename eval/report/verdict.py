@@ -23,14 +23,16 @@ def headline(ranking: Ranking) -> str:
         )
     if not ranking.ranked:
         return _sentence(f"{known}no entry can be ranked: the table says why.")
-    best = ranking.ranked[0]
+    best = ranking.best
+    if best is None:
+        ahead = words.label(ranking.ranked[0].entry)
+        return _sentence(f"{known}no entry is best for {what}: {ahead} is ahead, and its sds are too small: see below.")
     tied = [words.label(row.entry) for row in ranking.ranked[1:] if _tied(row)]
     also = (
         f" In true information it cannot be told from {_list(tied)}." if tied and _is_reference(ranking, best) else ""
     )
-    small = " These sds are too small: see below." if ranking.calibration(best) == "overconfident" else ""
     by = f"{known}{what} are identified best by {words.label(best.entry)}."
-    return _sentence(f"{by} {_soon(ranking, best)}{small}{also}")
+    return _sentence(f"{by} {_soon(ranking, best)}{also}")
 
 
 def effects(ranking: Ranking) -> str:

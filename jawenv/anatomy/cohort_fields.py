@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from jawenv.files import InputModel, Number
+from jawenv.files import InputModel, Number, Text
 
 __all__ = ["CohortFields"]
 
@@ -32,7 +32,7 @@ class GroupFields(InputModel):
 class CohortFields(InputModel):
     """Equally likely groups, and what tables call the cohort."""
 
-    name: str = Field(default="cohort", min_length=1)
-    description: str = ""
+    name: Text = Field(default="cohort", min_length=1)
+    description: Text = ""
     basis: str = ""
     groups: list[GroupFields] = Field(min_length=1)

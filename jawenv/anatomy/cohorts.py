@@ -28,7 +28,7 @@ from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.checks import real_number, whole_number
-from jawenv.errors import InputError, shown
+from jawenv.errors import InputError, not_among, shown
 from jawenv.files import FILE_TYPES, Source, instance_of, read_into, validate
 
 __all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "Stiffness", "cohort"]
@@ -327,8 +327,7 @@ def cohort(given: str | Cohort | Source, muscles: MuscleSet | None = None) -> Co
     """
     if isinstance(given, str) and Path(given).suffix.lower() not in FILE_TYPES:
         if given not in COHORTS:
-            known = ", ".join(COHORTS)
-            raise InputError(f"cohort {shown(given)} is unknown; allowed: {known}, or a file ({', '.join(FILE_TYPES)})")
+            raise not_among("cohort", given, COHORTS, f", or a file ({', '.join(FILE_TYPES)})")
         chosen = COHORTS[given]
     elif isinstance(given, Cohort | Mapping | str | os.PathLike):
         chosen = instance_of(Cohort, given, "cohort")

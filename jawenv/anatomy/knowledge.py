@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import not_among
 from jawenv.files import Source, instance_of
 from jawenv.numeric_fields import NumericFields, number
 
@@ -94,6 +94,6 @@ def knowledge(given: str | Knowledge | Source | None) -> Knowledge:
         return LEVELS["exact"]
     if isinstance(given, str) and "." not in given and "/" not in given:
         if given not in LEVELS:
-            raise InputError(f"knowledge is {shown(given)}; allowed: {', '.join(LEVELS)}, a mapping or a file")
+            raise not_among("knowledge", given, LEVELS, ", a mapping or a file")
         return LEVELS[given]
     return instance_of(Knowledge, given, "knowledge")

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_names
 from jawenv.errors import InputError
-from jawenv.files import InputModel, Number, read_model, validate, write_json
+from jawenv.files import InputModel, Number, Text, read_model, validate, write_json
 
 __all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
 
@@ -54,7 +54,7 @@ class Patient(InputModel):
         InputError: one line that names the field, the value and what is allowed.
     """
 
-    name: str = Field(default="patient", min_length=1)
+    name: Text = Field(default="patient", min_length=1)
     F_o_N: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_F_O_N)]], AfterValidator(_of_all_muscles)]
     b: Annotated[dict[str, Annotated[Number, Field(gt=0, le=LARGEST_B)]], AfterValidator(_of_all_muscles)]
     head_tilt_deg: Annotated[Number, Field(ge=-90, le=90)] = 0.0

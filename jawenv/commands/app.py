@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from jawenv.commands import options
-from jawenv.commands.running import Commands, run
+from jawenv.commands.running import command_line, run
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.seeds import REPORTS
 
-app = typer.Typer(
-    cls=Commands,
-    name="jawenv",
-    help="Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.",
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-
-
-@app.callback()
-def _root() -> None:
-    """Drive a simulated jaw, play and score maneuvers, identify muscles from a recording."""
+app = command_line("Drive a simulated jaw, play and score maneuvers, identify muscles from a recording.")
 
 
 @app.command("live")
@@ -123,9 +110,11 @@ def identify_command(
 
 @app.command("list")
 def list_command(
-    what: Annotated[str, typer.Argument(metavar="maneuvers|agents|cohorts|models", help="What to list.")],
+    what: Annotated[
+        str | None, typer.Argument(metavar="[maneuvers|agents|cohorts|models]", help="What to list; all by default.")
+    ] = None,
 ) -> None:
-    """Say which maneuvers, agents, cohorts or models there are."""
+    """Say which maneuvers, agents, cohorts and models there are."""
     from jawenv.commands.listing import print_list
 
     print_list(what)
@@ -137,6 +126,4 @@ def main(arguments: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 done, 2 unusable input, 130 interrupted.
     """
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal without Unicode shows a question mark
     return run(app, "jawenv", arguments, "fewer patients, or shorter episodes,")

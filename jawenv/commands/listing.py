@@ -4,49 +4,56 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from jawenv.errors import InputError, shown
+from jawenv.errors import not_among
+
+LONGEST_SENTENCE = 110  # characters
 
 
-def print_list(what: str) -> None:
-    """Print all of one kind, one a line.
+def print_list(what: str | None) -> None:
+    """Print all of one kind, one a line with a sentence; every kind under its name where none is named.
 
     Raises:
         InputError: no such kind.
     """
-    if what not in _LISTS:
-        raise InputError(f"list: {shown(what)} given, allowed are {', '.join(_LISTS)}")
-    for line in _LISTS[what]():
-        print(line)
+    if what is not None and what not in _LISTS:
+        raise not_among("list", what, _LISTS)
+    for kind in (what,) if what else _LISTS:
+        if what is None:
+            print(f"{kind}:")
+        for name, says in _LISTS[kind]().items():
+            print(f"{name:34s} {_sentence(says)}".rstrip())
 
 
-def _maneuvers() -> list[str]:
+def _sentence(text: str) -> str:
+    """The first sentence of a text, cut at a word where it is long."""
+    first = text.split(". ")[0].rstrip(".")
+    return first if len(first) <= LONGEST_SENTENCE else first[:LONGEST_SENTENCE].rsplit(" ", 1)[0] + " ..."
+
+
+def _maneuvers() -> dict[str, str]:
     from jawenv.playing.maneuvers import Maneuver, maneuver_names
 
-    return [f"{name:34s} {Maneuver.named(name).title}" for name in maneuver_names()]
+    return {name: Maneuver.named(name).description for name in maneuver_names()}
 
 
-def _agents() -> list[str]:
-    from jawenv.playing.maneuvers import maneuver_names
-
-    rest = (
-        "these come with the library; trained policies and planners run from a clone of the project (agents/README.md)"
-    )
-    return [f"{name:34s} maneuver" for name in maneuver_names()] + [rest]
+def _agents() -> dict[str, str]:
+    elsewhere = "those above come with the library; policies and planners run from a clone (agents/README.md)"
+    return {name: "a maneuver" for name in _maneuvers()} | {"": elsewhere}
 
 
-def _cohorts() -> list[str]:
+def _cohorts() -> dict[str, str]:
     from jawenv.anatomy import COHORTS
 
-    return list(COHORTS)
+    return {name: cohort.description for name, cohort in COHORTS.items()}
 
 
-def _models() -> list[str]:
+def _models() -> dict[str, str]:
     from jawenv.ladder import MODELS
 
-    return [f"{name:10s} {model.env_id:24s} {model.shows}" for name, model in MODELS.items()]
+    return {name: f"{model.env_id}: {model.shows}" for name, model in MODELS.items()}
 
 
-_LISTS: dict[str, Callable[[], list[str]]] = {
+_LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "maneuvers": _maneuvers,
     "agents": _agents,
     "cohorts": _cohorts,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
-from typing import Any
+from importlib.metadata import version
+from io import TextIOWrapper
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
@@ -14,6 +17,20 @@ from jawenv.errors import InputError, out_of_memory
 _NO_NUMBER = re.compile(r"Input should be a valid (integer|number), unable to parse string as an? \1")
 """What typer says of a word where a number has to be."""
 _WORDS = {"integer": "whole number", "number": "number"}
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        print(f"jawenv {version('jawenv')}")
+        raise typer.Exit
+
+
+def _options_of_all(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which version this is.", callback=_say_version, is_eager=True)
+    ] = False,
+) -> None:
+    """The options of a command line itself."""
 
 
 class Commands(TyperGroup):
@@ -40,6 +57,20 @@ def _without_values(params: list[Any]) -> list[Any]:
     return params
 
 
+def command_line(help: str) -> typer.Typer:
+    """A command line without commands yet, which knows ``-h`` and ``--version``."""
+    app = typer.Typer(
+        cls=Commands,
+        help=help,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="markdown",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(help=help)(_options_of_all)
+    return app
+
+
 def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: str) -> int:
     """Run a command line, and say what is wrong with it in one line.
 
@@ -54,17 +85,36 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
     """
     if arguments is None:
         arguments = sys.argv[1:]
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal without Unicode shows a question mark
     try:
-        return int(app(arguments or ["--help"], prog_name=name, standalone_mode=False) or 0)
+        code = int(app(arguments or ["--help"], prog_name=name, standalone_mode=False) or 0)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        _give_up_stdout()
+        return 0
     except InputError as error:
         message = str(error)
     except MemoryError as error:
         message = f"{out_of_memory(error)}; {less_memory} need less"
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        _give_up_stdout()  # a full disk, say
+        message = f"the standard output cannot be written: {error.strerror}"
     except typer.TyperException as error:
         given = _given(error)
         message = _NO_NUMBER.sub(lambda said: f"{given}allowed is a {_WORDS[said[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2
+
+
+def _give_up_stdout() -> None:
+    """Python writes what it still holds when the process ends: let that go nowhere."""
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def _given(error: typer.TyperException) -> str:

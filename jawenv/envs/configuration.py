@@ -20,7 +20,7 @@ from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS
-from jawenv.errors import InputError, UnknownArgumentError, shown
+from jawenv.errors import InputError, UnknownArgumentError, meant, not_among, shown
 from jawenv.files import Source
 from jawenv.ladder import Estimator, model_named
 from jawenv.reality import Reality, check_reality
@@ -92,7 +92,7 @@ class Configuration:
         for name, kind in kinds:
             value = getattr(self, name)
             if not isinstance(value, str) or value not in get_args(kind):
-                raise InputError(f"{name} is {shown(value)}; allowed: {', '.join(get_args(kind))}")
+                raise not_among(name, value, get_args(kind))
         self._set("episode_s", _checked_number("episode_s", self.episode_s))
         hz = self.mode.steps_per_s
         if self.control_hz is not None:
@@ -241,7 +241,7 @@ def configure(arguments: Mapping[str, object], owner: type = Configuration) -> C
         if name not in names:
             raise UnknownArgumentError(
                 f"{owner.__name__}.__init__() got an unexpected keyword argument {shown(name)}; "
-                f"allowed: {', '.join(names)}"
+                f"{meant(name, names)}allowed: {', '.join(names)}"
             )
     return Configuration(**cast(Any, arguments))
 

@@ -14,9 +14,11 @@ import os
 import pickle
 import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
-from functools import cache, cached_property
+from contextlib import contextmanager, nullcontext, suppress
+from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -24,15 +26,16 @@ from typing import Any
 import numba
 import numpy as np
 from filelock import FileLock
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 from platformdirs import user_cache_dir
 
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
-# What reading a damaged entry raises, or one for types that this version of jawenv does not have: it is made anew.
-UNREADABLE = (pickle.UnpicklingError, ImportError, AttributeError, EOFError, LookupError, ValueError, TypeError)
+CHECKSUM_BYTES = 32  # sha256
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
 
@@ -52,9 +55,10 @@ def kernel_folder(function: FunctionType, kind: str = "") -> Path:
 def prune_cache() -> None:
     """Delete kernels that nothing has used for ``UNUSED_DAYS``."""
     oldest = time.time() - UNUSED_DAYS * 86400
-    for folder in cache_folder().iterdir():
-        if folder.is_dir() and folder.stat().st_mtime < oldest:
-            shutil.rmtree(folder, ignore_errors=True)
+    with suppress(OSError):  # another process prunes too, or the folder is only read
+        for folder in cache_folder().iterdir():
+            if folder.is_dir() and folder.stat().st_mtime < oldest:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 @cache
@@ -122,7 +126,11 @@ def _module_of(function: FunctionType) -> tuple[bytes, list[FunctionType]]:
     module = sys.modules[function.__module__]
     members = [_function_of(member) for _, member in sorted(vars(module).items())]
     functions = [member for member in members if member is not None and member.__module__ == module.__name__]
-    return inspect.getsource(module).encode(), functions
+    try:
+        text = inspect.getsource(module)
+    except OSError:  # an installation without sources, whose files do not change
+        text = ""
+    return text.encode(), functions
 
 
 def _text_of(value: Any) -> str:
@@ -137,97 +145,11 @@ def _text_of(value: Any) -> str:
     return f"{getattr(value, '__module__', '')}.{getattr(value, '__qualname__', type(value).__qualname__)}"
 
 
-class _DigestLocator(_CacheLocator):
-    """Finds a kernel's files by its digest."""
-
-    def __init__(self, function: FunctionType) -> None:
-        self._function = function
-        self._py_file = inspect.getfile(function)
-
-    @classmethod
-    def from_function(cls, py_func: FunctionType, py_file: str) -> _DigestLocator:
-        locator = cls(py_func)
-        try:
-            locator.ensure_cache_path()
-        except OSError as error:
-            raise InputError(
-                f"JAWENV_CACHE_DIR: compiled kernels cannot be kept in {cache_folder()} ({error.strerror}); "
-                "allowed: a folder that can be written"
-            ) from None
-        return locator
-
-    def get_cache_path(self) -> str:
-        return str(kernel_folder(self._function, self._kind))
-
-    _kind = ""
-
-    def get_source_stamp(self) -> str:
-        return kernel_digest(self._function)
-
-    def get_disambiguator(self) -> str:
-        return ""
-
-
-class _SharedCacheFile(IndexDataCacheFile):
-    """One kernel's entries in the cache, which several processes may add to at once.
-
-    Numba reads the index, adds an entry and writes the index back. Two processes that save the kernel for two models at
-    once would give both the same file, and a third process would be told that the kernel does not take its model.
-    """
-
-    def save(self, key: Any, data: Any) -> None:
-        with FileLock(f"{self._index_path}.lock"):
-            super().save(key, data)
-
-    def load(self, key: Any) -> Any:
-        try:
-            return super().load(key)
-        except UNREADABLE:
-            return None
-
-    def _load_index(self) -> Any:
-        try:
-            return super()._load_index()
-        except UNREADABLE:
-            return {}
-
-
-class _LinkedLocator(_DigestLocator):
-    """The same of a kernel that is linked into others."""
-
-    _kind = "-linked"
-
-
-class _Implementation(CompileResultCacheImpl):
-    _locator_classes: list[Any] = [_DigestLocator]
-
-
-class _LinkedImplementation(CompileResultCacheImpl):
-    _locator_classes: list[Any] = [_LinkedLocator]
-
-    def rebuild(self, target_context: Any, payload: Any) -> Any:
-        with reading_linked(target_context):
-            return super().rebuild(target_context, payload)
-
-
-class _Files(FunctionCache):
-    """Numba's cache of a function, in the folder of its digest."""
-
-    _impl_class: type[CompileResultCacheImpl] = _Implementation
-
-    def __init__(self, py_func: FunctionType) -> None:
-        super().__init__(py_func)
-        self._cache_file.__class__ = _SharedCacheFile
-
-
-class _LinkedFiles(_Files):
-    """The same of a kernel that is linked into others."""
-
-    _impl_class = _LinkedImplementation
-
-
 class KernelCache:
-    """The cache of one kernel, found when the kernel is first called: only then is all there that it refers to.
+    """Compiled forms of one kernel on disk: a file for each set of argument types, with a checksum at its beginning.
+
+    Numba's own has an index beside these files, which two processes that save at once spoil for a third, and no
+    checksum: machine code with a flipped bit ends the process. A damaged file is compiled anew.
 
     Args:
         function: the kernel's.
@@ -235,24 +157,84 @@ class KernelCache:
     """
 
     def __init__(self, function: FunctionType, linked: bool = False) -> None:
-        """Remember the function; nothing is read."""
+        """Remember the function: what it refers to is there when the kernel is first called, and not before."""
         self._function, self._linked = function, linked
 
-    @cached_property
-    def files(self) -> Any:
-        """Numba's cache."""
-        return _LinkedFiles(self._function) if self._linked else _Files(self._function)
-
-    def __getattr__(self, name: str) -> Any:
-        """All that Numba asks its cache for."""
-        return getattr(self.files, name)
-
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel for these types, None where it has to be compiled; then says so on stderr."""
-        found = self.files.load_overload(sig, target_context)
-        if found is None:
+        """The kernel for these types, None where it has to be compiled; then says so on stderr.
+
+        Raises:
+            InputError: it has to be compiled, and cannot be kept.
+        """
+        target_context.refresh()
+        path = self._path(sig, target_context.codegen())
+        content = _checked_content(path)
+        if content is None:
+            _make_writable(path.parent)
             say_compiling()
-        return found
+            return None
+        reading = reading_linked(target_context) if self._linked else nullcontext()
+        with reading:
+            return CompileResult._rebuild(target_context, *pickle.loads(content))
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a compiled kernel.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        content = dumps(data._reduce())
+        with atomic_write(self._path(sig, data.codegen)) as unfinished:
+            unfinished.write_bytes(hashlib.sha256(content).digest() + content)
+
+    def _path(self, sig: Any, codegen: Any) -> Path:
+        types = repr((sig, codegen.magic_tuple(), sys.version))
+        folder = kernel_folder(self._function, "-linked" if self._linked else "")
+        return folder / f"{hashlib.sha256(types.encode()).hexdigest()[:24]}.kernel"
+
+
+def _checked_content(path: Path) -> bytes | None:
+    """What a kept file holds behind its checksum; None where there is none, or it is damaged."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    checksum, content = content[:CHECKSUM_BYTES], content[CHECKSUM_BYTES:]
+    return content if hashlib.sha256(content).digest() == checksum else None
+
+
+def _make_writable(folder: Path) -> None:
+    """Make a kernel's folder.
+
+    Raises:
+        InputError: it cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"JAWENV_CACHE_DIR: compiled kernels cannot be kept in {cache_folder()} ({error.strerror}); "
+            "allowed: a folder that can be written, or one that holds all that is played"
+        ) from None
+
+
+@contextmanager
+def one_process(folder: Path, what: str) -> Iterator[None]:
+    """Of several processes one is in the block at a time, where the folder can be written and has locks."""
+    lock = FileLock(folder / f"{what}.lock")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)  # kernels in use are not pruned
+        lock.acquire()
+    except (OSError, NotImplementedError):
+        yield
+        return
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 @cache

@@ -14,10 +14,9 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
-from filelock import FileLock
-from numba.core.targetconfig import TargetConfig
 
-from jawenv.kernels.cache import OPTIONS, KernelCache, kernel_folder, prune_cache
+from jawenv.errors import InputError
+from jawenv.kernels.cache import OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
 from jawenv.kernels.linked import LinkedCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -38,24 +37,6 @@ def _content_number(text: str) -> int:
 
 
 setattr(numba.types.Record, "mangling_args", property(_record_in_symbol))  # noqa: B010 - declared as a method
-
-
-def _values_of_options(flags: TargetConfig) -> dict[str, object]:
-    """All options of Numba's flags with their values, as Numba's own ``values`` gives them.
-
-    Numba compares flags wherever it looks up a function, and its own reads every option by itself: an eighth of the
-    time that compiling takes.
-    """
-    own: dict[str, object] = flags._values
-    return _default_options(type(flags)) | own
-
-
-@cache
-def _default_options(kind: type[TargetConfig]) -> dict[str, object]:
-    return {name: option.default for name, option in kind.options.items()}
-
-
-setattr(TargetConfig, "values", _values_of_options)  # noqa: B010 - Numba's own is declared otherwise
 
 
 @contextmanager
@@ -161,18 +142,10 @@ class WorldKernel:
 
     def _begin(self, dtype: np.dtype[Any], arguments: tuple[Any, ...]) -> None:
         """Compile or read the kernel for this model, by a call that takes no worlds."""
-        folder = kernel_folder(self._function)
-        folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
-        mark = folder / hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]
-        if mark.exists():
+        # Of several processes one compiles, and the others read what it has saved.
+        with one_process(kernel_folder(self._function), hashlib.sha256(repr(dtype).encode()).hexdigest()[:16]):
             self._kernel(*arguments, (0, 0, 0))
-        else:
-            # Of several processes one compiles, and the others read what it has saved.
-            with FileLock(f"{mark}.lock"):
-                self._kernel(*arguments, (0, 0, 0))
-                mark.touch()
-            prune_cache()
+        prune_cache()
         self._begun.add(dtype)
 
 
@@ -198,6 +171,11 @@ LINKED = {"pipeline_class": LinkedCompiler, "no_cpython_wrapper": True, "no_cfun
 
 
 def _compile(function: Function, linked: bool = False, **options: Any) -> Function:
+    config: Any = numba.config
+    if config.DISABLE_JIT:
+        raise InputError(
+            "NUMBA_DISABLE_JIT is set; allowed: unset, since kernels have parts that only the compiler understands"
+        )
     kernel = cast(FunctionType, function)
     kernel.__dict__[OPTIONS] = repr(sorted(options.items()))
     njit_as: Any = numba.njit

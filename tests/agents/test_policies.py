@@ -111,6 +111,16 @@ def test_what_is_no_checkpoint_is_named(tmp_path: Path, run_folder: Path) -> Non
     assert "not a stable-baselines3 checkpoint" in refusal(tmp_path / "cut.zip")
 
 
+@pytest.mark.parametrize("place", ["vecnormalize.pkl", "Jaw-v2/vecnormalize.pkl", "model_vecnormalize_100_steps.pkl"])
+def test_a_policy_that_saw_normalised_observations_is_refused(place: str, run_folder: Path, tmp_path: Path) -> None:
+    """It would play on what it has never seen, and nobody would notice."""
+    folder = tmp_path / "zoo"
+    shutil.copytree(run_folder, folder)
+    (folder / place).parent.mkdir(exist_ok=True)
+    (folder / place).touch()
+    assert f"normalised (by {place})" in refusal(folder, trust=True)
+
+
 def test_damaged_content_is_named(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "odd.zip", "w") as archive:
         archive.writestr("data", "{}")

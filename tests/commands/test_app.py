@@ -1,10 +1,14 @@
 """The command line of the library, in this process."""
 
+import os
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
 
+import eval.cli
+import training.cli
 from jawenv.anatomy import COHORTS
 from jawenv.commands import live
 from jawenv.commands.app import main
@@ -19,12 +23,36 @@ def test_list_names_all_of_a_kind(what, names, capsys):
     assert main(["list", what]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(names)
+    assert all(len(line.split()) > 3 for line in lines)  # a sentence each
+
+
+def test_list_alone_names_every_kind(capsys):
+    assert main(["list"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"{kind}:\n" in said for kind in ("maneuvers", "agents", "cohorts", "models"))
+
+
+@pytest.mark.parametrize("command_line", [main, eval.cli.main, training.cli.main])
+def test_every_command_line_says_its_version_and_its_help(command_line, capsys):
+    assert command_line(["--version"]) == 0
+    assert capsys.readouterr().out == f"jawenv {version('jawenv')}\n"
+    assert command_line(["-h"]) == 0
+    assert "--version" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a system without /dev/full")
+def test_a_full_disk_behind_the_standard_output_is_one_line():
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-c", "from jawenv.commands.app import main; raise SystemExit(main(['list']))"]
+        ran = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert ran.returncode == 2
+    assert ran.stderr == "error: the standard output cannot be written: No space left on device\n"
 
 
 def test_list_of_agents_says_where_the_rest_is(capsys):
     assert main(["list", "agents"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(maneuver_names()) + 1 and "a clone of the project" in lines[-1]
+    assert len(lines) == len(maneuver_names()) + 1 and "from a clone" in lines[-1]
 
 
 @pytest.mark.parametrize("knowledge", ["exact", "imaged"])
@@ -87,7 +115,7 @@ def interrupt(page):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["list", "birds"], "list: 'birds' given, allowed are maneuvers, agents, cohorts, models"),
+        (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
         (["score", "nope"], "maneuver 'nope': unknown; allowed: chirp"),
         (["score", "refined", "--model", "bird"], "model is 'bird'; allowed: hinge"),
         (["identify", "nowhere.csv"], "nowhere.csv"),

@@ -3,7 +3,6 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.wrappers.vector import RecordVideo
 
 import jawenv
 from jawenv.envs.pictures import picture_size
@@ -74,17 +73,6 @@ def test_a_new_episode_begins_with_an_empty_trace(mode):
         env.reset(options={"reset_mask": np.array([True, False])})
     lengths = [len(renderer._trace) for renderer in env._pictures._renderers]
     assert lengths == ([1, 4] if mode == "disabled" else [1, 1])
-
-
-def test_gymnasiums_wrapper_makes_a_film_of_all_worlds(tmp_path):
-    pytest.importorskip("moviepy")
-    env = RecordVideo(made(2), str(tmp_path / "films"), episode_trigger=lambda _: True)
-    env.reset(seed=0)
-    for _ in range(5):
-        env.step(np.zeros((2, 4), np.float32))
-    env.close()
-    assert len(list((tmp_path / "films").glob("*.mp4"))) == 2
-    assert env.frames_per_sec == 5
 
 
 def test_pictures_need_a_mode_and_a_reset():

@@ -3,7 +3,6 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.wrappers import RecordVideo
 
 import jawenv  # noqa: F401  (registers the environments)
 from jawenv.envs.shown_world import build_scene, moment_of
@@ -104,9 +103,8 @@ def test_one_condyle_may_press_while_the_other_is_lifted():
 
 
 @models
-def test_every_environment_renders_and_can_be_filmed(model, tmp_path):
-    made = gym.make(MODELS[model].env_id, render_mode="rgb_array", control="trajectory", episode_s=1.0)
-    env = RecordVideo(made, str(tmp_path / "video"), episode_trigger=lambda episode: True, disable_logger=True)
+def test_every_environment_renders(model):
+    env = gym.make(MODELS[model].env_id, render_mode="rgb_array", control="trajectory", episode_s=1.0)
     env.reset(seed=3)
     rest, done = env.unwrapped.render(), False
     while not done:
@@ -116,7 +114,6 @@ def test_every_environment_renders_and_can_be_filmed(model, tmp_path):
     env.close()
     assert rest.shape == opened.shape == (720, 1280, 3) and rest.dtype == np.uint8
     assert scenes.differ(rest, opened, scenes.SIDE) > 2000
-    assert [path.suffix for path in (tmp_path / "video").iterdir() if path.stat().st_size > 10_000] == [".mp4"]
 
 
 def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohort():

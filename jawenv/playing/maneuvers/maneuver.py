@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError, meant, shown
-from jawenv.files import InputModel, Number, read_model
+from jawenv.files import InputModel, Number, Text, read_model
 from jawenv.playing.maneuvers.signals import SHORTEST_S, AnySignal, KeyframePoint, Keyframes, Signal
 from jawenv.playing.protocol import Array
 
@@ -75,9 +75,9 @@ class Maneuver(InputModel):
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
-    title: Annotated[str, Field(min_length=1)]
-    description: Annotated[str, Field(min_length=1)]
-    source: Annotated[str, Field(min_length=1)]
+    title: Annotated[Text, Field(min_length=1)]
+    description: Annotated[Text, Field(min_length=1)]
+    source: Annotated[Text, Field(min_length=1)]
     fade_in_s: Annotated[Number, Field(ge=SHORTEST_S, le=30)] = 1.0
     channels: Channels
 

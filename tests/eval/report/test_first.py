@@ -87,6 +87,19 @@ def test_the_best_is_believed_by_its_nees_and_its_alarm(made):
     assert not ringing.yes and ringing.because.endswith("the alarm rings in 100 % of the episodes, allowed 5 %.")
 
 
+def test_the_best_is_the_first_that_can_be_believed_or_nobody(made):
+    """Twice the errors of who is ahead: ranked, since they are not false, and not called best."""
+    patients = made.patients.copy()
+    patients.loc[patients["entry"] == GOOD, "nees"] *= 2.0
+    ranking = rank(type(made)(patients, made.curves, made.about))
+    assert ranking.ranked[0].entry == GOOD and ranking.best.entry == IDLE
+    assert first.answer(ranking).startswith("hold still is the best maneuver") and first.belief(ranking).yes
+    patients["nees"] = 20.0
+    nobody = rank(type(made)(patients, made.curves, made.about))
+    assert nobody.best is None and "cannot be believed" in first.answer(nobody)
+    assert not first.belief(nobody).yes and "No entry is best" in verdict.headline(nobody)
+
+
 @pytest.mark.parametrize(("ringing", "said"), [(1, "no more than it may"), (40, "do not trust their sds")])
 def test_an_alarm_that_honest_episodes_may_give_is_not_held_against_an_entry(ringing, said):
     made = study(patients=40)
