@@ -98,7 +98,7 @@ from eval.entries import load_entries
 from eval.report import figures
 from eval.settings import Settings
 
-settings = Settings(patients=PATIENTS, seed=300, episode_s=EPISODE_S, control="targets")
+settings = Settings.of(PATIENTS, 300, episode_s=EPISODE_S)
 study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.world), settings)
 ranking = rank(study, config.residual.maneuver)
 figures.overview(study, ranking)

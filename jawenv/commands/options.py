@@ -82,13 +82,15 @@ def _world(given: Mapping[str, Any]) -> dict[str, Any]:
     Raises:
         InputError: a text is no field with a number, or a file cannot be read or is damaged.
     """
-    from jawenv.envs.configuration import Configuration
+    from jawenv.envs.configuration import Configuration, plain_value
 
-    world: dict[str, Any] = {}
-    for name, value in given.items():
-        kind = next((each.metadata["option"] for each in fields(Configuration) if each.name == name), "")
-        world[name] = _fields(name, value) if kind == "fields" else value
-    return world
+    kinds = {each.name: each.metadata["option"] for each in fields(Configuration)}
+    world = {name: _fields(name, value) if kinds.get(name) == "fields" else value for name, value in given.items()}
+    return {name: plain_value(name, value) if name in _MAY_BE_FILES else value for name, value in world.items()}
+
+
+_MAY_BE_FILES = ("cohort", "device", "reality", "knowledge", "comfort", "anatomy")
+"""Arguments of which results keep what a file says, whatever becomes of it."""
 
 
 def _fields(option: str, texts: list[str]) -> Any:

@@ -293,8 +293,16 @@ def registered_arguments(env_id: str) -> dict[str, Any]:
     return dict(IMAGED) if env_id == KNOWN_WITHIN_SDS else {"model": model_of_env(env_id).name}
 
 
+def plain_value(name: str, given: object) -> Any:
+    """What an argument says as text, numbers and mappings: of a file its content.
+
+    Raises:
+        InputError: it is not allowed, or a file cannot be read or is damaged.
+    """
+    return _plain(name, getattr(configure({name: given}), name))
+
+
 def _plain(name: str, value: object) -> Any:
-    """A value of an argument as text, numbers and mappings."""
     if isinstance(value, Cohort):
         known = COHORTS.get(value.name)
         return value.name if known is not None and known.groups == value.groups else value.to_dict()

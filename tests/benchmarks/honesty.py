@@ -230,7 +230,7 @@ def change(given):
     """Between two treatments, drift 0.1."""
     head("agent", "treatments of", "pairs", "inside 95 %, %", "sd, worst / median", "width of 95 %, median", "NEES/12")
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
-        settings = Settings(1, "trismus", given.seed, "targets", "pose", seconds, knowledge=_sds(given.knowledge))
+        settings = Settings.of(1, given.seed, episode_s=seconds, knowledge=_sds(given.knowledge))
         (entry,) = load_entries([name], settings.world)
         prior, z, sd = population_of(entry).prior, [], []
         for seed in range(given.seed, given.seed + given.patients):

@@ -117,11 +117,11 @@ def interrupt(page):
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
         (["score", "nope"], "maneuver 'nope': unknown; allowed: chirp"),
-        (["score", "refined", "--model", "bird"], "model is 'bird'; allowed: hinge"),
+        (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v2"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
-        (["live", "--seed", "-1"], "seed: -1 given"),
+        (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port: 70000 given"),
         (["live", "--port", "0", "--driver", "nope"], "maneuver 'nope': unknown"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),

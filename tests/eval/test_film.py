@@ -84,9 +84,7 @@ def test_two_are_filmed_beside_each_other(tmp_path, capsys):
 
 
 def test_pictures_name_maneuver_patient_and_control(tmp_path):
-    entry = load_entries(
-        ["chirp"], Settings(1, "severe", 5000, "force", "pose", 1.0, "Jaw").env_kwargs, "jawenv/Jaw-v2"
-    )[0]
+    entry = load_entries(["chirp"], Settings.of(1, 5000, cohort="severe", control="force", episode_s=1.0).world)[0]
     console = Console(quiet=True)
     own = Episode(Film(entry, seed=5000), "rgb_array", console)
     assert own.title == "chirp: Jaw, severe patient, seed 5000, force control"

@@ -6,6 +6,7 @@ import pytest
 
 from eval.benchmark.tables import task_row
 from eval.benchmark.tasks import TASKS, VERSION, digest, tasks_named
+from eval.settings import Settings
 from jawenv.errors import InputError
 
 
@@ -32,8 +33,7 @@ def test_what_every_task_has_in_common():
 def test_a_task_has_the_numbers_behind_its_names():
     settings = TASKS["jaw-imaged-memory"].settings(3)
     assert settings.patients == 3 and settings.seed == 55_000
-    assert settings.knowledge["attachments"] == 0.1
-    assert settings.device == {"unmodelled_time_s": 0.5}
+    assert settings.world == Settings.of(env="JawImaged").world
     frozen = TASKS["jaw-imaged-memory"].frozen()
     assert frozen["device"]["unmodelled_time_s"] == 0.5 and frozen["device"]["slew_N_s"] == 12.0
     assert frozen["cohort"]["groups"]

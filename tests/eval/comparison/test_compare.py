@@ -207,8 +207,8 @@ def test_an_entry_named_twice_counts_once():
 
 
 def test_the_filters_mechanics_go_to_the_environment():
-    assert "estimator" not in Settings().world
-    assert Settings.of(env="JawBilateral", estimator="midline").world["estimator"] == "midline"
+    assert "estimator" not in Settings().world.arguments
+    assert Settings.of(env="JawBilateral", estimator="midline").world.arguments["estimator"] == "midline"
     with pytest.raises(InputError, match="estimator: 'bilateral' given, allowed in jawenv/Jaw-v2 are midline"):
         Settings.of(estimator="bilateral")
 
@@ -295,7 +295,7 @@ def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, 
 
 
 def test_entries_of_another_environment_than_the_settings_are_refused():
-    entries = load_entries(["hold_still"], Settings().world, "jawenv/JawSides-v2")
+    entries = load_entries(["hold_still"], Settings.of(env="JawSides").world)
     with pytest.raises(InputError, match="hold_still plays jawenv/JawSides-v2, but this comparison is in jawenv/Jaw-v"):
         comparison.compare(entries, Settings())
 

@@ -6,7 +6,6 @@ import pytest
 
 import jawenv
 from eval.entries import load_entries
-from eval.options import known_within
 from eval.patient.changes import change_in_words
 from eval.patient.cohort import KnownPatient
 from eval.patient.shared import at_start, change
@@ -19,7 +18,7 @@ PAIRS, FIRST_SEED, DRIFT = 60, 990_000, 0.1  # seeds of no other use
 
 
 def entry_of(episode_s):
-    settings = Settings(1, "trismus", FIRST_SEED, "targets", "pose", episode_s, knowledge=known_within("imaged"))
+    settings = Settings.of(1, FIRST_SEED, episode_s=episode_s, knowledge="imaged")
     return load_entries(["refined"], settings.world)[0]
 
 

@@ -96,7 +96,7 @@ def test_good_knowledge_gives_the_right_verdicts(three, name, headline):
 def test_nothing_is_known_at_the_start(three):
     """Each treatment begins unknown, and a page of beliefs as wide as the prior says so."""
     _, _, folder = three
-    settings = Settings(1, "wide", 5200, "force", "pose", 8.0)
+    settings = Settings.of(1, 5200, cohort="wide", control="force", episode_s=8.0)
     (entry,) = load_entries([RICH], settings.world)
     population = cohort("wide").prior
     for name in (HEALTHY, LEFT, BLOCKED):
@@ -150,7 +150,7 @@ def test_no_verdict_is_given_where_the_readings_do_not_fit_the_model(tmp_path, c
 
 def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
     _, _, folder = three
-    (entry,) = load_entries([RICH], Settings(1, "wide", 5200, "force", "pose", 8.0).env_kwargs)
+    (entry,) = load_entries([RICH], Settings.of(1, 5200, cohort="wide", control="force", episode_s=8.0).world)
     good = first_treatment(entry, 5200, Patient.load(folder / f"{HEALTHY}.json"))
     assert not good.rings
     course = [good, replace(good, misfit=1.2), good]

@@ -13,7 +13,7 @@ PATIENTS, TREATMENTS, FIRST_SEED = 16, 5, 5100
 
 
 def entry_of(cohort="trismus", episode_s=5.0, maneuver="opening_with_swings_and_fore_aft"):
-    settings = Settings(1, cohort, FIRST_SEED, "force", "pose", episode_s)
+    settings = Settings.of(1, FIRST_SEED, cohort=cohort, control="force", episode_s=episode_s)
     return load_entries([maneuver], settings.world)[0]
 
 
