@@ -69,7 +69,10 @@ class ControlledAgent(Remembering):
         control: the controller's.
         agent: as given.
         controller: as given.
+        decision: the last one (N, 4), of a whole batch; None before the first.
     """
+
+    decision: Action | None = None
 
     def __init__(self, agent: Agent, controller: Controller) -> None:
         self.name = agent.name
@@ -96,6 +99,7 @@ class ControlledAgent(Remembering):
             seen = self.controller.seen(rows, of_worlds)
             decision, inner = self.agent.predict(seen, inner, ~decided, deterministic)
             decided = np.ones(len(rows), dtype=bool)
+            self.decision = np.asarray(decision)
         action = self.controller.act(rows, of_worlds, decision)
         return action, Memory((of_worlds, decided), ((step + 1) % self.controller.steps_per_decision, inner))
 

@@ -21,7 +21,7 @@ from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, printable, shown
 from jawenv.files import write_text
-from jawenv.playing.agents import BatchAgent, Listener
+from jawenv.playing.agents import BatchAgent
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import goals_of
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
@@ -31,22 +31,6 @@ FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first ta
 LONGEST_NAME = 200  # characters
 DIGITS = 5
 STRAIGHT = 1e-6  # a point that is off the line between its neighbours by less is left out
-
-
-class Recorder(Listener):
-    """Remembers the actions of an agent.
-
-    Attributes:
-        actions: one (N, 4) for each step since ``reset``.
-    """
-
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See `jawenv.playing.protocol.Agent.reset`."""
-        self.actions: list[Action] = []
-        super().reset(num_envs, seed)
-
-    def _hear(self, action: Action) -> None:
-        self.actions.append(np.array(action))
 
 
 class Replay(BatchAgent):
@@ -153,17 +137,27 @@ def replays_of(
 ) -> tuple[Maneuver, Replay]:
     """The averaged maneuver of ``replay_of``, and what the agent did with each patient; progress as ``jawenv.play``."""
     check_targets(agent, env_kwargs)
-    playing: Agent
-    if isinstance(agent, ControlledAgent) and _followed(agent):
-        recorder, every = Recorder(agent.agent), agent.controller.steps_per_decision
-        playing = ControlledAgent(recorder, agent.controller)
-    else:
-        playing = recorder = Recorder(agent)
-        every = 1
-    kwargs = {"track_bound": False, **env_kwargs}
-    recording = play(playing, patients=patients, seed=seed, env_kwargs=kwargs, env_id=env_id, progress=progress)
+    followed_agent = agent if isinstance(agent, ControlledAgent) and _followed(agent) else None
+    every = 1 if followed_agent is None else followed_agent.controller.steps_per_decision
+    decided: list[Action] = []  # in every control step
+
+    def note(env: Any, action: Action | None) -> None:
+        if action is not None:
+            said = action if followed_agent is None else followed_agent.decision
+            assert said is not None
+            decided.append(said)
+
+    recording = play(
+        agent,
+        patients=patients,
+        seed=seed,
+        env_kwargs={"track_bound": False, **env_kwargs},
+        env_id=env_id,
+        progress=progress,
+        on_step=note,
+    )
     period = every * float(recording.time[1])
-    actions = np.stack(recorder.actions, axis=1).astype(np.float64)
+    actions = np.stack(decided[::every], axis=1).astype(np.float64)
     targets = targets_of(actions, period)
     running = recording.valid[:, :-1:every, None]  # at the beginning of the step
     mean = np.sum(targets * running, axis=0) / np.maximum(running.sum(axis=0), 1)

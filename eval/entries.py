@@ -16,7 +16,7 @@ from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
 from jawenv.playing.protocol import Agent
 from jawenv.playing.recording import Recording
-from jawenv.playing.rollout import play
+from jawenv.playing.rollout import OnStep, play
 
 if TYPE_CHECKING:
     from jawenv.anatomy import Patient
@@ -75,6 +75,7 @@ class Entry:
         patients: int | Sequence[Patient | None],
         seed: int,
         progress: Callable[[int, int], None] | None = None,
+        on_step: OnStep | None = None,
         **changes: Any,
     ) -> Recording:
         """Play one episode with each patient, as `jawenv.play`, by which every result of ``eval`` is made.
@@ -83,10 +84,19 @@ class Entry:
             patients: how many, or whom.
             seed: of the first patient.
             progress: see `jawenv.play`.
+            on_step: see `jawenv.play`.
             **changes: arguments of the environment in place of the entry's.
         """
         kwargs = self.env_kwargs | changes
-        return play(self.agent, patients=patients, seed=seed, env_kwargs=kwargs, env_id=self.env_id, progress=progress)
+        return play(
+            self.agent,
+            patients=patients,
+            seed=seed,
+            env_kwargs=kwargs,
+            env_id=self.env_id,
+            progress=progress,
+            on_step=on_step,
+        )
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""

@@ -73,3 +73,14 @@ def share(record, mean, cov):
     """NEES / 12 of a belief about a record's patient."""
     error = mean - record.truth
     return error @ np.linalg.solve(cov, error) / len(error)
+
+
+class Actions:
+    """What an agent did, (N, 4) for each step, as `jawenv.play` tells it (`on_step`)."""
+
+    def __init__(self):
+        self.actions = []
+
+    def __call__(self, env, action):
+        if action is not None:
+            self.actions.append(np.array(action))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -16,13 +16,12 @@ import pandas as pd
 from eval.calibration import beliefs, nuisances
 from eval.calibration import filters as known_filters
 from eval.calibration.filters import TENSION, filters_named
-from eval.calibration.nuisances import NuisanceListener
+from eval.calibration.nuisances import NuisanceBeliefs
 from eval.entries import Entry, load_entries
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
 from eval.settings import Settings
-from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import mode_of
 from jawenv.errors import InputError
 from jawenv.progress import Progress
@@ -130,10 +129,8 @@ def judge_part(
     """
     entry = load_entries([specs[part.key]], wanted.settings.world, trust=trust)[0]
     recorded = any(name != TENSION for name, _ in part.files)
-    listener = (
-        None if knowledge(entry.env_kwargs.get("knowledge")).exact else NuisanceListener(entry.agent, wanted.times)
-    )
-    recording = (replace(entry, agent=listener) if listener else entry).play(part.number, part.first, record=recorded)
+    beliefs_of = None if entry.world.build_knowledge().exact else NuisanceBeliefs(wanted.times)
+    recording = entry.play(part.number, part.first, on_step=beliefs_of, record=recorded)
     for name, path in part.files:
         rows = beliefs.rows_of(recording, name, wanted.times, part.first)
-        write_table(listener.added_to(rows, part.first) if listener and name == TENSION else rows, path, {})
+        write_table(beliefs_of.added_to(rows, part.first) if beliefs_of and name == TENSION else rows, path, {})

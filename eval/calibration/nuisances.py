@@ -15,8 +15,6 @@ from eval.report import words
 from eval.statistics import Interval
 from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
 from jawenv.mechanics.unknowns import Unknowns
-from jawenv.playing.agents import Listener
-from jawenv.playing.protocol import Action
 
 NOTE = (
     "What is known only within an sd beside the muscles: the mean of (error / sd) squared of a group, 1 if honest, and "
@@ -48,39 +46,29 @@ def group_of(direction: Unknowns) -> str:
     return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
 
 
-class NuisanceListener(Listener):
-    """An agent as ever, while what the filter believes of nuisances is kept at some times, for all worlds.
+class NuisanceBeliefs:
+    """What the filter believes of nuisances at some times, for all worlds, as ``jawenv.play`` tells it (``on_step``).
 
     Args:
-        agent: who plays.
         times: s.
     """
 
-    def __init__(self, agent: Any, times: Sequence[float]) -> None:
+    def __init__(self, times: Sequence[float]) -> None:
         """Nothing is heard yet."""
-        super().__init__(agent)
-        self._times = tuple(times)
-
-    def attach(self, env: Any) -> None:
-        """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
-        super().attach(env)
-        self._simulation = env.unwrapped.simulation
-        rate = self._simulation.configuration.steps_per_s
-        self._step, self._steps = 0, {round(time * rate): time for time in self._times}
+        self._times, self._step = tuple(times), 0
         self._kept: dict[float, list[dict[str, float]]] = {}
 
-    def _hear(self, action: Action) -> None:
-        self._keep()
+    def __call__(self, env: Any, action: Any) -> None:
+        """Keep the beliefs where the time is one of those asked for."""
+        simulation = env.unwrapped.simulation
+        rate = simulation.configuration.steps_per_s
+        for time in self._times:
+            if round(time * rate) == self._step:
+                self._kept[time] = [figures_of(simulation, world) for world in range(len(simulation.worlds))]
         self._step += 1
-
-    def _keep(self) -> None:
-        if self._step in self._steps:
-            worlds = range(len(self._simulation.worlds))
-            self._kept[self._steps[self._step]] = [figures_of(self._simulation, world) for world in worlds]
 
     def added_to(self, rows: pd.DataFrame, first_seed: int) -> pd.DataFrame:
         """Rows of ``beliefs.rows_of`` with the columns of all groups; after the episodes."""
-        self._keep()
         worlds = rows["seed"] - first_seed
         judged = rows["outcome"] == JUDGED
         chosen = [

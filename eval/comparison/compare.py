@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 
 from eval.comparison import motion, results
-from eval.comparison.motion import Watched
 from eval.comparison.results import Results
 from eval.entries import Entry
 from eval.kept.digest import fingerprint
@@ -84,14 +83,15 @@ def play_entry(part: Part, progress: Progress, entries: Mapping[str, Entry], set
         settings: on whom.
     """
     entry, before = entries[part.key], progress.done
-    agent, name = Watched(entry.agent), words.label(entry.label)
-    recording = replace(entry, agent=agent).play(
+    seen, name = motion.Motion(), words.label(entry.label)
+    recording = entry.play(
         settings.patients,
         settings.seed,
         progress=lambda step, steps: progress.advance_to(before + step / steps, name),
+        on_step=seen,
     )
     tables = results.from_recording(recording, entry.label, settings.seed, entry.about())
-    moved = {entry.label: agent.motion()} if agent.motion() else {}
+    moved = {entry.label: seen.motion()} if seen.motion() else {}
     for stem, path in part.files:
         results.save(replace(tables, motions=moved), path.parent, stem)
     spent = getattr(entry.agent, "ms_per_decision", None)

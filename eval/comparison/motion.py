@@ -11,30 +11,26 @@ import numpy as np
 from jawenv.controls import CONTROLS
 from jawenv.errors import InputError
 from jawenv.files import write_text
-from jawenv.playing.agents import Listener
 from jawenv.playing.protocol import Action
 from jawenv.reading import read_bytes
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 
 
-class Watched(Listener):
-    """Sees what happens to the first patient of an agent."""
+class Motion:
+    """What happens to the first patient, as ``jawenv.play`` tells it (``on_step``)."""
 
-    _motion: dict[str, Any] | None = None
-
-    def attach(self, env: Any) -> None:
-        """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
-        super().attach(env)
-        self._simulation = env.unwrapped.simulation
-        rate = self._simulation.configuration.steps_per_s
-        self._every = max(1, round(rate / LARGEST_RATE))
+    def __init__(self) -> None:
+        """Nothing is seen yet."""
         self._step = 0
-        self._motion = None
+        self._motion: dict[str, Any] = {}
 
-    def _hear(self, action: Action) -> None:
-        if self._step % self._every == 0:
-            self._keep(action[0])
+    def __call__(self, env: Any, action: Action | None) -> None:
+        """Keep a frame now and then."""
+        simulation = env.unwrapped.simulation
+        every = max(1, round(simulation.configuration.steps_per_s / LARGEST_RATE))
+        if action is not None and self._step % every == 0:
+            self._keep(simulation, action[0])
         self._step += 1
 
     def motion(self) -> dict[str, Any]:
@@ -45,18 +41,18 @@ class Watched(Listener):
         ``frames``, of every frame, ``time_s``, ``contact`` (3), ``turn`` (3, rotation vector), ``tension`` (M),
         ``force`` (3), ``command`` (4, of -1 to 1), ``moved`` (opening, side, fore-aft) and ``sd`` (P).
         """
-        return self._motion or {}
+        return self._motion
 
-    def _keep(self, action: Action) -> None:
+    def _keep(self, simulation: Any, action: Action) -> None:
         """Add a frame, as long as the episode runs."""
         from jawenv.envs.shown_world import build_scene
 
-        world = self._simulation.worlds[0]
+        world = simulation.worlds[0]
         if world["truth"]["violated"] or not np.isfinite(world["known"]["log_det"]):
             return
-        scene = build_scene(self._simulation)
-        if self._motion is None:
-            self._motion = beginning(scene, self._simulation.configuration.control)
+        scene = build_scene(simulation)
+        if not self._motion:
+            self._motion = beginning(scene, simulation.configuration.control)
         for name, value in frame_of(scene, action).items():
             self._motion["frames"].setdefault(name, []).append(value)
 

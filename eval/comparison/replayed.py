@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from eval.comparison.motion import Watched
+from eval.comparison.motion import Motion
 from eval.comparison.results import Results
 from eval.entries import load_entries
 from eval.report import words
@@ -34,9 +34,9 @@ def play_patient(study: Results, seed: int, console: Console, *, trust: bool = F
     specs = [each["spec"] for each in study.about["entries"]]
     motions: dict[str, Any] = {}
     for entry in load_entries(specs, settings.world, trust=trust):
-        agent = Watched(entry.agent)
+        seen = Motion()
         with console.status(f"playing {words.label(entry.label)}"):
-            replace(entry, agent=agent).play(1, seed)
-        if agent.motion():
-            motions[entry.label] = agent.motion()
+            entry.play(1, seed, on_step=seen)
+        if seen.motion():
+            motions[entry.label] = seen.motion()
     return replace(study, motions=motions, about=study.about | {"played_seed": seed})

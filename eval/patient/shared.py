@@ -7,17 +7,13 @@ next. The session's part (load cell, mouthpiece, tilt) is drawn anew for each tr
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from eval.entries import Entry
 from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import knowledge
-from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood, joint_likelihood
-from jawenv.playing.agents import Listener
-from jawenv.playing.protocol import Action
+from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 
 Array = NDArray[np.float64]
 
@@ -25,23 +21,6 @@ Array = NDArray[np.float64]
 def is_shared(entry: Entry) -> bool:
     """Whether an entry's patients have an anatomy that is known only within sds."""
     return not knowledge(entry.env_kwargs.get("knowledge")).exact
-
-
-class Hearing(Listener):
-    """An agent as ever, while what the filter learns of the first world is kept at each control step."""
-
-    def attach(self, env: Any) -> None:
-        """See ``jawenv.playing.protocol.Planning.attach``; called once, before the first step."""
-        super().attach(env)
-        self._simulation = env.unwrapped.simulation
-        self._heard: list[JointLikelihood] = []
-
-    def _hear(self, action: Action) -> None:
-        self._heard.append(joint_likelihood(self._simulation, 0))
-
-    def heard(self, number: int) -> list[JointLikelihood]:
-        """What had been learned at the first so many times, that of the reset among them."""
-        return [*self._heard, joint_likelihood(self._simulation, 0)][:number]
 
 
 def at_start(prior: Prior, size: int) -> tuple[Array, Array]:

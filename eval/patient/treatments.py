@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 from eval.entries import Entry
 from eval.patient.belief import Belief, combined
 from eval.patient.cohort import KnownPatient
-from eval.patient.shared import Hearing, at_start, is_shared
+from eval.patient.shared import at_start, is_shared
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
-from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
+from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood, joint_likelihood
 from jawenv.ladder import model_of_env
 from jawenv.metrics import alarm_rings
 from jawenv.playing.recording import Recording
@@ -190,11 +191,15 @@ def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Pati
     if before is not None:
         mean, cov = (values[:parameters] for values in before)
         working = Belief(mean, cov[:, :parameters]).working_prior(population.prior)
-    hearing = Hearing(entry.agent)
-    playing = replace(entry, agent=hearing)
-    recording = playing.play([patient], noise, cohort=KnownPatient.of(population, working), track_bound=False)
+    heard: list[JointLikelihood] = []  # what the filter has learned, that of the reset first
+
+    def hear(env: Any, action: Any) -> None:
+        heard.append(joint_likelihood(env.unwrapped.simulation, 0))
+
+    known = KnownPatient.of(population, working)
+    recording = entry.play([patient], noise, on_step=hear, cohort=known, track_bound=False)
     last = int(recording.last[0]) + 1
-    told = hearing.heard(last)
+    told = heard[:last]
     start = before or at_start(population.prior, len(told[0].vector))
     beliefs = [each.posterior(*start) for each in told]
     return Treatment(

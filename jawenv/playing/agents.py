@@ -7,11 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.controls import Control
 from jawenv.errors import InputError
-from jawenv.playing.protocol import Action, Agent, Mask, Observation, State, checked_decision
+from jawenv.playing.protocol import Action, Mask, Observation, State
 
-__all__ = ["BatchAgent", "Listener", "Memory", "Remembering", "check_size"]
+__all__ = ["BatchAgent", "Memory", "Remembering", "check_size"]
 
 
 class BatchAgent:
@@ -105,45 +104,6 @@ class Remembering(BatchAgent):
             for array in copies:
                 array[starts] = np.zeros(1, array.dtype)
         return memory._replace(of_worlds=copies)
-
-
-class Listener(BatchAgent):
-    """An agent that is played as ever, while something listens.
-
-    Args:
-        agent: who plays; one without memory may have no ``reset``.
-
-    Attributes:
-        name: that of the agent.
-        control: that of the agent; None if it names none.
-    """
-
-    def __init__(self, agent: Agent) -> None:
-        self._agent: Any = agent
-        self.name: str = agent.name
-        self.control: Control | None = getattr(agent, "control", None)
-
-    def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See `jawenv.playing.protocol.Agent.reset`."""
-        if hasattr(self._agent, "reset"):
-            self._agent.reset(num_envs, seed)
-
-    def attach(self, env: Any) -> None:
-        """See `jawenv.playing.protocol.Planning.attach`."""
-        if hasattr(self._agent, "attach"):
-            self._agent.attach(env)
-
-    def _answer(
-        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
-    ) -> tuple[Action, State]:
-        action, after = checked_decision(self._agent.predict(rows, state, starts, deterministic), self._agent)
-        action = np.asarray(action)
-        self._hear(action)
-        return action, after
-
-    def _hear(self, action: Action) -> None:
-        """Take note of actions (N, 4)."""
-        raise NotImplementedError
 
 
 def check_size(rows: Observation, size: int, policy: object) -> None:

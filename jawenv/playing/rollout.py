@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
-from jawenv.playing.protocol import checked_decision
+from jawenv.playing.protocol import Action, checked_decision
 from jawenv.playing.recording import Array, Mask, Recording
 from jawenv.playing.singles import SingleWorlds
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from jawenv.anatomy import Patient
     from jawenv.files import Source
     from jawenv.laboratory.recordings.record import Record
+
+OnStep: TypeAlias = Callable[[Any, Action | None], None]
 
 LARGEST_SEED = 2**32 - 1  # that all agents take, and tables hold
 
@@ -53,6 +55,7 @@ def play(
     env_kwargs: Mapping[str, Any] | None = None,
     env_id: str = DEFAULT_ENV,
     progress: Callable[[int, int], None] | None = None,
+    on_step: OnStep | None = None,
 ) -> Recording:
     """Play one episode of an agent with every patient, all at the same time.
 
@@ -67,6 +70,8 @@ def play(
             `control` is that of the agent if it has an attribute of this name.
         env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
         progress: called with (steps done, steps of the longest episode) after every control step.
+        on_step: called with the environment and the actions (N, 4) before every control step, and at the end with None
+            in place of actions; it reads the environment, and changes nothing.
 
     Returns:
         The recording of all worlds. A world that ends early stays frozen while the others go on.
@@ -95,12 +100,16 @@ def play(
             agent.reset(number, seeds[0])
         if hasattr(agent, "attach"):
             agent.attach(env)
-        recording = _watch(agent, env, observation, info, progress)
+        recording = _watch(agent, env, observation, info, progress, on_step or _ignore)
         if not env.unwrapped.configuration.record:
             return recording
         return replace(recording, records=tuple(_record(env, i) for i in range(number)))
     finally:
         env.close()
+
+
+def _ignore(env: Any, action: Action | None) -> None:
+    """Nobody watches."""
 
 
 def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
@@ -157,6 +166,7 @@ def _watch(
     observation: npt.NDArray[np.float32],
     info: dict[str, Any],
     progress: Callable[[int, int], None] | None,
+    on_step: OnStep,
 ) -> Recording:
     """Step all worlds to their ends and keep what they tell."""
     number, configuration = env.num_envs, env.unwrapped.configuration
@@ -171,6 +181,7 @@ def _watch(
     for step in range(1, steps + 1):
         decision = agent.predict(observation, state=state, episode_start=starts, deterministic=True)
         action, state = checked_decision(decision, agent)
+        on_step(env, action)
         observation, _, ended, cut_off, info = env.step(action)
         starts = np.zeros(number, dtype=bool)
         # A filter that has diverged has no belief to keep: its episode ended the step before.
@@ -183,6 +194,7 @@ def _watch(
             progress(step, steps)
         if not running.any():
             break
+    on_step(env, None)
     arrays: dict[str, Any] = {key: value[:, : step + 1] for key, value in values.items()}
     prior = env.unwrapped.prior
     return Recording(

@@ -10,9 +10,9 @@ import agents
 import jawenv
 from agents.planners import PLANNERS
 from agents.planning import Plan, Planner
-from agents.replay import Recorder
 from jawenv.errors import InputError
 from jawenv.playing.protocol import Agent, Planning
+from tests.recorded import Actions
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
 QUICK = {
@@ -48,8 +48,8 @@ def quick(name):
 
 def actions_of(agent, **kwargs):
     """What it is played to, and its actions (T, N, 4)."""
-    watched = Recorder(agent)
-    return jawenv.play(watched, env_kwargs=KWARGS, **kwargs), np.array(watched.actions)
+    watched = Actions()
+    return jawenv.play(agent, env_kwargs=KWARGS, on_step=watched, **kwargs), np.array(watched.actions)
 
 
 def test_every_planner_has_a_name_and_says_what_it_does():
@@ -83,8 +83,8 @@ def test_the_fewest_candidates_are_those_that_are_always_tried():
 @pytest.mark.parametrize("options", [{"track_bound": True, "record": True, "reward": "bound", "cohort": "wide"}, {}])
 def test_planning_changes_nothing_of_the_real_worlds(name, options):
     agent, kwargs = quick(name), {"track_bound": False, **KWARGS, **options}
-    watched = Recorder(agent)
-    planned = jawenv.play(watched, patients=2, seed=5000, env_kwargs=kwargs)
+    watched = Actions()
+    planned = jawenv.play(agent, patients=2, seed=5000, env_kwargs=kwargs, on_step=watched)
     replayed = jawenv.play(Replayed(watched.actions), patients=2, seed=5000, env_kwargs=kwargs)
     np.testing.assert_array_equal(planned.belief_cov, replayed.belief_cov)
     np.testing.assert_array_equal(planned.belief_mean, replayed.belief_mean)

@@ -10,19 +10,19 @@ import pytest
 import agents
 import jawenv
 from agents.array_files import load_arrays, save_arrays
-from agents.replay import Recorder, Replay, replay_of, replays_of, save_maneuver, targets_of
+from agents.replay import Replay, replay_of, replays_of, save_maneuver, targets_of
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
+from tests.recorded import Actions
 
 KWARGS = {"control": "targets", "episode_s": 2.0}
 
 
 def played(agent, patients=2, **kwargs):
-    recorder = Recorder(agent)
-    recording = jawenv.play(
-        recorder, patients=patients, seed=5000, env_kwargs={**KWARGS, "track_bound": False, **kwargs}
-    )
-    return np.stack(recorder.actions, axis=1), recording
+    watched = Actions()
+    arguments = {**KWARGS, "track_bound": False, **kwargs}
+    recording = jawenv.play(agent, patients=patients, seed=5000, env_kwargs=arguments, on_step=watched)
+    return np.stack(watched.actions, axis=1), recording
 
 
 def test_the_replay_of_a_maneuver_is_that_maneuver():

@@ -2,13 +2,12 @@
 
 import subprocess
 import sys
-from typing import Any
 
 import numpy as np
 import pytest
 
 from jawenv.errors import InputError
-from jawenv.playing.agents import BatchAgent, Listener, Memory, Remembering
+from jawenv.playing.agents import BatchAgent, Memory, Remembering
 
 
 class Counting(Remembering):
@@ -23,15 +22,6 @@ class Counting(Remembering):
         together = (memory.shared or 0) + 1
         action = np.stack([step, deep["deep"][:, 1], np.full(len(rows), together), rows[:, 0]], axis=1)
         return action.astype(np.float32), Memory((step + 1, deep), together)
-
-
-class Noting(Listener):
-    def __init__(self, agent: Any) -> None:
-        super().__init__(agent)
-        self.heard: list[Any] = []
-
-    def _hear(self, action):
-        self.heard.append(action)
 
 
 def rows(worlds: int) -> np.ndarray:
@@ -64,16 +54,6 @@ def test_another_number_of_worlds_is_refused_until_all_begin() -> None:
     with pytest.raises(InputError, match=r"observation of 3 worlds after 2 worlds: call reset\(3\) first"):
         agent.predict(rows(3))
     assert agent.predict(rows(3), None, np.ones(3, bool))[0].shape == (3, 4)
-
-
-def test_a_listener_changes_nothing_and_hears_all() -> None:
-    listener, alone = Noting(Counting()), Counting()
-    assert listener.name == "counting" and listener.control is None
-    for _ in range(2):
-        np.testing.assert_array_equal(listener.predict(rows(2))[0], alone.predict(rows(2))[0])
-    assert len(listener.heard) == 2
-    listener.reset(2)
-    assert listener.predict(rows(2))[0][0, 0] == 0
 
 
 def test_it_needs_no_torch() -> None:

@@ -9,8 +9,8 @@ from rich.console import Console
 
 import agents
 import jawenv
-from agents.replay import Recorder
 from jawenv.errors import InputError
+from tests.recorded import Actions
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.evaluation_table import read_evaluations
@@ -80,8 +80,9 @@ def test_a_planner_is_distilled_and_a_stopped_distillation_goes_on(config_file: 
     # The planner plays the first round itself: those labels are what it did.
     first = Labels.load(whole.path / "labels" / "round_00.npz")
     env = {"control": "targets", "reward": "worst", "episode_s": 1.0}
-    planner = Recorder(agents.load_agent("myopic", control="targets"))
-    jawenv.play(planner, patients=5, seed=world_seed(0, 0), env_kwargs={**env, "track_bound": False})
+    planner, arguments = Actions(), {**env, "track_bound": False}
+    myopic = agents.load_agent("myopic", control="targets")
+    jawenv.play(myopic, patients=5, seed=world_seed(0, 0), env_kwargs=arguments, on_step=planner)
     base = agents.load_agent(whole.path, control="targets").base
     done = np.array([base.residuals(np.full(5, k), action) for k, action in enumerate(planner.actions)])
     within = np.abs(done).max(axis=(0, 2)) < 1.0  # what is out of a correction's reach is played otherwise

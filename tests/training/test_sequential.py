@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import jawenv
-from agents.replay import Recorder
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
+from tests.recorded import Actions
 from training.cli import main
 from training.search.log import SearchLog
 from training.search.sequential import SequentialDesign, _Designer, design_maneuver
@@ -23,8 +23,8 @@ QUICK = SequentialDesign(horizon_s=2.0, patients=3, look_ahead_s=1.0, candidates
 ABOUT = {"name": "designed", "title": "Designed", "description": "For a test.", "source": "this test"}
 
 
-def played(agent):
-    return jawenv.play(agent, patients=QUICK.patients, seed=5000, env_kwargs=QUICK.env_kwargs)
+def played(agent, on_step=None):
+    return jawenv.play(agent, patients=QUICK.patients, seed=5000, env_kwargs=QUICK.env_kwargs, on_step=on_step)
 
 
 def log_of(log):
@@ -33,9 +33,9 @@ def log_of(log):
 
 
 def test_all_patients_are_moved_alike(tmp_path):
-    agent = Recorder(_Designer(QUICK, "designed", tmp_path / "log.txt"))
-    played(agent)
-    actions = np.array(agent.actions)
+    watched = Actions()
+    played(_Designer(QUICK, "designed", tmp_path / "log.txt"), watched)
+    actions = np.array(watched.actions)
     assert actions.shape == (10, 3, 4)
     np.testing.assert_array_equal(actions, np.broadcast_to(actions[:, :1], actions.shape))
     assert np.ptp(actions, axis=0).max() > 0.1
