@@ -71,7 +71,8 @@ def patient_command(
     rows = [row for each in zip(people, courses, strict=True) for row in page.verdict_rows(*each, prior)]
     write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
     for person, course in zip(people, courses, strict=True):
-        text = page.render(loaded, person, plan, course, about, show_truth)
+        subject = page.Subject.simulated(loaded, person, plan, float(course[-1].time[-1]))
+        text = page.render(subject, course, about, show_truth)
         written = page.write(text, output / f"patient-{person.name}.html")
         said = {name: each.word for name, each in zip(MUSCLE_NAMES, page.said_of(course), strict=True)}
         console.print(f"{written}: {page.headline(said)}", soft_wrap=True)

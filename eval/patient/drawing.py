@@ -9,9 +9,9 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from eval.patient.verdicts import BOTH, NO_VERDICT, UNKNOWN
 from eval.report import words
 from jawenv.anatomy import MuscleSet
+from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN
 from jawenv.rendering import outlines
 from jawenv.rendering.mesh import Mesh
 

@@ -17,12 +17,12 @@ from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment, population_of
-from eval.patient.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, Verdict, truly, verdicts
 from eval.report import template, words
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, Verdict, truly, verdicts
 
 FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), FIBROSED_F_O_N)
 STIFFENING = Axis(2.0, 50.0, (2.0, 5.0, 10.0, 20.0, 50.0), BLOCKED_B)
@@ -74,6 +74,38 @@ class Card:
     truth: str
 
 
+@dataclass(frozen=True)
+class Subject:
+    """Whose page it is.
+
+    Attributes:
+        who: the title.
+        account: what was done, in a line.
+        notice: what the page is not.
+        prior: belief about the muscles before the first treatment.
+        effects: what acts that the estimate does not know of; empty for nothing.
+    """
+
+    who: str
+    account: str
+    notice: str
+    prior: Prior
+    effects: str = ""
+
+    @classmethod
+    def simulated(cls, entry: Entry, person: Person, plan: Course, seconds: float) -> Subject:
+        """A simulated patient, treated by an entry."""
+        times = "One treatment" if plan.number == 1 else f"{plan.number} treatments, one after the other,"
+        account = f"{times} with the maneuver “{words.label(entry.label)}”, {seconds:g} s"
+        if plan.number > 1:
+            account += " each"
+        if plan.drift:
+            account += f"; the muscles change by about {100 * plan.drift:g} % from one to the next"
+        effects = ", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items())
+        notice = "Research, not a medical device. The patient is simulated."
+        return cls(_who(entry, person), account, notice, population_of(entry).prior, effects)
+
+
 def check_env(env_id: str) -> None:
     """Check that an environment has the six muscles that the page draws.
 
@@ -85,34 +117,28 @@ def check_env(env_id: str) -> None:
         raise InputError(f"env: {env_id} given, allowed are those with six closing muscles, Jaw and JawBilateral")
 
 
-def render(
-    entry: Entry, person: Person, plan: Course, course: Sequence[Treatment], about: dict[str, Any], show_truth: bool
-) -> str:
+def render(subject: Subject, course: Sequence[Treatment], about: dict[str, Any], show_truth: bool) -> str:
     """The page as HTML text.
 
     Args:
-        entry: the maneuver or agent.
-        person: whom it was played on.
-        plan: the course that was asked for.
-        course: its treatments.
+        subject: whose page it is.
+        course: treatments, or a recording as one.
         about: command, versions, time.
         show_truth: whether the true values of the simulated patient are shown.
     """
     now = said_of(course)
     said = {name: each.word for name, each in zip(MUSCLE_NAMES, now, strict=True)}
-    changed = change_of(course, population_of(entry).prior)
+    changed = change_of(course, subject.prior)
     cards = {name: _card(course, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
         "patient.html.j2",
         SHEET,
-        who=_who(entry, person),
-        maneuver=words.label(entry.label),
-        plan=plan,
+        subject=subject,
+        number=len(course),
         seconds=f"{course[-1].time[-1]:g}",
         ended_early=[i for i, each in enumerate(course, 1) if each.violated],
         unfit=[i for i, each in enumerate(course, 1) if each.rings],
         headline=headline(said),
-        effects=", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items()),
         views={side: drawing.view(side, muscle_set(), said) for side in ("right", "left")},
         rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in ABOUT],
         legend=[
@@ -207,13 +233,12 @@ def _quantity(
 ) -> Quantity:
     mean, sd = float(course[-1].mean[-1, parameter]), math.sqrt(course[-1].cov[-1, parameter, parameter])
     low, high = (_significant(math.exp(mean + factor * sd)) for factor in (-SD_95, SD_95))
-    truth = math.exp(course[-1].truth[parameter])
     return Quantity(
         value=f"{_significant(math.exp(mean))} {unit}".strip(),
         interval=f"{low} to {high}",
         change="" if changed is None else change_in_words(*changed.of(parameter)),
         picture=charts.chart(course, parameter, axis, label, show_truth),
-        truth=f"{_significant(truth)} {unit}".strip(),
+        truth=f"{_significant(math.exp(course[-1].truth[parameter]))} {unit}".strip() if show_truth else "",
     )
 
 

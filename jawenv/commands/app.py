@@ -75,11 +75,28 @@ def identify_command(
         str | None,
         typer.Option(help="What is known of anatomy and device: exact or imaged, or a file.", metavar="NAME"),
     ] = None,
-) -> None:
-    """Estimate F_o and b of every muscle from a recording, with their standard deviations (docs/recordings.md)."""
-    from jawenv.commands.recordings import identify
+    columns: Annotated[
+        Path | None,
+        typer.Option(help="File with the names, units and signs that the recording has for ours.", metavar="FILE"),
+    ] = None,
+    resample: Annotated[
+        float | None, typer.Option(help="Interpolate uneven times to so many rows a second.", metavar="HZ")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Write the patient's page; needs a clone of the project.", metavar="FILE.html")
+    ] = None,
+    check_only: Annotated[
+        bool, typer.Option("--check", help="Only say whether each quantity is plausible; estimate nothing.")
+    ] = False,
+) -> int:
+    """Estimate F_o and b of every muscle from a recording, and say whether to believe it (docs/recordings.md).
 
-    identify(recording, cohort, knowledge)
+    Ends with status 3 where the estimates are not to be believed.
+    """
+    from jawenv.commands.recordings import check, identify
+
+    reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample}
+    return check(recording, reading) if check_only else identify(recording, reading, page)
 
 
 @app.command("list")
@@ -98,6 +115,6 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line.
 
     Returns:
-        Exit code: 0 done, 2 unusable input, 130 interrupted.
+        Exit code: 0 done, 2 unusable input, 3 a recording that is not to be believed, 130 interrupted.
     """
     return run(app, "jawenv", arguments, "fewer patients, or shorter episodes,")

@@ -2,25 +2,115 @@
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from jawenv.laboratory.record_filter import TensionFilter
+from jawenv.anatomy import MUSCLE_NAMES
+from jawenv.errors import InputError, MissingPackageError
+from jawenv.laboratory.identification import Identification, identified
 from jawenv.laboratory.recordings.files import load_record
+from jawenv.laboratory.recordings.plausibility import findings
+from jawenv.laboratory.recordings.record import Record
+from jawenv.metrics.verdicts import NO_VERDICT, UNKNOWN, WITHHELD, Verdict, verdicts
+
+NOT_BELIEVABLE = 3
+SD_95 = 1.96
+BLOCKS = {"F_o": "pull of the closed jaw F_o, N", "b": "stiffening b, no unit"}
+LOOK_AT = "signs, degrees, mm, newtons, origin, rate and frame of the columns (docs/recordings.md)"
 
 
-def identify(path: Path, cohort: str | None, knowledge: str | None) -> None:
-    """Print what the environments' filter finds in a recording.
+def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
+    """Print what the environments' filter finds in a recording, and whether it is to be believed.
+
+    Args:
+        path: of the file.
+        reading: arguments of ``load_record``.
+        page: where the patient's page is written; None for nowhere.
+
+    Returns:
+        Exit code: 0, or 3 where the estimates are not to be believed.
 
     Raises:
-        InputError: the file cannot be read, is damaged, or cohort or knowledge are unknown.
+        InputError: the file cannot be read, is damaged or has an impossible rate, or an argument is not allowed.
     """
-    record = load_record(path, cohort=cohort, knowledge=knowledge)
-    found = TensionFilter().estimate(record)
+    write_page = None if page is None else _page_writer()
+    record = load_record(path, **reading)
+    rate = findings(record)[0]
+    if not rate.plausible:
+        raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
+    found = identified(record)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
-    print(f"{'':32}{'estimate':>10}{'sd':>9}{'truth':>9}")
-    for i, name in enumerate(record.parameter_names):
-        truth = f"{np.exp(record.truth[i]):9.2f}" if record.truth is not None else f"{'?':>9}"
-        sd = 100.0 * found.sd[-1, i]
-        print(f"{name.removeprefix('log_'):32}{np.exp(found.mean[-1, i]):10.2f}{sd:7.1f} %{truth}")
+    fitted = found.rows - found.refused
+    print(f"rows:    {found.rows:,} read, {fitted:,} fitted, {found.refused:,} refused by the filter's gate")
+    print(f"numbers: {found.numbers:,} read, {found.left_out:,} left out (out of range, or of a frozen sensor)")
+    print(f"alarm:   {'silent' if found.misfit <= 1.0 else 'RINGS'}, misfit {found.misfit:.3g} (it rings above 1)\n")
+    _print_estimates(record, found)
+    if record.parameter_names[::2] == tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
+        _print_muscles(found)
+    if write_page is not None:
+        print(f"\npage: {write_page(record, found, path, page)}")
+    if not found.believable:
+        print("\nNOT TO BE BELIEVED:")
+        for doubt in found.doubts:
+            print(f"- {doubt}")
+        print(f"Look at {LOOK_AT}.")
+    return 0 if found.believable else NOT_BELIEVABLE
+
+
+def check(path: Path, reading: Mapping[str, Any]) -> int:
+    """Print whether a recording can be one of a jaw on a device, quantity by quantity; nothing is estimated.
+
+    Returns:
+        Exit code: 0, or 3 where a quantity is not plausible.
+    """
+    found = findings(load_record(path, **reading))
+    for each in found:
+        print(f"{'ok ' if each.plausible else 'NOT'} {each.columns:20} {each.value:40} allowed: {each.allowed}")
+    return 0 if all(each.plausible for each in found) else NOT_BELIEVABLE
+
+
+def _print_estimates(record: Record, found: Identification) -> None:
+    mean, sd = found.estimate.mean[-1], found.estimate.sd[-1]
+    print(f"{'':32}{'estimate':>10}{'sd':>9}{'' if record.truth is None else 'truth':>9}".rstrip())
+    for symbol, title in BLOCKS.items():
+        print(title)
+        for i, name in enumerate(record.parameter_names):
+            if name.startswith(f"log_{symbol}/"):
+                truth = "" if record.truth is None else f"{np.exp(record.truth[i]):9.2f}"
+                print(f"{name.removeprefix('log_'):32}{np.exp(mean[i]):10.2f}{100.0 * sd[i]:7.1f} %{truth}")
+
+
+def _print_muscles(found: Identification) -> None:
+    """The verdict on every muscle, left beside right, with the ratio of their pulls."""
+    mean, cov = found.estimate.mean[-1], found.estimate.cov[-1]
+    said = verdicts(mean, cov) if found.believable else [WITHHELD] * len(MUSCLE_NAMES)
+    print(f"\n{'':20}{'left':30}{'right':30}F_o left : right, 95 %")
+    for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
+        left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
+        words = [_in_words(said[left]), _in_words(said[right])]
+        ratio = mean[2 * left] - mean[2 * right]
+        pair = [2 * left, 2 * right]
+        reach = SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))
+        low, high = np.exp(ratio - reach), np.exp(ratio + reach)
+        print(f"{kind:20}{words[0]:30}{words[1]:30}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
+
+
+def _in_words(said: Verdict) -> str:
+    if said.word in (NO_VERDICT, UNKNOWN):
+        return said.word
+    return f"{said.word}, {'above 99.9' if said.probability > 0.999 else f'{100.0 * said.probability:.3g}'} %"
+
+
+def _page_writer() -> Any:
+    """The writer of a patient's page, which a clone of the project has and the wheel has not."""
+    try:
+        return importlib.import_module("eval.patient.recordings").write_page
+    except ModuleNotFoundError as error:
+        raise MissingPackageError(
+            f"--page: {error.name} is not installed; allowed in a clone of the project, with its extra eval "
+            "(pip install -e '.[eval]')"
+        ) from None

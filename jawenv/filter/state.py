@@ -84,7 +84,10 @@ def belief_dtype(
         ("waits", "i8"),  # ticks of which nothing is learnt from here on, see ``readings.screening``
         ("gated", "i8"),  # ticks whose innovation the gate rejected when they were read
         ("last_measured", "f8", (N_MEASUREMENTS,)),
-        ("last_sample", "f8", (N_WRENCH,)),
+        ("encoder_step", "f8", (N_MEASUREMENTS,)),  # see ``readings.screening``; infinite before a change
+        ("repeats", "f8", (N_MEASUREMENTS,)),  # how often in a row each encoder has shown the same; infinite if frozen
+        ("cell_step", "f8", (N_WRENCH,)),
+        ("unchanged_at", "f8", (6,)),  # pose (q) when the load cell last changed
         ("held_sample", "f8", (N_WRENCH,)),
         ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was used
     ]
@@ -165,7 +168,10 @@ def forget_readings(belief):
     belief.block.largest, belief.block.second, belief.waits = 0.0, 0.0, 0
     belief.readings = 0
     belief.last_measured[:] = np.nan
-    belief.last_sample[:] = np.nan
+    belief.encoder_step[:] = np.inf
+    belief.repeats[:] = 0.0
+    belief.cell_step[:] = np.inf
+    belief.unchanged_at[:] = 0.0
     belief.held_sample[:] = 0.0
     belief.lost_for[:] = 0.0
     set_coefficients(belief.basis, belief.mean, belief.nominal)

@@ -24,7 +24,7 @@ from jawenv.filter.nuisances.changed_jaw import copy_jaw
 from jawenv.filter.nuisances.changes import correct_readings, follow_friction, nuisance_dtype
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.readings.screening import is_resolved, mark_usable, repair_samples
+from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
 from jawenv.kernels.compiled import njit, njit_within
@@ -96,6 +96,7 @@ def filter_scratch_dtype(
     fields: list[Any] = [(name, record_dtype(stage)) for name, stage in stages.items()]
     fields += [
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
+        ("frozen", "u1", N_WRENCH),  # which components of it
         ("wrench_variance", "f8", N_WRENCH),
         ("used", "u1", N_MEASUREMENTS),  # readings, screened
         ("measured", "f8", (N_MEASUREMENTS,)),  # corrected
@@ -167,17 +168,20 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
     left_out, resolved = 0, True
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
-        left_out += repair_samples(belief, samples, settings, scratch.wrench_variance, scratch.samples)
+        mark_frozen(jaw, belief, samples, settings, scratch.frozen)
+        left_out += repair_samples(
+            belief, samples, scratch.frozen, settings.dt, scratch.wrench_variance, scratch.samples
+        )
         add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
         resolved = is_resolved(belief, scratch.samples, settings.rough)
-    left_out += mark_usable(measured, belief.last_measured, settings.used, scratch.used)
+    correct_readings(belief, settings.nuisances, measured, scratch.measured)
+    left_out += mark_usable(jaw, belief, measured, settings, scratch)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += 1
-        correct_readings(belief, settings.nuisances, measured, scratch.measured)
         used = scratch.used
         scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:

@@ -9,7 +9,7 @@ from recorded import SWINGS, Waves, share
 
 import jawenv
 from agents import load_agent
-from jawenv import Device, InputError, Knowledge
+from jawenv import Device, InputError, Knowledge, OnlineFilter
 from jawenv.anatomy.knowledge import LEVELS
 from jawenv.inference.likelihood import log_likelihood
 from jawenv.laboratory.analysis.bound import bound_along
@@ -192,3 +192,40 @@ def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
     error = run.belief_mean[:, -1] - run.truth
     nees = np.einsum("ni,nij,nj->n", error, np.linalg.inv(run.belief_cov[:, -1]), error)
     assert nees.mean() < nees_band(16, 12, 0.999)[1]
+
+
+def single(record):
+    """One load-cell reading per row: a tick ends with the reading with which the next begins."""
+    readings = np.concatenate([record.samples[:, 0], record.samples[-1:, 2]])
+    middle = 0.5 * (readings[:-1] + readings[1:])
+    return replace(record, samples=np.stack([readings[:-1], middle, readings[1:]], axis=1))
+
+
+def stepped(record, cell_N=0.05, encoder=1e-4):
+    """Readings in steps as large as their noise: 0.05 N, 0.1 mm and so on."""
+    cell, steps = np.repeat([cell_N, 0.04 * cell_N], 3), encoder * np.repeat([1.0, 17.0, 10.0, 200.0], 3)
+    measured = np.round(record.measured / steps) * steps
+    return replace(record, measured=measured, samples=np.round(record.samples / cell) * cell)
+
+
+def test_equal_neighbours_are_no_frozen_sensor():
+    """Single readings, readings in steps and both leave hardly any out, and cost hardly any information."""
+    kwargs = {"record": True, "episode_s": 8.0}
+    (record,) = jawenv.play(load_agent(SWINGS), patients=1, seed=6100, env_kwargs=kwargs).records
+    sd = TensionFilter().estimate(record).sd[-1]
+    for changed in (single(record), stepped(record), stepped(single(record))):
+        online, left_out = OnlineFilter.of_record(changed), 0
+        for k, measured in enumerate(changed.measured):
+            belief = online.update(measured, changed.samples[k - 1] if k else None)
+            left_out += belief.left_out
+        assert left_out < 0.01 * 18 * len(changed.measured)
+        assert (belief.log_sd < 1.1 * sd).all()
+        assert share(record, belief.log_mean, belief.log_cov) < 2.5 and belief.misfit < 1.0
+
+
+def test_an_encoder_with_steps_that_dies_costs_information_alone():
+    kwargs = {"record": True, "episode_s": 10.0}
+    for record in map(stepped, jawenv.play(load_agent(SWINGS), patients=2, seed=6100, env_kwargs=kwargs).records):
+        measured = record.measured.copy()
+        measured[300:, 4] = measured[300, 4]
+        assert at_end(replace(record, measured=measured)) < 2.5

@@ -1,8 +1,11 @@
-"""Which readings the filter uses: one that is missing, out of range, or repeats the last to the bit, is left out.
+"""Which readings the filter uses: one that is missing, out of range, or of a frozen sensor, is left out.
 
-Encoders and load cell have noise, so that no two readings are the same number: a repetition is a sensor that has
-frozen. Only a load cell without noise may repeat itself, as when no motor pushes; encoders without noise do where
-nothing at all moves the jaw. No jaw leaves the range. Leaving out a reading loses its information and adds no bias.
+A sensor with noise and without steps never shows the same number twice: a repetition is a frozen sensor. One that
+rounds to steps repeats itself by chance, and while nothing moves. So the step is learnt, as the largest of which all
+changes so far are multiples (Euclid's algorithm). With steps, an encoder has frozen that stays equal while the motion
+leaves it by more than step and noise, and a load cell whose components all stay equal while the jaw moves on. Only a
+load cell without noise may repeat itself, as when no motor pushes. No jaw leaves the range. Leaving out a reading loses
+its information and adds no bias.
 
 A stop, a brake or teeth that act within a tick change its force by more than three samples resolve. The motion follows
 the encoders then, and nothing is learnt of the muscles: where a linkage rattles for seconds, the same small error comes
@@ -11,9 +14,13 @@ back in every tick, and adds up to a belief that is far too sure.
 
 from __future__ import annotations
 
+from math import hypot, inf, sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 
+from jawenv.filter.least_noise import ENCODER_SDS, WRENCH_SDS
+from jawenv.filter.readings.encoders import expect
 from jawenv.kernels.compiled import njit
 
 # Without usable samples the wrench is held; the sd of its change grows at this rate, up to the limit of the motors.
@@ -28,6 +35,11 @@ SETTLING = 5  # ticks after one in which the motion still follows
 # Ranges: mouthpiece position (m), angles (rad), velocity (m/s), angular velocity (rad/s), force (N), moment (N m).
 POSITION, ANGLE, VELOCITY, RATE = 0.5, 3.2, 5.0, 100.0
 FORCE, MOMENT = 200.0, 20.0
+
+# A step is none below this share of the least noise: noise then repeats a number less often than once in 300 readings.
+FINEST = 0.01
+SDS_OF_NOISE = 4.0  # by which, and by a step, an encoder that stays equal may differ from what is expected of it
+STILL = 3e-3  # m by which the mouthpiece may move while a load cell with steps stays equal in all its components
 
 
 def rough_change(cell_sd: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
@@ -46,49 +58,114 @@ def in_range(value, largest):
 
 
 @njit
-def mark_usable(measured, last, allowed, used):
-    """Set ``used`` (12) where ``allowed`` readings are in range and have changed; ``last`` becomes ``measured``.
+def common_step(step, change, noise):
+    """The largest step of which ``step`` and ``change`` are multiples; 0 where noise hides it, and then for ever."""
+    change = abs(change)
+    if step == 0.0 or not change > 0.0:
+        return step
+    if step == inf:
+        return change
+    while change > 0.1 * FINEST * noise:
+        step, change = change, step % change
+    return step if step > FINEST * noise else 0.0
 
-    Returns how many allowed readings are left out.
+
+@njit
+def mark_usable(jaw, belief, measured, settings, scratch):
+    """Set ``scratch.used`` where readings (12) are in range and of no frozen encoder; ``scratch.measured`` corrected.
+
+    Returns how many readings of ``settings.used`` are left out.
     """
-    left_out = 0
+    left_out, expected_known = 0, False
+    last, steps, repeats = belief.last_measured, belief.encoder_step, belief.repeats
     ranges = (POSITION, ANGLE, VELOCITY, RATE)
     for i in range(measured.shape[0]):
-        good = in_range(measured[i], ranges[i // 3]) and measured[i] != last[i]
-        used[i] = 1 if allowed[i] and good else 0
-        if allowed[i] and not good:
+        good = in_range(measured[i], ranges[i // 3])
+        if good and measured[i] == last[i]:
+            repeats[i] += 1.0
+            if steps[i] != 0.0 and not expected_known:
+                expect(jaw, belief.motion, scratch.update.rows, scratch.update.expected)
+                expected_known = True
+            noise = SDS_OF_NOISE * sqrt(settings.measurement_variance[i] / repeats[i])
+            explained = noise + (steps[i] if steps[i] < inf else 0.0)
+            if steps[i] == 0.0 or not abs(scratch.measured[i] - scratch.update.expected[i]) <= explained:
+                repeats[i] = inf  # and frozen until it changes
+            good = repeats[i] < inf
+        elif good:
+            repeats[i] = 0.0
+            if in_range(last[i], ranges[i // 3]):
+                steps[i] = common_step(steps[i], measured[i] - last[i], ENCODER_SDS[i // 3])
+        scratch.used[i] = 1 if settings.used[i] and good else 0
+        if settings.used[i] and not good:
             left_out += 1
         last[i] = measured[i]
     return left_out
 
 
 @njit
-def repair_samples(belief, samples, settings, variance, usable):
+def has_moved_on(jaw, belief, changed):
+    """Whether the believed mouthpiece has moved by ``STILL`` since the load cell last ``changed``."""
+    pose, at = belief.motion, belief.unchanged_at
+    places = 3 if jaw.condyles == 2 else 2
+    if changed:
+        for i in range(places + 3):
+            at[i] = pose[i]
+        return False
+    shift, turn = 0.0, 0.0
+    for i in range(places):
+        shift = hypot(shift, pose[i] - at[i])
+    for i in range(places, places + 3):
+        turn = hypot(turn, pose[i] - at[i])
+    moved_on = shift + hypot(jaw.mouthpiece[0], jaw.mouthpiece[2]) * turn > STILL
+    if moved_on:
+        at[0] = inf  # and so until it changes
+    return moved_on
+
+
+@njit
+def mark_frozen(jaw, belief, samples, settings, frozen):
+    """Set ``frozen`` (6) where the load cell's ``samples`` (3, 6) of a tick are equal and its step does not explain it.
+
+    The first sample may be the last one of the tick before, as it is where a row has a single reading.
+    """
+    changed = False
+    for k in range(samples.shape[1]):
+        first, middle, last = samples[0, k], samples[1, k], samples[2, k]
+        frozen[k] = 1 if first == middle and middle == last and settings.cell_repeats[k] == 0 else 0
+        changed = changed or not frozen[k]
+        for change in (middle - first, last - middle):
+            belief.cell_step[k] = common_step(belief.cell_step[k], change, WRENCH_SDS[k // 3])
+    moved_on = has_moved_on(jaw, belief, changed)
+    for k in range(samples.shape[1]):
+        if belief.cell_step[k] != 0.0 and not moved_on:
+            frozen[k] = 0
+
+
+@njit
+def repair_samples(belief, samples, frozen, dt, variance, usable):
     """Copy ``samples`` (3, 6) to ``usable``; a missing or frozen component keeps its last usable value.
 
     Args:
-        belief: State of the filter: last samples, last usable samples, time since then.
+        belief: State of the filter: last usable samples, time since then.
         samples: The load cell's in a tick.
-        settings: ``dt``, length of the tick (s), and ``cell_repeats`` (6), which components may repeat themselves.
+        frozen: (6,) which components are.
+        dt: Length of the tick, s.
         variance: (6,) process noise; grows with the time that a component is held.
         usable: (3, 6), overwritten.
 
     Returns:
         How many components are held.
     """
-    last, held_sample, lost_for = belief.last_sample, belief.held_sample, belief.lost_for
+    held_sample, lost_for = belief.held_sample, belief.lost_for
     number = 0
     for k in range(samples.shape[1]):
-        good, previous = True, last[k]
+        good = not frozen[k]
         for i in range(samples.shape[0]):
-            changed = samples[i, k] != previous or settings.cell_repeats[k] != 0
-            good = good and changed and in_range(samples[i, k], FORCE if k < 3 else MOMENT)
-            previous = samples[i, k]
-        last[k] = previous
+            good = good and in_range(samples[i, k], FORCE if k < 3 else MOMENT)
         if good:
-            held_sample[k], lost_for[k] = previous, 0.0
+            held_sample[k], lost_for[k] = samples[samples.shape[0] - 1, k], 0.0
         else:
-            lost_for[k] += settings.dt
+            lost_for[k] += dt
             sd = min(FORCE_RATE * lost_for[k], LOST_FORCE) if k < 3 else min(MOMENT_RATE * lost_for[k], LOST_MOMENT)
             variance[k] += sd * sd
             number += 1

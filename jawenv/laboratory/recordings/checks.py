@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
 from jawenv.laboratory.recordings.table import Table
 
@@ -33,7 +33,7 @@ def check_columns(table: Table, size: int) -> None:
     for name in table.columns:
         if name not in allowed_names:
             allowed = ", ".join([TIME, *(column.name for column in (*ENCODERS, *READINGS))])
-            raise InputError(f"{table.path}: column {name!r} is unknown; allowed: {allowed} (docs/recordings.md)")
+            raise InputError(f"{table.path}: column {shown(name)} is unknown; allowed: {allowed} (docs/recordings.md)")
     form = SAMPLES if any(column.name in table.columns for column in SAMPLES) else READINGS
     groups: list[tuple[Column, ...]] = [form]
     groups += [group for group in (tuple(true_motion(size)), TRUE_WRENCH) if has_any(table, group)]
@@ -66,7 +66,7 @@ def even_time(table: Table) -> Array:
         InputError: fewer than two times, one that is missing, or uneven ones.
     """
     if TIME not in table.columns:
-        names = ", ".join(list(table.columns)[:3])
+        names = ", ".join(map(shown, list(table.columns)[:3]))
         raise InputError(
             f"{table.path}: column {TIME!r} is missing; the file begins with {names}; allowed: docs/recordings.md"
         )
@@ -82,7 +82,10 @@ def even_time(table: Table) -> Array:
     if len(bad):
         value = f"{time[bad[0] + 1]:g}, {steps[bad[0]]:g} s after the row before"
         raise table.fail(
-            TIME, int(bad[0]) + 1, value, f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}"
+            TIME,
+            int(bad[0]) + 1,
+            value,
+            f"even steps, {usual:g} s in most rows, give or take {JITTER:.0%}, or --resample HZ",
         )
-    even: Array = np.linspace(time[0], time[-1], len(time)) - time[0]
+    even: Array = np.linspace(0.0, time[-1] - time[0], len(time))
     return even

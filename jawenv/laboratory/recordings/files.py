@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,35 +28,17 @@ from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
+from jawenv.laboratory.recordings.mapping import mapped, read_columns
 from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.recordings.resampling import resampled
 from jawenv.laboratory.recordings.table import Table, checked_path, read_table, write_table
+from jawenv.laboratory.recordings.words import WORDS, check_numbers, check_texts
 from jawenv.ladder import model_named
-from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.bilateral import N_BODY
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
-
-_ABOUT = (
-    "model",
-    "head_tilt_deg",
-    "jaw",
-    "cohort",
-    "prior_mean",
-    "prior_sd",
-    "measurement_sd",
-    "wrench_sd",
-    "cell_sd",
-    "gain_sd",
-    "start_mean",
-    "start_sd",
-    "knowledge",
-    "disturbance_time_s",
-    "disturbance_sd",
-    "force_sensor",
-    "device",
-    "control",
-    "truth",
-)
 
 
 def save_record(record: Record, path: PathLike) -> None:
@@ -93,6 +76,8 @@ def load_record(
     start_sd: Array | None = None,
     control: Control | None = None,
     truth: Array | None = None,
+    columns: PathLike | None = None,
+    resample_hz: float | None = None,
 ) -> Record:
     """Read a recording. What neither the arguments nor the file says has the default named here.
 
@@ -110,15 +95,22 @@ def load_record(
         start_sd: (n,) its sd; so wide that the first reading decides.
         control: what the motors were commanded; ``"force"``.
         truth: (p,) natural-log parameters, if known; None.
+        columns: mapping file with the names, units and signs that the file has for the columns of docs/recordings.md.
+        resample_hz: rows per second to which uneven times are interpolated.
 
     Raises:
         InputError: a file, column, row or argument that cannot be used.
     """
     source = checked_path(path)
-    table = read_table(source, _ABOUT)
-    about = _checked_about(table)
-    rung = model_named(model or about.get("model") or "jaw")
+    table = mapped(read_table(source, WORDS), {} if columns is None else read_columns(Path(columns)))
+    if resample_hz is not None:
+        table = resampled(table, resample_hz)
+    about = table.about
+    check_texts(table)
+    rung = model_named(model or about.get("model", "jaw"))
     muscles = rung.muscles
+    states = N_BODY if rung.estimator == "bilateral" else N_STATES
+    check_numbers(table, {"states": states, "parameters": len(muscles.parameter_names)})
     tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
     jaw = _geometry(jaw, rung, tilt, about if model is None else {}, table.path)
     size = defaults.motion_size(jaw)
@@ -201,30 +193,16 @@ def _about(record: Record) -> dict[str, Any]:
     return about
 
 
-def _checked_about(table: Table) -> dict[str, Any]:
-    """What the file says about itself, with numbers where numbers belong."""
-    texts = {"model", "cohort", "control", "force_sensor"}
-    for name, value in table.about.items():
-        if name in ("jaw", "device", "knowledge"):
-            continue
-        try:
-            right = isinstance(value, str) if name in texts else np.isfinite(np.array(value, dtype=np.float64)).all()
-        except (TypeError, ValueError):
-            right = False
-        if not right:
-            allowed = "a name in quotation marks" if name in texts else "a finite number, or a list of them"
-            raise InputError(f"{table.path}: {name} is {str(value)[:40]!r}; allowed: {allowed}")
-    return table.about
-
-
 def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
     jaw = defaults.geometry(model)
     try:
         for name in jaw.dtype.names:
             jaw[name] = fields[name]
-    except (KeyError, TypeError, ValueError):
+            if not np.isfinite(jaw[name]).all():
+                raise ValueError("infinite or not a number")
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise InputError(
-            f"{path}: jaw lacks {name!r} or has it in another shape; allowed: as save_record wrote it"
+            f"{path}: jaw lacks {name!r}, or has it in another shape or not finite; allowed: as save_record wrote it"
         ) from None
     return jaw
 

@@ -7,7 +7,7 @@ import io
 import json
 import os
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError, shown
 from jawenv.files import atomic_write
-from jawenv.reading import read_text
+from jawenv.laboratory.recordings.dialects import decimal_signs, number, read_sheet
 
 Array = NDArray[np.float64]
 
@@ -36,12 +36,14 @@ class Table:
         columns: numbers by the columns' names; NaN where a cell is empty.
         lines: number that each row has in the file.
         about: what the file says about itself.
+        units: what a row of units says, by the columns' names.
     """
 
     path: str
     columns: dict[str, Array]
     lines: NDArray[np.int64]
     about: dict[str, Any]
+    units: dict[str, str] = field(default_factory=dict)
 
     def fail(self, column: str, row: int, value: str, allowed: str) -> InputError:
         """The error that names a cell."""
@@ -116,55 +118,29 @@ def _pyarrow() -> Any:
 
 
 def _read_csv(path: Path, known: Collection[str]) -> Table:
-    try:
-        text = read_text(path, LARGEST_RECORDING, "utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is no text; allowed: CSV in UTF-8") from None
-    lines = text.splitlines()
+    sheet = read_sheet(path, LARGEST_RECORDING)
     about: dict[str, Any] = {}
-    first = 0
-    for line in lines:
-        if line.strip() and not line.startswith("#"):
-            break
-        first += 1
-        name, _, value = line.lstrip("# ").partition(":")
+    for line, comment in sheet.comments:
+        name, _, value = comment.lstrip("# ").partition(":")
         if name in known:
             try:
                 about[name] = json.loads(value)
             except (ValueError, RecursionError):
                 raise InputError(
-                    f"{path}: {name} in row {first} is {shown(value.strip())}; allowed: JSON, as [1, 2]"
+                    f"{path}: {name} in row {line} is {shown(value.strip())}; allowed: JSON, as [1, 2]"
                 ) from None
-    try:
-        rows = list(csv.reader(lines[first:]))
-    except csv.Error as error:
-        raise InputError(f"{path}: {error}; allowed: CSV") from None
-    if len(rows) < 2:
-        raise InputError(f"{path}: is empty; allowed: a row of column names and two or more rows of numbers")
-    names = [name.strip() for name in rows[0]]
-    filled_rows = [(first + 2 + i, row) for i, row in enumerate(rows[1:]) if any(cell.strip() for cell in row)]
-    for line_number, row in filled_rows:
-        if len(row) != len(names):
-            raise InputError(f"{path}: row {line_number} has {len(row)} values; allowed: {len(names)}, one per column")
-    if len(set(names)) < len(names):
-        duplicate = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"{path}: column {duplicate!r} stands there twice; allowed: once")
-    columns = {
-        name: np.array([_number(row[i], path, name, line) for line, row in filled_rows], dtype=np.float64)
-        for i, name in enumerate(names)
-    }
-    return Table(str(path), columns, np.array([line for line, _ in filled_rows], dtype=np.int64), about)
-
-
-def _number(text: str, path: Path, column: str, line: int) -> float:
-    stripped = text.strip()
-    if stripped == "":
-        return float("nan")
-    try:
-        return float(stripped)
-    except ValueError:
-        allowed = "a number, or empty where nothing was read"
-        raise InputError(f"{path}: {column} in row {line} is {shown(stripped)}; allowed: {allowed}") from None
+    if len(decimal_signs(sheet.rows)) > 1:
+        raise InputError(f"{path}: has decimal points and decimal commas; allowed: one of the two")
+    columns = {}
+    for i, name in enumerate(sheet.names):
+        numbers = [number(row[i]) for row in sheet.rows]
+        if None in numbers:
+            bad, allowed = numbers.index(None), "a number, or empty where nothing was read"
+            value = shown(sheet.rows[bad][i])
+            raise InputError(f"{path}: {shown(name)[1:-1]} in row {sheet.lines[bad]} is {value}; allowed: {allowed}")
+        columns[name] = np.array(numbers, dtype=np.float64)
+    units = dict(zip(sheet.names, sheet.units, strict=False))
+    return Table(str(path), columns, np.array(sheet.lines, dtype=np.int64), about, units)
 
 
 def _read_parquet(path: Path) -> Table:
@@ -174,14 +150,17 @@ def _read_parquet(path: Path) -> Table:
     try:
         table = read_parquet(path)
         about = json.loads((table.schema.metadata or {}).get(_KEY, b"{}"))
+        of_pandas = (table.schema.pandas_metadata or {}).get("columns", [])
+        categories = {each["name"] for each in of_pandas if each["pandas_type"] == "categorical"}
     except InputError:
         raise
-    except (OSError, ValueError, pa.ArrowException) as error:
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, pa.ArrowException) as error:
         raise InputError(f"{path}: {' '.join(str(error).split())[:120]}; allowed: a Parquet file") from None
     columns = {}
     for name in table.column_names:
         kind = table.schema.field(name).type
-        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
-            raise InputError(f"{path}: column {name!r} is of type {kind}; allowed: numbers")
+        if name in categories or not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+            kind = "category" if name in categories else kind
+            raise InputError(f"{path}: column {shown(name)} is of type {kind}; allowed: numbers")
         columns[name] = table[name].to_numpy().astype(np.float64)
     return Table(str(path), columns, np.arange(1, table.num_rows + 1), about)

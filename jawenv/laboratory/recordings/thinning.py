@@ -85,8 +85,6 @@ def divided(record: Record, parts: int) -> Record:
     measured[::parts] = record.measured
     share = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) / parts
     samples = np.einsum("pos,tsk->tpok", _parabola(share), record.samples).reshape(-1, 3, record.samples.shape[-1])
-    # The end of a short tick is the start of the next to the bit, which ``screening`` would treat as a frozen sensor.
-    samples[:, 0] = np.nextafter(samples[:, 0], np.inf)
     return replace(
         record,
         time=np.linspace(record.time[0], record.time[-1], ticks * parts + 1),

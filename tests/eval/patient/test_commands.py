@@ -14,10 +14,10 @@ from eval.entries import load_entries
 from eval.patient import courses, page
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, first_treatment
-from eval.patient.verdicts import UNKNOWN, verdicts
 from eval.settings import Settings
 from jawenv import MUSCLE_NAMES, Patient
 from jawenv.anatomy import cohort
+from jawenv.metrics.verdicts import UNKNOWN, verdicts
 from tests.browser import executable, new_page
 
 RICH = "opening_with_swings_and_fore_aft"

@@ -198,7 +198,7 @@ def test_the_start_is_the_motion_that_explains_the_first_reading(model):
         ([], HEADER, ["empty"]),
         (ROWS, "# model: 7\n" + HEADER, ["model", "7"]),
         (ROWS, '# gain_sd: "much"\n' + HEADER, ["gain_sd", "much", "number"]),
-        (ROWS, "# wrench_sd: [1, 2]\n" + HEADER, ["wrench_sd", "(6,)"]),
+        (ROWS, "# wrench_sd: [1, 2]\n" + HEADER, ["wrench_sd", "list of 6"]),
         (ROWS, "# cell_sd: [9, 0, 0, 0, 0, 0]\n" + HEADER, ["cell_sd", "wrench_sd"]),
         (ROWS, '# device: {"spring": 1}\n' + HEADER, ["device", "spring", "Device"]),
         (ROWS, '# device: {"servo_stiffness_N_m": "stiff"}\n' + HEADER, ["servo_stiffness_N_m", "stiff"]),

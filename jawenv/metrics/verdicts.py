@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
-from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
+from jawenv.metrics.diagnosis import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N
 
 Array = NDArray[np.float64]
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from eval.patient.verdicts import BLOCKED, BOTH, NORMAL, STIFF, UNKNOWN, truly, verdict
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N
+from jawenv.metrics.verdicts import BLOCKED, BOTH, NORMAL, STIFF, UNKNOWN, truly, verdict
 
 
 def said(F_o, b, sd=0.05, correlation=0.0):

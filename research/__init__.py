@@ -1,0 +1,1 @@
+"""Studies that justify numbers of the project: each module prints its table."""

@@ -1,0 +1,153 @@
+"""How often an honest recording is called unbelievable, and how often one that was spoilt as people spoil files.
+
+    python -m research.recordings                                        # judged on seeds 20000 and on
+    python -m research.recordings --tuning --output runs/recordings.md   # on seeds 5000 and on, for the thresholds
+
+Prints for each kind how many are called unbelievable, with the statistics that the thresholds of
+``jawenv.laboratory.identification`` are about. Honest are recordings as they are, with anatomy known as an image gives
+it, at 20 Hz, and with 5 % of the readings lost; patients and maneuvers follow each other. A spoilt recording is an
+exact one with its numbers changed; at a third of the strength, a third of the way from what they were.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jawenv
+from agents import load_agent
+from jawenv.laboratory.identification import identified
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.recordings.thinning import thinned
+from jawenv.seeds import REPORTS, TUNING
+
+Array = NDArray[np.float64]
+
+MANEUVERS = ("opening_with_swings_and_fore_aft", "refined", "slow_opening", "chirp")
+HONEST = ("exact", "imaged", "20 Hz", "5 % lost")
+Spoil = Callable[[Array, Array], tuple[Array, Array]]
+
+
+def spoilings(start: Array) -> dict[str, Spoil]:
+    """What people do to ``measured`` (T + 1, 12) and ``samples`` (T, 3, 6); ``start`` (3) is the first place."""
+    right = np.array([1.0, -1.0, 1.0])
+    pitch = np.array([1, 1, 1, -1, 1, 1, 1, 1, 1, 1, -1, 1.0])
+    radians = np.repeat([1.0, np.pi / 180.0, 1.0, np.pi / 180.0], 3)
+    metres = np.repeat([1e-3, 1.0, 1e-3, 1.0], 3)
+    origin = np.concatenate([start, np.zeros(9)])
+    force, moment = np.repeat([1.0, 0.0], 3), np.repeat([0.0, 1.0], 3)
+    return {
+        "forces of the jaw on the device": lambda m, s: (m, -s),
+        "degrees written in radians": lambda m, s: (m * radians, s),
+        "metres in mm columns": lambda m, s: (m * metres, s),
+        "forces in grams": lambda m, s: (m, s * (moment + force * 1e3 / 9.80665)),
+        "kilogram-force": lambda m, s: (m, s * (moment + force / 9.80665)),
+        "moments in N mm": lambda m, s: (m, s * (force + moment * 1e3)),
+        "the tracker's own origin": lambda m, s: (m - origin, s),
+        "y to the right": lambda m, s: (
+            m * np.concatenate([right, np.ones(3), right, np.ones(3)]),
+            s * np.concatenate([right, np.ones(3)]),
+        ),
+        "pitch opens negative": lambda m, s: (m * pitch, s),
+        "a cell's gain of 1.2": lambda m, s: (m, 1.2 * s),
+    }
+
+
+RATES = {"frame numbers as s": 100.0, "ms as s": 1e3, "us as s": 1e6}
+
+
+def spoilt(record: Record, strength: float) -> Iterator[tuple[str, Record]]:
+    """The record, spoilt in each way."""
+    m, s = record.measured, record.samples
+    for name, change in spoilings(record.measured[0, :3]).items():
+        measured, samples = change(m, s)
+        yield (
+            name,
+            replace(record, measured=m + strength * (measured - m), samples=s + strength * (samples - s)),
+        )
+    if strength == 1.0:
+        for name, factor in RATES.items():
+            yield name, replace(record, time=record.time * factor)
+
+
+def honest(kind: str, seed: int, episode_s: float) -> Record:
+    """A simulated patient's record."""
+    kwargs: dict[str, Any] = {
+        "record": True,
+        "episode_s": episode_s,
+        "knowledge": "imaged" if kind == "imaged" else "exact",
+    }
+    if kind == "5 % lost":
+        kwargs["reality"] = {"lost_share": 0.05}
+    agent = load_agent(MANEUVERS[seed // len(HONEST) % len(MANEUVERS)])
+    records = jawenv.play(agent, patients=1, seed=seed, env_kwargs=kwargs).records
+    assert records is not None
+    record = records[0]
+    return thinned(record, 5) if kind == "20 Hz" else record
+
+
+def judged(record: Record) -> tuple[bool, float, float, float, float]:
+    """Whether it is unbelievable; misfit, share of rows refused, of numbers left out; largest error in sds."""
+    if not 20.0 <= 1.001 / record.dt <= 1001.0:  # ``jawenv identify`` refuses the file
+        return True, np.nan, np.nan, np.nan, np.nan
+    found = identified(record)
+    assert record.truth is not None
+    off = float((np.abs(found.estimate.mean[-1] - record.truth) / found.estimate.sd[-1]).max())
+    shares = found.refused / max(found.rows, 1), found.left_out / max(found.numbers, 1)
+    return not found.believable, found.misfit, *shares, off
+
+
+def rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> dict[str, list[tuple[float, ...]]]:
+    """What is said of every recording, by kind."""
+    results: dict[str, list[tuple[float, ...]]] = {}
+    for i in range(number):
+        kind = HONEST[i % len(HONEST)]
+        record = honest(kind, seeds[i], episode_s)
+        results.setdefault(f"honest, {kind}", []).append(judged(record))
+        if kind == "exact" and i // len(HONEST) < spoilt_number:
+            for strength, label in ((1.0, ""), (1.0 / 3.0, ", a third")):
+                for name, changed in spoilt(record, strength):
+                    results.setdefault(f"{name}{label}", []).append(judged(changed))
+    return results
+
+
+def table(results: dict[str, list[tuple[float, ...]]]) -> str:
+    """As Markdown: medians, and the largest in brackets."""
+    lines = [
+        "| recording | unbelievable | misfit, median (largest) | rows refused | numbers left out | error, sds |",
+        "|---|--:|--:|--:|--:|--:|",
+    ]
+    for kind, said in results.items():
+        values = np.array(said, dtype=np.float64)
+        cells = [f"{int(values[:, 0].sum())} of {len(values)}"]
+        for column, factor, unit in ((1, 1.0, ""), (2, 100.0, " %"), (3, 100.0, " %"), (4, 1.0, "")):
+            each = factor * values[:, column]
+            cells.append("–" if np.isnan(each).all() else f"{np.median(each):.3g}{unit} ({each.max():.3g}{unit})")
+        lines.append(f"| {kind} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Judge the recordings, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tuning", action="store_true", help="seeds of tuning in place of those of judging")
+    parser.add_argument("--honest", type=int, default=200, help="how many honest recordings")
+    parser.add_argument("--spoilt", type=int, default=8, help="how many recordings are spoilt in each way")
+    parser.add_argument("--episode-s", type=float, default=10.0)
+    parser.add_argument("--output", type=Path)
+    given = parser.parse_args()
+    seeds = TUNING if given.tuning else REPORTS[1]
+    text = table(rows(seeds, given.honest, given.spoilt, given.episode_s))
+    print(text)
+    if given.output is not None:
+        given.output.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
