@@ -65,7 +65,7 @@ ANATOMY = [
     (
         lambda: cohort("trizmus"),
         exactly(
-            "cohort 'trizmus' is unknown; allowed: trismus, healthy, severe, one_sided, blockage, wide, "
+            "cohort is 'trizmus'; did you mean trismus? allowed: trismus, healthy, severe, one_sided, blockage, wide, "
             "or a file (.json, .toml, .yaml, .yml)"
         ),
     ),
@@ -77,7 +77,7 @@ ANATOMY = [
     (lambda: Prior(SD, np.r_[1.0, 0.0, np.ones(10)]), "^prior sd of parameter 1 = 0.0 must be greater than 0$"),
     (lambda: Prior(SD, np.full(12, inf)), "^sd = .*inf.* must be finite$"),
     (lambda: model_named("knee"), "^model is 'knee'; allowed: hinge, sagittal, sides, jaw, portions, bilateral$"),
-    (lambda: model_of_env("knee"), "^env 'knee': unknown; allowed: jawenv/JawHinge-v2, .*JawBilateral-v2"),
+    (lambda: model_of_env("knee"), "^env is 'knee'; allowed: jawenv/JawHinge-v2, .*JawBilateral-v2"),
     (
         lambda: Patient(F_o_N={"left": 1.0, "right": 1.0}, b={"closers": 7.0}),
         "b is of closers, but F_o_N of left, right",
@@ -234,7 +234,7 @@ PLAYING = [
     ),
 ]
 AGENTS = [
-    (lambda: agents.load_agent("hold_still", env_id="knee"), "^env 'knee': unknown; allowed: jawenv/JawHinge-v2, "),
+    (lambda: agents.load_agent("hold_still", env_id="knee"), "^env is 'knee'; allowed: jawenv/JawHinge-v2, "),
     (lambda: agents.load_agent("gone.zip"), "gone.zip: no such file"),
     (lambda: agents.load_agent("missing.yaml"), "missing.yaml: no such file"),
     (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -55,7 +54,10 @@ def calibrate_command(
     wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
     specs, console = list(dict.fromkeys(entries or [])), terminal()
     rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)
-    table, about = summary.summarise(rows), made_with(typed(), calibration=asdict(wanted))
+    table, about = (
+        summary.summarise(rows),
+        made_with(typed(), settings=settings.to_mapping(), filters=wanted.filters, times=wanted.times),
+    )
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)
     write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))

@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
+from jawenv.files import FILE_TYPES
 
 Maneuver = Annotated[
     str, typer.Argument(metavar="MANEUVER|FILE", help="A name of `jawenv list maneuvers`, or a maneuver file.")
@@ -95,7 +96,7 @@ _MAY_BE_FILES = ("cohort", "device", "reality", "knowledge", "comfort", "anatomy
 
 def _fields(option: str, texts: list[str]) -> Any:
     """What ``FIELD=VALUE`` say, or the one file that is named."""
-    if len(texts) == 1 and "=" not in texts[0]:
+    if len(texts) == 1 and texts[0].lower().endswith(FILE_TYPES):
         return texts[0]
     found = {}
     for text in texts:
@@ -103,5 +104,5 @@ def _fields(option: str, texts: list[str]) -> Any:
         try:
             found[name] = float(value)
         except ValueError:
-            raise InputError(f"{option} is {text!r}; allowed: FIELD=VALUE with a number, or a file") from None
+            raise InputError(f"{option} is {shown(text)}; allowed: FIELD=VALUE with a number, or a file") from None
     return found

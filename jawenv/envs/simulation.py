@@ -13,7 +13,6 @@ from jawenv.anatomy import Patient
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import (
     device_with_sensor,
-    friction_noise,
     motor_errors,
     sds_of_sensor,
     slack_force,
@@ -31,12 +30,10 @@ from jawenv.envs.world.reset_kernel import begin, beginning_dtype
 from jawenv.envs.world.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
-from jawenv.filter import least_noise
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
 from jawenv.filter.motion.initial_motion import start_sd
-from jawenv.filter.nuisances.known_within import write_nuisances
-from jawenv.filter.readings.screening import rough_change
-from jawenv.filter.tick import LAST_WINDOW, set_prior, tick_dtype
+from jawenv.filter.settings import Geometry, fill_settings, noise_of, used_readings, wrench_variances
+from jawenv.filter.tick import LAST_WINDOW, tick_dtype
 from jawenv.kernels.noise import philox
 from jawenv.kernels.records import record_zeros
 from jawenv.ladder import model_named
@@ -127,7 +124,7 @@ class Simulation:
         records = record_zeros(1, settings_dtype(*sizes))
         settings = records[0]
         self._set_filter(records["filter"][0])
-        settings["noise_variance"] = self._noise_variance()
+        settings["noise_variance"] = wrench_variances(configuration.build_device(), configuration.force_sensor)
         settings["reality"] = self.reality.records()[0]
         settings["comfort"] = self.configuration.build_comfort().records()[0]
         self._set_disturbance(settings)
@@ -140,50 +137,20 @@ class Simulation:
 
     def _set_filter(self, settings: Any) -> None:
         """Fill a record of dtype ``filter_settings_dtype``."""
-        configuration, device = self.configuration, self.device[0]
-        settings["dt"] = TICK
+        configuration = self.configuration
         settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
-        pose = [True] * 12
-        point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
-        settings["used"] = pose if configuration.sensors == "pose" else point
+        settings["used"] = used_readings(configuration.sensors)
+        about = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self._sds, self._jaw
+        noise = noise_of(configuration.build_device(), configuration.force_sensor, TICK)
         sd = start_sd(self._jaw, self._known_condyles)
-        settings["start_sd"][: len(sd)] = sd
-        settings["measurement_variance"] = least_noise.encoder_sds(device) ** 2
-        cell_sd = np.repeat([float(device["cell_force"]), float(device["cell_moment"])], 3)
-        settings["cell_repeats"] = least_noise.cell_repeats(cell_sd)
-        settings["rough"] = rough_change(np.sqrt(self._noise_variance()[N_WRENCH:]), TICK)
-        settings["gain_variance"] = float(device["cell_gain"]) ** 2
-        set_prior(settings, self._jaw, self.cohort.prior)
-        about = self._jaw, self.knowledge, self.cohort.muscles, self._sds
-        write_nuisances(settings["nuisances"], *about, self.force_errors)
+        fill_settings(settings, Geometry(*about, self.force_errors), noise, sd)
 
     def _set_disturbance(self, settings: Any) -> None:
-        """The wrench that is not known: process noise of the filter, and where it has memory states as well."""
-        device, known = self.device[0], settings["filter"]
-        time = float(device["unmodelled_time"])
+        """The true wrench that is not known: what is new in every tick, and how fast what lasts decays."""
+        time = float(self.device[0]["unmodelled_time"])
         true_time = float(settings["reality"]["unmodelled_time"]) or time
         settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0
-        known["wrench_variance"] = settings["noise_variance"][:N_WRENCH]
-        if time > 0.0:
-            variance = np.repeat([float(device[f"unmodelled_{kind}"]) ** 2 for kind in ("force", "moment")], 3)
-            known["wrench_variance"] = least_noise.wrench_variance(known["wrench_variance"] - variance)
-            settings["noise_variance"][:N_WRENCH] = known["wrench_variance"]
-            known["start_sd"][-N_WRENCH:] = np.sqrt(variance)
-            known["disturbance_decay"] = np.exp(-TICK / time)
-            known["disturbance_variance"] = variance * -np.expm1(-2.0 * TICK / time)
-
-    def _noise_variance(self) -> NDArray[np.float64]:
-        """(12,) of the wrench not known: constant over a tick, and tilting."""
-        device = self.device[0]
-        # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
-        cell_force, cell_moment = 0.5 * float(device["cell_force"]) ** 2, 0.5 * float(device["cell_moment"]) ** 2
-        unmodelled = float(device["unmodelled_force"]) ** 2, float(device["unmodelled_moment"]) ** 2
-        friction = friction_noise(self.configuration.force_sensor, self.configuration.build_device())
-        squares = [unmodelled[k] + friction[k] ** 2 + (cell_force, cell_moment)[k] for k in range(2)]
-        constant = least_noise.wrench_variance(np.repeat(squares, 3))
-        # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
-        variance: NDArray[np.float64] = np.sqrt([*constant, *np.repeat([cell_force, cell_moment], 3)]) ** 2
-        return variance
+        settings["noise_variance"][:N_WRENCH] = settings["filter"]["wrench_variance"]
 
     def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
         """Begin a new episode in every chosen world; where one cannot begin, all worlds stay as they were.

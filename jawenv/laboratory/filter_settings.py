@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.device.force_sensor import sds_of_sensor
-from jawenv.filter import least_noise
-from jawenv.filter.nuisances.known_within import write_nuisances
-from jawenv.filter.readings.screening import rough_change
-from jawenv.filter.tick import filter_settings_dtype, set_prior
+from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
+from jawenv.envs.configuration import Configuration
+from jawenv.envs.world.plants import TICK
+from jawenv.filter.motion.initial_motion import start_sd
+from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
+from jawenv.filter.tick import filter_settings_dtype
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
-from jawenv.ladder import Model
+from jawenv.ladder import Model, model_named
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.unknowns import Unknowns, directions
 
@@ -48,7 +49,7 @@ def settings_of_record(record: Record) -> Any:
     """A record's noise, prior, nuisances and disturbance, of dtype ``filter_settings_dtype``."""
     states, muscles = len(record.start_mean), len(record.parameter_names) // 2
     sds: list[Unknowns] = []
-    force = None
+    force, muscle_set, upright = None, None, record.jaw
     if record.force_sensor != "cell" and record.device is not None:
         motor_sds = sds_of_sensor(record.force_sensor, record.device)
         assert motor_sds is not None, "no load cell reads the force"
@@ -57,21 +58,37 @@ def settings_of_record(record: Record) -> Any:
         model = defaults.matching_models(record.parameter_names, states)[0]
         known = record.jaw, model, record.knowledge, record.prior
         upright, sds = sds_of(*known, None if force is None else force[0])
+        muscle_set = model.muscles
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
     settings = record_zeros(1, filter_settings_dtype(muscles, states, lines, len(sds), disturbance))[0]
-    settings["dt"], settings["gain_variance"] = record.dt, record.gain_sd**2
-    settings["measurement_variance"] = record.measurement_sd**2
-    settings["wrench_variance"] = record.noise_variance[:N_WRENCH]
-    settings["used"], settings["start_sd"][:states] = True, record.start_sd
-    settings["cell_repeats"] = least_noise.cell_repeats(record.cell_sd)
-    settings["rough"] = rough_change(record.cell_sd, record.dt)
-    set_prior(settings, record.jaw, record.prior)
-    if sds:
-        write_nuisances(settings["nuisances"], upright, record.knowledge, model.muscles, sds, force)
-    if disturbance:
-        variance, time = record.disturbance_sd**2, record.disturbance_time_s
-        settings["start_sd"][states:] = record.disturbance_sd
-        settings["disturbance_decay"] = np.exp(-record.dt / time)
-        settings["disturbance_variance"] = variance * -np.expm1(-2.0 * record.dt / time)
+    settings["used"] = True
+    noise = Noise(
+        record.dt,
+        record.measurement_sd,
+        record.noise_variance[:N_WRENCH],
+        record.cell_sd,
+        record.gain_sd,
+        record.disturbance_sd,
+        record.disturbance_time_s,
+    )
+    geometry = Geometry(record.jaw, muscle_set, record.prior, record.knowledge, sds, upright, force)
+    fill_settings(settings, geometry, noise, record.start_sd)
+    return settings
+
+
+def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
+    """What the filter of an environment is told, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
+    model, muscles, device = model_named(configuration.model), configuration.muscles, configuration.build_device()
+    prior, knowledge = configuration.build_cohort().prior, configuration.build_knowledge()
+    sensor = configuration.force_sensor
+    motor_sds = sds_of_sensor(sensor, device)
+    force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
+    upright, sds = sds_of(jaw, model, knowledge, prior, motor_sds)
+    noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
+    disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
+    sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
+    settings = record_zeros(1, filter_settings_dtype(*sizes))[0]
+    settings["used"] = used_readings(configuration.sensors)
+    fill_settings(settings, Geometry(jaw, muscles, prior, knowledge, sds, upright, force), noise, spread)
     return settings

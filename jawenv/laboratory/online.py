@@ -14,14 +14,11 @@ from jawenv.checks import real_number, whole_number
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.envs.configuration import Configuration, Sensors
-from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
 from jawenv.filter.learn import learn
-from jawenv.filter.motion.initial_motion import start_sd
 from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.nuisances.known_within import write_nuisances
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import (
@@ -30,12 +27,11 @@ from jawenv.filter.tick import (
     filter_scratch_dtype,
     filter_settings_dtype,
     filter_tick,
-    set_prior,
     tick_dtype,
 )
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_zeros
-from jawenv.laboratory.filter_settings import sds_of, settings_of_record
+from jawenv.laboratory.filter_settings import settings_of_configuration, settings_of_record
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -154,9 +150,9 @@ class OnlineFilter:
                     f"allowed with model {model!r}: {len(own['l_o'])} lines, {own['condyles']} condyles, tilt 0"
                 )
             own = jaw
-        simulation = Simulation(1, configuration)
         self._start: tuple[Array, Array] | None = None
-        self._prepare(own, _settings_of(simulation, own), simulation.parameter_names, every)
+        names = configuration.muscles.parameter_names
+        self._prepare(own, settings_of_configuration(configuration, own), names, every)
 
     @classmethod
     def of_record(cls, record: Record, *, every: int = 5) -> OnlineFilter:
@@ -302,25 +298,6 @@ class OnlineFilter:
             int(belief["gated"]),
             left_out,
         )
-
-
-def _settings_of(simulation: Simulation, jaw: Any) -> Any:
-    """The filter's settings in a simulation, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
-    theirs, muscles = simulation.settings["filter"][0], simulation.cohort.muscles
-    disturbance, prior = len(theirs["disturbance_variance"]), simulation.cohort.prior
-    states = len(theirs["start_sd"]) - disturbance
-    force = simulation.force_errors
-    upright, sds = sds_of(jaw, simulation.model, simulation.knowledge, prior, None if force is None else force[0])
-    settings = record_zeros(1, filter_settings_dtype(len(muscles), states, len(muscles.muscle), len(sds), disturbance))[
-        0
-    ]
-    for name in settings.dtype.names:
-        if name != "nuisances":
-            settings[name] = theirs[name]
-    settings["start_sd"][:states] = start_sd(jaw, int(jaw["condyles"]))
-    set_prior(settings, jaw, prior)
-    write_nuisances(settings["nuisances"], upright, simulation.knowledge, muscles, sds, force)
-    return settings
 
 
 def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:

@@ -217,7 +217,7 @@ def test_checkpoint_of_another_network_is_refused(
         (["--resume", "nowhere"], "nowhere holds no run"),
         (
             ["--env", "knee"],
-            "env 'knee': unknown; allowed: jawenv/JawHinge-v2, jawenv/JawSagittal-v2, jawenv/JawSides-v2",
+            "env is 'knee'; allowed: jawenv/JawHinge-v2, jawenv/JawSagittal-v2, jawenv/JawSides-v2",
         ),
         (["--resume", "runs/a", "--env", "sides"], "--env cannot be combined with --resume"),
         (["--resume", "runs/a", "--seed", "1"], "--seed cannot be combined with --resume"),

@@ -77,7 +77,7 @@ def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
     lines = [line for line in page if line.startswith("|")]
     assert len(lines) == 2 + 4 and len({line.count("|") for line in lines}) == 1
     made_with = json.loads(pq.read_schema(tmp_path / "calibration.parquet").metadata[b"jawenv.eval"])
-    assert made_with["calibration"]["settings"]["seed"] == 4 and made_with["calibration"]["times"] == [0.5, 1.0]
+    assert made_with["settings"]["seed"] == 4 and made_with["times"] == [0.5, 1.0]
 
 
 def test_the_environments_own_filter_is_the_same_over_the_record(recording):
@@ -185,16 +185,16 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
         (["hold_still", "--times", "2,1"], "times: 2,1 given, allowed are growing"),
         (["hold_still", "--times", "0,1"], "times: 0,1 given, allowed are growing"),
         (["hold_still", "--times", "0.51"], "times: 0.51 given, allowed are multiples of the control step, 0.2 s"),
-        (["hold_still", "--patients", "0"], "patients: 0 given"),
-        (["hold_still", "--reality", "creep=much"], "reality: 'creep=much' given"),
+        (["hold_still", "--patients", "0"], "patients is 0; allowed"),
+        (["hold_still", "--reality", "creep=much"], "reality is 'creep=much'"),
         (["hold_still", "--device", "cell_force_N=-1"], "device.cell_force_N is -1.0; allowed: a finite number"),
-        (["hold_still", "--estimator", "two"], "estimator: 'two' given, allowed in jawenv/Jaw-v2 are midline"),
+        (["hold_still", "--estimator", "two"], "estimator is 'two'; allowed in Jaw: midline"),
         (["hold_still", "--device", "cell=1"], "device.cell is not a field of Device; allowed: vertical_arm_mm, "),
-        (["hold_still", "--env", "Knee"], "env 'Knee': unknown"),
+        (["hold_still", "--env", "Knee"], "env is 'Knee'; allowed"),
         (["hold_still", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["hold_still", "--comfort", "strict"], "strict: unknown file type ''; allowed: .json, "),
         (["hold_still", "--anatomy", "README.md"], "README.md: unknown file type '.md'"),
-        (["hold_still", "--force-sensor", "spring"], "force_sensor: 'spring' given, allowed are cell, motors, straps"),
+        (["hold_still", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):

@@ -8,6 +8,7 @@ from eval import entries
 from eval.cli import main
 from eval.information.gains import law_of
 from eval.kept.tables import read_table
+from jawenv.envs.configuration import Configuration
 from jawenv.inference import patient_law
 
 SMALL = ("--env", "JawHinge", "--patients", "6", "--episode-s", "1", "--workers", "1")
@@ -62,7 +63,7 @@ def test_the_bound_of_the_belief_is_the_true_information_from_the_law_on(tmp_pat
     monkeypatch.setattr(entries, "play", keep)
     assert play(tmp_path, "refined", "--contrasts", "0") == 0
     rows = read_table(tmp_path / "patients.parquet")[0]
-    law = law_of("trismus", "jawenv/JawHinge-v2")
+    law = law_of(Configuration.from_mapping({"env": "hinge"}))
     prior = kept[0]
     for i, row in rows[:5].iterrows():
         z = (prior.truth[i] - prior.prior_mean) / prior.prior_sd
@@ -76,7 +77,7 @@ def test_what_is_refused(tmp_path, capsys):
     for arguments, said in (
         ((), "nothing to play"),
         (("refined", "--contrasts", "-1"), "contrasts: -1 given"),
-        (("refined", "--patients", "0"), "patients: 0 given"),
+        (("refined", "--patients", "0"), "patients is 0; allowed"),
     ):
         assert main(["information", *arguments, "--output", str(tmp_path)]) == 2
         assert said in capsys.readouterr().err

@@ -245,7 +245,7 @@ def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
         (["hold_still", "--seed", "-1"], "seed: -1 given, allowed is a whole number"),
         (["hold_still", "--env", "JawSides"], "env: jawenv/JawSides-v2 given, allowed are those with six"),
         (["hold_still", "--patient", "none.json"], "none.json: no such file"),
-        (["hold_still", "--cohort", "nobody"], "cohort 'nobody' is unknown"),
+        (["hold_still", "--cohort", "nobody"], "cohort is 'nobody'; allowed"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):

@@ -1,0 +1,124 @@
+"""What the filter is told of a patient, a device and a disturbance: its settings, filled here alone."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.anatomy import MuscleSet
+from jawenv.anatomy.knowledge import Knowledge
+from jawenv.device.device import Device
+from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
+from jawenv.filter import least_noise
+from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.readings.screening import rough_change
+from jawenv.filter.tick import set_prior
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.unknowns import Unknowns
+
+Array = NDArray[np.float64]
+
+
+class Geometry(NamedTuple):
+    """A patient as the filter knows him.
+
+    Attributes:
+        jaw: record of dtype ``jaw_dtype``.
+        muscles: the jaw's; they matter where there are nuisances.
+        prior: of the parameters.
+        knowledge: what is known within sds.
+        sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
+        upright: the jaw about which sds are taken.
+        force: sds of the errors of a force that no load cell reads, and the device's record; None where one does.
+    """
+
+    jaw: Any
+    muscles: MuscleSet | None
+    prior: Any
+    knowledge: Knowledge
+    sds: list[Unknowns]
+    upright: Any
+    force: tuple[Array, Any] | None = None
+
+
+class Noise(NamedTuple):
+    """Noise of a device and of the disturbance, as the filter believes them.
+
+    Attributes:
+        dt: length of a tick, s.
+        measurement_sd: (12,) of the encoders.
+        wrench_variance: (6,) of the wrench that is new in every tick.
+        cell_sd: (6,) of a reading of the load cell, as half of its variance.
+        gain_sd: of the load cell.
+        disturbance_sd: (6,) of the wrench that lasts.
+        disturbance_time_s: for how long; 0 where none lasts.
+    """
+
+    dt: float
+    measurement_sd: Array
+    wrench_variance: Array
+    cell_sd: Array
+    gain_sd: float
+    disturbance_sd: Array
+    disturbance_time_s: float
+
+
+def wrench_variances(device: Device, force_sensor: ForceSensor) -> Array:
+    """(12,) of the wrench not known in a tick of 10 ms: constant over it, and tilting."""
+    record = device_with_sensor(force_sensor, device)[0]
+    # Simpson's weights (1, 4, 1)/6 leave half the variance of one sample.
+    cell_force, cell_moment = 0.5 * float(record["cell_force"]) ** 2, 0.5 * float(record["cell_moment"]) ** 2
+    unmodelled = float(record["unmodelled_force"]) ** 2, float(record["unmodelled_moment"]) ** 2
+    friction = friction_noise(force_sensor, device)
+    squares = [unmodelled[k] + friction[k] ** 2 + (cell_force, cell_moment)[k] for k in range(2)]
+    constant = least_noise.wrench_variance(np.repeat(squares, 3))
+    # Squares of their roots: a record has the sds, and its filter must have these numbers to the bit.
+    variance: Array = np.sqrt([*constant, *np.repeat([cell_force, cell_moment], 3)]) ** 2
+    return variance
+
+
+def noise_of(device: Device, force_sensor: ForceSensor, dt: float) -> Noise:
+    """What the filter believes of a device in ticks of ``dt`` (10 ms)."""
+    record, variances = device_with_sensor(force_sensor, device)[0], wrench_variances(device, force_sensor)
+    time = float(record["unmodelled_time"])
+    lasting = np.repeat([float(record[f"unmodelled_{kind}"]) for kind in ("force", "moment")], 3)
+    new = variances[:N_WRENCH]
+    if time > 0.0:
+        new = least_noise.wrench_variance(new - lasting**2)
+    cell_sd = np.sqrt(variances[N_WRENCH:])
+    return Noise(dt, least_noise.encoder_sds(record), new, cell_sd, float(record["cell_gain"]), lasting, time)
+
+
+def used_readings(sensors: str) -> NDArray[np.bool_]:
+    """(12,) which of the encoders' readings ``"pose"`` or ``"point"`` sensors have."""
+    point = [True] * 3 + [False] * 3 + [True] * 3 + [False] * 3
+    return np.array([True] * 12 if sensors == "pose" else point)
+
+
+def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Array) -> None:
+    """Fill a record of dtype ``filter_settings_dtype``, but for which readings are ``used``.
+
+    Args:
+        settings: written.
+        geometry: of the patient.
+        noise: of the device.
+        start_sd: (n,) of the motion at the start.
+    """
+    settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
+    settings["measurement_variance"] = noise.measurement_sd**2
+    settings["wrench_variance"] = noise.wrench_variance
+    settings["start_sd"][: len(start_sd)] = start_sd
+    settings["cell_repeats"] = least_noise.cell_repeats(noise.cell_sd)
+    settings["rough"] = rough_change(noise.cell_sd, noise.dt)
+    set_prior(settings, geometry.jaw, geometry.prior)
+    if geometry.sds:
+        assert geometry.muscles is not None
+        about = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds
+        write_nuisances(settings["nuisances"], *about, geometry.force)
+    if noise.disturbance_time_s > 0.0:
+        variance = noise.disturbance_sd**2
+        settings["start_sd"][-N_WRENCH:] = np.sqrt(variance)
+        settings["disturbance_decay"] = np.exp(-noise.dt / noise.disturbance_time_s)
+        settings["disturbance_variance"] = variance * -np.expm1(-2.0 * noise.dt / noise.disturbance_time_s)
