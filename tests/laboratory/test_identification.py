@@ -51,6 +51,13 @@ def test_what_was_lost_is_no_doubt():
     assert found.left_out == 0 and found.rows == 667 and found.believable
 
 
+def test_a_few_readings_that_are_far_off_are_no_doubt():
+    measured, samples = record().measured.copy(), record().samples.copy()
+    measured[50:54, 3], samples[100:103, :, 3] = -9999.0, 1e5
+    found = identified(replace(record(), measured=measured, samples=samples))
+    assert found.left_out == 7 and found.believable, found.doubts
+
+
 @pytest.mark.parametrize("column", ["pitch", "place", "velocity"])
 def test_only_what_was_read_is_judged(column):
     measured = record().measured.copy()

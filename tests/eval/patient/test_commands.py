@@ -108,7 +108,8 @@ def test_nothing_is_known_at_the_start(three):
             cov=np.broadcast_to(np.diag(population.sd**2), played.cov.shape),
         )
         about = {"finished": "today", "command": "python -m eval patient"}
-        text = words_of(page.render(entry, Person("1", 5200), Course(), [unknown], about, show_truth=False))
+        subject = page.Subject.simulated(entry, Person("1", 5200), Course(), 30.0)
+        text = words_of(page.render(subject, [unknown], about, show_truth=False))
         assert "Nothing can be said about any of the six closing muscles yet." in text
         assert text.count("most likely") == len(MUSCLE_NAMES) and "probability above" not in text
 
@@ -161,7 +162,8 @@ def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
     )
     assert rows.tolist() == ["normal", "no verdict", "no verdict"]
     about = {"finished": "today", "command": "python -m eval patient"}
-    text = words_of(page.render(entry, Person("1", 5200), Course(3), course, about, show_truth=False))
+    subject = page.Subject.simulated(entry, Person("1", 5200), Course(3), 30.0)
+    text = words_of(page.render(subject, course, about, show_truth=False))
     assert "do not fit the model in treatment 2:" in text
 
 
