@@ -9,13 +9,13 @@ from typing import Annotated, Any, cast
 import typer
 
 from eval import options
-from eval.benchmark.commands import benchmark_command
-from eval.calibration.commands import calibrate_command
-from eval.comparison.commands import card_command, compare_command, replay_command, report_command
-from eval.dataset.commands import dataset_command
-from eval.information.commands import information_command
-from eval.live import live_command
-from eval.patient.commands import diagnose_command, patient_command
+from eval.commands.benchmark import benchmark_command
+from eval.commands.calibration import calibrate_command
+from eval.commands.comparison import card_command, compare_command, replay_command, report_command
+from eval.commands.dataset import dataset_command
+from eval.commands.information import information_command
+from eval.commands.live import live_command
+from eval.commands.patient import diagnose_command, patient_command
 from eval.terminal import terminal, typed
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from eval import words
 from eval.gif import write_gif
-from eval.report import words
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError
 from jawenv.files import atomic_write

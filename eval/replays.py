@@ -9,9 +9,9 @@ from pathlib import Path
 from rich.console import Console
 
 from agents.replay import check_targets, replays_of, save_maneuver
+from eval import words
 from eval.entries import Entry, load_entries
 from eval.kept.digest import fingerprint
-from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError, shown
 from jawenv.locks import alone

@@ -8,9 +8,9 @@ from typing import Any
 import pandas as pd
 from rich.console import Console
 
+from eval import words
 from eval.benchmark.scores import by_cell, figures, score_of
 from eval.benchmark.tasks import TASKS, VERSION, Task, digest
-from eval.report import words
 from eval.terminal import printed_table
 
 NOTE = (

@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics
+from eval import statistics, words
 from eval.calibration.beliefs import JUDGED
-from eval.report import words
 from eval.statistics import Interval
 from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
 from jawenv.mechanics.unknowns import Unknowns

@@ -10,10 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import statistics
+from eval import statistics, words
 from eval.calibration import nuisances
 from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
-from eval.report import words
 from eval.statistics import UNKNOWN, Interval
 from eval.terminal import printed_table
 from jawenv.metrics import nees_band

@@ -11,13 +11,13 @@ from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
+from eval import words
 from eval.comparison import motion, results
 from eval.comparison.results import Results
 from eval.entries import Entry
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for
 from eval.kept.tables import made_with
-from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError
 from jawenv.locks import alone

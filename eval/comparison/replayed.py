@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.console import Console
 
+from eval import words
 from eval.comparison.motion import Motion
 from eval.comparison.results import Results
 from eval.entries import load_entries
-from eval.report import words
 from eval.settings import Settings
 from jawenv.errors import InputError
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from rich.console import Console
 
-from eval.report import words
+from eval import words
 from eval.terminal import printed_table
 
 HEAD = (

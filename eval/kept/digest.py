@@ -21,10 +21,12 @@ from jawenv.reading import read_bytes
 from jawenv.versions import package_versions
 
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
+_SHOWN = {"commands", "live", "rendering"}
+"""Rooms of jawenv that show numbers and change none: their text decides nothing that is kept."""
 
 
 def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[ModuleType] = ()) -> str:
-    """16 hexadecimal digits for values, files, jawenv, the agents, and the packages that they compute with.
+    """16 hexadecimal digits for values, files, jawenv but for what only shows, the agents, and packages they compute with.
 
     Args:
         decided_by: values that JSON can hold.
@@ -67,7 +69,8 @@ def _source(module: Path) -> str:
     """The digest of a module's file, or of all files of its package."""
     files = module.parent.rglob("*") if module.name == "__init__.py" else [module]
     content = hashlib.sha256()
-    for file in sorted(file for file in files if file.suffix in _SOURCES):
+    shown = {Path(str(jawenv.__file__)).parent / room for room in _SHOWN}
+    for file in sorted(file for file in files if file.suffix in _SOURCES and not shown & set(file.parents)):
         content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
     return content.hexdigest()
 

@@ -7,9 +7,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from rich.console import Console
 
-from eval import statistics
+from eval import statistics, words
 from eval.comparison.results import Results
-from eval.report import words
 from eval.statistics import Interval
 from eval.terminal import printed_table
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eval import words
 from eval.patient.charts import SD_95
 from eval.patient.shared import change
 from eval.patient.treatments import Treatment
-from eval.report import words
 from jawenv.anatomy import Prior
 
 Array = NDArray[np.float64]

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from eval import words
 from eval.entries import Entry
 from eval.patient import charts, drawing
 from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, Treatment, population_of
-from eval.report import template, words
+from eval.report import template
 from jawenv.anatomy import MUSCLE_NAMES, Prior, muscle_set
 from jawenv.errors import InputError
 from jawenv.ladder import model_of_env

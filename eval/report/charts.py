@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from eval import words
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
-from eval.report import drawing, words
+from eval.report import drawing
 from eval.report.first import firsts
 from eval.statistics import Interval
 

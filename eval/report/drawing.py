@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from eval import words
 from eval.comparison.ranking import Ranking
-from eval.report import words
 
 INK = "#3b3f46"
 GRID = "#d3d7dd"

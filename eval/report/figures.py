@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
+from eval import words
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import Results
-from eval.report import drawing, panels, words
+from eval.report import drawing, panels
 from eval.report.drawing import BAND, INK, REFERENCE
 from eval.statistics import Interval
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from eval import words
 from eval.comparison.trainings import FIGURES, Gain
-from eval.report import words
 from eval.terminal import printed_table
 from jawenv.files import write_text
 

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from eval import statistics
+from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S, Results
-from eval.report import words
 from eval.statistics import Interval
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError

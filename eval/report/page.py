@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from eval import words
 from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
-from eval.report import charts, first, panels, template, verdict, words
+from eval.report import charts, first, panels, template, verdict
 from eval.report.learned import learned
 from eval.report.learning import learning_charts
 from eval.report.playback import legend, playback

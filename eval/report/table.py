@@ -8,10 +8,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from eval import words
 from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S
-from eval.report import first, verdict, words
+from eval.report import first, verdict
 from eval.report.learned import Learned
 from eval.statistics import Interval
 from eval.terminal import printed_table

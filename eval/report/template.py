@@ -9,7 +9,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from eval.report import svg, terms, words
+from eval import words
+from eval.report import svg, terms
 from jawenv.files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"

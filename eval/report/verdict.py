@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from eval import words
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import GAP_NATS, KNOWN, Ranking, Row
-from eval.report import words
 
 
 def headline(ranking: Ranking) -> str:

@@ -10,7 +10,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval.report import drawing, words
+from eval import words
+from eval.report import drawing
 from eval.studies.cells import FACTORS
 from eval.studies.design import Design
 from jawenv.files import atomic_write

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from rich.console import Console
 
-from eval.report import words
+from eval import words
 from eval.statistics import Interval
 from eval.studies.cells import FACTORS
 from eval.studies.design import Design

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from eval.report import drawing, words
+from eval import words
+from eval.report import drawing
 
 FORCE, EXPONENT = "#3b82c4", "#e08a2c"
 FEWEST_IN_BINS = 20  # fewer values are drawn one by one

@@ -10,8 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from agents import load_agent
-from eval import statistics
-from eval.report import words
+from eval import statistics, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import statistics
-from eval.report import words
+from eval import statistics, words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view

@@ -7,8 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import statistics
-from eval.report import drawing, words
+from eval import statistics, words
+from eval.report import drawing
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics
-from eval.report import words
+from eval import statistics, words
 from eval.statistics import Interval
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record

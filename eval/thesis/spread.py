@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from eval.report import words
+from eval import words
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval.report import drawing, words
+from eval import words
+from eval.report import drawing
 from eval.thesis import rows
 
 COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d", "#8b6cc6")

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval.report import drawing, words
+from eval import words
+from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
 from eval.thesis.prescribed import with_noise

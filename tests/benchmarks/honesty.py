@@ -18,11 +18,10 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from eval import statistics
+from eval import statistics, words
 from eval.entries import load_entries
 from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
-from eval.report import words
 from eval.settings import Settings
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge

@@ -68,3 +68,21 @@ def test_the_way_of_an_action_names_what_there_is() -> None:
             file,
             function,
         )
+
+
+@pytest.mark.parametrize("package", ["agents", "training", "eval"])
+def test_rooms_within_a_package_do_not_import_in_a_circle(package: str, sources) -> None:
+    """A room is a folder, or a module beside folders."""
+    modules = sources.module_files()
+
+    def room(module: str) -> str:
+        return module if modules[module].name == "__init__.py" else module.rpartition(".")[0]
+
+    graph: dict[str, set[str]] = {}
+    for module in (module for module in modules if module.split(".")[0] == package and "." in module):
+        own = room(module) if room(module) != package else module
+        others = {room(other) if room(other) != package else other for other in sources.imports_of(module)}
+        graph.setdefault(own, set()).update(
+            other for other in others - {own, package} if other.startswith(f"{package}.")
+        )
+    assert len(graph) > 2 and tuple(TopologicalSorter(graph).static_order())

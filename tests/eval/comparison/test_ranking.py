@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from eval import words
 from eval.comparison.admission import Admission
 from eval.comparison.ranking import CLAIRVOYANT, KNOWN, rank
-from eval.report import table, verdict, words
+from eval.report import table, verdict
 from eval.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band

@@ -10,6 +10,7 @@ import pytest
 from agents.residual import BASE_FILE
 from eval.cli import main
 from eval.entries import load_entries
+from eval.kept import digest as kept
 from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from jawenv import versions
@@ -91,3 +92,17 @@ def test_a_changed_run_is_played_again(
         assert main(command) == 0
         kept.append("1 of 1 entries kept from an earlier run" in capsys.readouterr().out)
     assert kept == [False, True, False, False, False]
+
+
+@pytest.mark.parametrize(("changed", "decides"), [("filter/tick.py", True), ("live/page.py", False)])
+def test_it_changes_with_what_can_change_a_number_and_with_nothing_else(
+    changed: str, decides: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "jawenv"
+    for name in ("__init__.py", "filter/tick.py", "live/page.py"):
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text("one = 1\n")
+    monkeypatch.setattr(kept.jawenv, "__file__", str(package / "__init__.py"))
+    before = kept._source.__wrapped__(package / "__init__.py")
+    (package / changed).write_text("one = 2\n")
+    assert (kept._source.__wrapped__(package / "__init__.py") != before) == decides

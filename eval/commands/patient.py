@@ -8,8 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options
-from eval.report import words
+from eval import options, words
 from eval.terminal import terminal, typed
 from jawenv.errors import InputError
 from jawenv.files import write_text
