@@ -99,13 +99,12 @@ def _observation(model: Model) -> str:
 
 
 def _arguments(spec: Any) -> str:
-    """Names, types and defaults from the code; the meaning from the reference."""
-    meaning = {_name(row[0]): row[3] for row in _table("Arguments")}
+    """Names, types, defaults and meanings from the code."""
     lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
     for field in fields(Configuration):
         default = spec.kwargs.get(field.name, field.default)
-        kind = inspect.signature(JawEnv.__init__).parameters[field.name].annotation
-        lines.append(f"| `{field.name}` | `{kind}` | `{default!r}` | {meaning[field.name]} |")
+        kind, meaning = str(field.type).replace("|", "or"), field.metadata["help"].rstrip(".")
+        lines.append(f"| `{field.name}` | `{kind}` | `{default!r}` | {meaning} |")
     return "\n".join(lines)
 
 

@@ -26,7 +26,7 @@ _SHOWN = {"commands", "live", "rendering"}
 
 
 def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[ModuleType] = ()) -> str:
-    """16 hexadecimal digits for values, files, jawenv but for what only shows, the agents, and packages they compute with.
+    """16 hexadecimal digits for values, files, jawenv but for what only shows, agents, and packages they compute with.
 
     Args:
         decided_by: values that JSON can hold.

@@ -293,6 +293,12 @@ def registered_arguments(env_id: str) -> dict[str, Any]:
     return dict(IMAGED) if env_id == KNOWN_WITHIN_SDS else {"model": model_of_env(env_id).name}
 
 
+def described() -> str:
+    """All arguments, a line each: name, default and meaning."""
+    listed = fields(Configuration)
+    return "\n".join(f"* ``{each.name}`` ({each.default!r}): {each.metadata['help']}" for each in listed)
+
+
 def plain_value(name: str, given: object) -> Any:
     """What an argument says as text, numbers and mappings: of a file its content.
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jawenv.anatomy import Prior
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
-from jawenv.envs.configuration import configure
+from jawenv.envs.configuration import configure, described
 from jawenv.envs.observation import OBSERVATION_BOUND
 from jawenv.envs.reset_options import checked_options, checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
@@ -74,18 +74,8 @@ class JawEnv(gym.Env[Observation, Action]):
     observation and flags, reward 0.
 
     ## Arguments
-    * ``control`` "targets" (default) | "force" | "trajectory"; ``sensors`` "pose" | "point"; ``reward``.
-    * ``cohort``: whom ``reset`` draws: a name in ``jawenv.COHORTS``, a ``jawenv.Cohort``, a mapping as
-      ``Cohort.from_dict`` takes it, or the path of a JSON, TOML or YAML file with one.
-    * ``episode_s``, s; ``control_hz``, steps per second, 100 divided by a whole number (targets
-      control: 20 divided by one), 20 where left out and 5 in targets control; ``comfort_weight``, nats per
-      second of cost 1.
-    * ``track_bound``: compute the bound for ``info`` as well; ``record``: keep what the device measures.
-    * ``device``: a ``jawenv.Device``, a mapping of its fields that differ from their defaults, or the path of a file
-      with them; ``reality``, ``comfort``, ``anatomy``: the same of ``jawenv.reality.Reality``, ``jawenv.Comfort`` and
-      ``jawenv.Anatomy``.
-    * ``model``: set by the id; ``estimator``: the mechanics that the filter believes in, "none" for no belief, or a
-      filter of one's own (``jawenv.envs.own_estimators``); ``render_mode``.
+    {arguments}
+    * ``render_mode``: None, "rgb_array" or "human".
 
     ``env.spec.to_json()`` takes names, numbers, mappings, paths as text, a ``Device``, ``Reality`` or ``Comfort``,
     which comes back as the mapping of its fields. It takes no ``Cohort`` (give it ``Cohort.to_dict()``), no
@@ -95,8 +85,7 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
-    * v1: targets control; a gentler device (12 N/s, softer servos), a filter without corrections and with a gate;
-      ``info["gated"]``.
+    * v2: targets control; a gentler device (12 N/s, softer servos), a filter without corrections and with a gate.
     * v0: first version.
     """
 
@@ -247,3 +236,6 @@ class JawEnv(gym.Env[Observation, Action]):
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
+
+
+JawEnv.__doc__ = str(JawEnv.__doc__).replace("{arguments}", described().replace("\n", "\n    "))

@@ -86,3 +86,11 @@ def test_rooms_within_a_package_do_not_import_in_a_circle(package: str, sources)
             other for other in others - {own, package} if other.startswith(f"{package}.")
         )
     assert len(graph) > 2 and tuple(TopologicalSorter(graph).static_order())
+
+
+def test_the_table_of_arguments_is_that_of_the_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
+    import arguments
+
+    text = arguments.PAGE.read_text(encoding="utf-8")
+    assert arguments.renewed(text) == text, "run: python docs/site/arguments.py"
