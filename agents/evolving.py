@@ -50,7 +50,7 @@ class EvolvingPlanner(Planner):
             for i in np.flatnonzero(due):
                 known = mean[i : i + 1]
                 if k == 0:
-                    start = self._env.simulation.worlds["known"]["tracker"]["target"][i].copy()
+                    start = self._env.simulation.targets[i]
                     known = np.array(self._known(start, int(i), int(step[i])))
                     mean[i] = known[0]
                 pairs = self._pairs(mean[i], plan.candidates - len(known), SIZE * SHRINKS**k, streams[i])

@@ -202,7 +202,7 @@ class Planner(BatchAgent):
 
     def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
         """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""
-        start = self._env.simulation.worlds["known"]["tracker"]["target"][world].copy()
+        start = self._env.simulation.targets[world]
         known = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
         known += self._continued(start, step)
         if self._maneuvers and 0 <= self._planned_at[world] < step:

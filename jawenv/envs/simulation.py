@@ -18,6 +18,7 @@ from jawenv.device.force_sensor import (
     slack_force,
 )
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
+from jawenv.envs.fork import Fork
 from jawenv.envs.info import WorldReader
 from jawenv.envs.observation import observation_size
 from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
@@ -151,6 +152,16 @@ class Simulation:
         true_time = float(settings["reality"]["unmodelled_time"]) or time
         settings["unmodelled_decay"] = np.exp(-TICK / true_time) if true_time > 0.0 else 0.0
         settings["noise_variance"][:N_WRENCH] = settings["filter"]["wrench_variance"]
+
+    def fork(self, copies: int, *, reward: Any, believed: bool) -> Fork:
+        """So many copies of each world, to be played ahead; arguments and errors as of ``Fork``."""
+        return Fork(self, copies, reward=reward, believed=believed)
+
+    @property
+    def targets(self) -> NDArray[np.float64]:
+        """(N, 4) where the device's law of targets control is, fractions of comfort; a copy."""
+        targets: NDArray[np.float64] = self.worlds["known"]["tracker"]["target"].copy()
+        return targets
 
     def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
         """Begin a new episode in every chosen world; where one cannot begin, all worlds stay as they were.

@@ -4,7 +4,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.prediction import Prediction, believe
+from agents.prediction import Prediction
+from jawenv.envs.fork import believe
 from jawenv.envs.rewards import potential
 
 
