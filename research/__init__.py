@@ -1,1 +1,1 @@
-"""Studies that justify numbers of the project: each module prints its table."""
+"""Studies of the filter and of the house itself, each a command: ``python -m research.honesty --help``."""

@@ -121,15 +121,6 @@ def test_a_policy_that_saw_normalised_observations_is_refused(place: str, run_fo
     assert f"normalised (by {place})" in refusal(folder, trust=True)
 
 
-def test_damaged_content_is_named(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "odd.zip", "w") as archive:
-        archive.writestr("data", "{}")
-        archive.writestr("policy.pth", b"nothing")
-    assert "damaged" in refusal(tmp_path / "odd.zip", trust=True)
-    write_config(tmp_path)
-    assert "damaged stable-baselines3 checkpoint: no weights of ppo: " in refusal(tmp_path / "odd.zip")
-
-
 def test_policy_of_another_environment_is_refused(run_folder: Path, tmp_path: Path) -> None:
     assert f"observations of {SIZE} values" in refusal(run_folder / "final_model.zip", observation_size=SIZE + 1)
     PPO("MlpPolicy", Blank(actions=2), device="cpu").save(tmp_path / "two.zip")

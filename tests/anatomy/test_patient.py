@@ -131,16 +131,6 @@ def test_every_way_in_gives_the_same_line(tmp_path: Path, data: dict[str, object
     assert str(caught.value) == f"{path}: {message}"
 
 
-def test_damaged_json(tmp_path: Path) -> None:
-    path = tmp_path / "patient.json"
-    path.write_text('{"name": "x", "F_o_N": {')
-    with pytest.raises(InputError) as caught:
-        Patient.load(path)
-    assert str(caught.value) == (
-        f"{path}: damaged JSON: Expecting property name enclosed in double quotes: line 1 column 25 (char 24)"
-    )
-
-
 def test_patients_are_frozen() -> None:
     patient = Patient(F_o_N=F_O, b=B)
     with pytest.raises(ValueError, match="frozen"):

@@ -1,12 +1,13 @@
 """A damaged file of any kind is refused in one line, or read right.
 
-`tests/benchmarks/damage.py` reads some thousands.
+`research/damage.py` reads some thousands.
 """
 
 from pathlib import Path
 
 import pytest
-from reading_damaged import FORMATS, Format, faults_of
+
+from tests.damaged_files.reading import FORMATS, Format, faults_of
 
 NUMBER = 16
 

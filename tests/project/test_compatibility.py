@@ -25,9 +25,3 @@ def functions() -> dict[str, str]:
 
 def test_every_test_has_its_row() -> None:
     assert {what: library for library, _, what, _ in ROWS} == functions(), "run: python docs/site/compatibility.py"
-
-
-def test_all_were_run_and_none_failed() -> None:
-    for library, version, what, result in ROWS:
-        assert re.fullmatch(r"\d+ passed", result), (library, what, result)
-        assert re.fullmatch(r"[\d.]+", version), library

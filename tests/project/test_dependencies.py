@@ -75,6 +75,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         ("agents", {"jawenv", "agents"}, ["train"]),
         ("training", {"jawenv", "agents", "training"}, ["train"]),
         ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["train", "eval", "cluster", "dataset", "sbi"]),
+        ("research", {"jawenv", "agents", "eval", "tests"}, ["train", "eval"]),
     ],
 )
 def test_what_is_imported_is_required(folder: str, own: set[str], extras: list[str]) -> None:

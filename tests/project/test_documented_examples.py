@@ -119,13 +119,6 @@ def test_examples_that_need_only_the_wheel_run_without_anything_else(tmp_path: P
     assert ran.stdout.count("ran:") == sum(map(len, chosen))
 
 
-def test_what_an_example_needs_is_seen() -> None:
-    """Neither an example that imports another package, nor one that uses what such a one made."""
-    first, *others = blocks(ROOT / "docs" / "recordings.md", "python")
-    assert "from agents" in first.text and others
-    assert not set(needs_only_the_wheel(first.page)) & {first, *(block for block in others if "record" in block.text)}
-
-
 def test_a_maneuver_file_is_one(tmp_path: Path) -> None:
     example, *_ = blocks(ROOT / "agents" / "README.md", "yaml")
     file = tmp_path / "maneuver.yaml"
@@ -168,8 +161,11 @@ def test_a_command_is_taken(place: str, line: str) -> None:
         assert set(re.findall(r"\[(\w+)\]", words[-1])) <= set(project["optional-dependencies"]), place
     elif Path(program).name == "jawenv":
         taken(jawenv.commands.app.app, words)
-    elif words[:1] == ["-m"]:
+    elif words[:1] == ["-m"] and words[1] in COMMANDS:
         taken(COMMANDS[words[1]], words[2:])
+    elif words[:1] == ["-m"]:
+        source = (ROOT / f"{words[1].replace('.', '/')}.py").read_text(encoding="utf-8")
+        assert all(f'"{word}"' in source for word in words[2:] if word.startswith("--")), place
     elif program.endswith("python") and words[0] != "-c":
         source = (ROOT / words[0]).read_text(encoding="utf-8")
         for option in (word for word in words if word.startswith("--")):
@@ -189,13 +185,3 @@ def taken(app: typer.Typer, words: list[str]) -> None:
     name, command, rest = group.resolve_command(group.make_context("", list(words)), list(words))
     assert command is not None
     command.make_context(name, rest)
-
-
-def test_an_unknown_option_is_not_taken() -> None:
-    with pytest.raises(Exception, match="No such option"):
-        taken(eval.cli.app, ["compare", "chirp", "--no-such-option"])
-
-
-def test_all_pages_are_read() -> None:
-    assert {page.name for page in PAGES} >= {"README.md", "environment.md", "recordings.md"}
-    assert len(commands()) > 20

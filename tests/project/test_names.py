@@ -1,6 +1,5 @@
 """Files and modules that pages and docstrings name exist."""
 
-import ast
 import importlib.util
 import re
 from importlib import import_module
@@ -51,32 +50,3 @@ def test_what_a_page_names_exists(page: Path) -> None:
                 assert any((folder / path).exists() for folder in (*FROM, page.parent)), f"no file {path}"
         for name in A_MODULE.findall(span):
             assert exists(name) or (ROOT / name).exists(), f"no module {name}"
-
-
-def test_modules_that_docstrings_name_exist() -> None:
-    """In full (``jawenv.filter.tick``), or from their room or file on (``joint_step.propagate``)."""
-    files = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
-    stems, named = {path.stem for path in files} | {path.parent.name for path in files}, 0
-    for path in files:
-        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-        known = {node.id for node in nodes if isinstance(node, ast.Name)} | {
-            node.arg for node in nodes if isinstance(node, ast.arg)
-        }
-        documented = (node for node in nodes if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef))
-        text = " ".join(re.findall(r"``([^`]+)``", " ".join(ast.get_docstring(node) or "" for node in documented)))
-        for name in A_MODULE.findall(text):
-            assert exists(name), f"{path}: no {name}"
-            named += 1
-        for first in re.findall(r"(?<![\w./])([a-z_]+)\.[a-z_]+\b", text):
-            assert first in stems | known | {"env", "package"} or importlib.util.find_spec(first), (
-                f"{path}: no module {first}"
-            )
-    assert named > 10
-
-
-def test_constants_that_the_ablation_changes_exist(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "tests" / "benchmarks"))
-    import ablation
-
-    for row in ablation.ROWS:
-        assert all(exists(ablation.FILTER + name) for name in row.constants), row.what

@@ -161,17 +161,6 @@ def test_an_unusable_python_gets_one_line(
     assert not (project / ".venv").exists()
 
 
-def test_the_question_put_to_a_python_is_answered_by_a_real_one(project: Path, tmp_path: Path) -> None:
-    """A Python whose ensurepip is missing, as on Debian without python3-venv."""
-    hidden = tmp_path / "hidden"
-    hidden.mkdir()
-    (hidden / "ensurepip.py").write_text("raise ModuleNotFoundError('No module named ensurepip')\n")
-    result = set_up(project, "train", PYTHONPATH=str(hidden))
-    assert result.returncode == 1
-    assert "comes without venv: apt install python3-venv" in result.stderr
-    assert result.stderr.count("\n") == 1
-
-
 def test_no_python_at_all(project: Path, tmp_path: Path) -> None:
     tools = folder_of_tools(tmp_path / "tools")
     result = set_up(project, "train", PYTHON="", PATH=str(tools))

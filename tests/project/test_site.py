@@ -16,7 +16,6 @@ from rich.console import Console
 import jawenv
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.playing.maneuvers.maneuver import FOLDER
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = (
@@ -95,41 +94,6 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
     anchors = Places(site / "api.html").anchors
     for name in jawenv.__all__:
         assert any(anchor.endswith(f".{name}") for anchor in anchors), name
-
-
-def test_the_first_page_is_the_readme_arranged(site: Path) -> None:
-    text = (site / "index.html").read_text(encoding="utf-8")
-    assert re.search(r'class="film".*?<img[^>]+src="figures/', text, re.S)
-    assert text.count('class="card"') == 3
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    for heading in re.findall(r"^## (.+)$", readme, re.M):
-        assert f">{heading}<" in text
-    assert "NEES" not in text[: text.index('class="ways"')].split("<article")[1]
-
-
-def test_the_gallery_shows_every_maneuver_with_three_figures(site: Path) -> None:
-    text = (site / "gallery.html").read_text(encoding="utf-8")
-    played = (ROOT / "docs" / "tables" / "headline.md").read_text(encoding="utf-8")
-    for name in jawenv.maneuver_names():
-        (card,) = re.findall(rf'<section id="{name}">(.*?)</section>', text, re.S)
-        figures = re.findall(r"<li><b>([^<]+)</b>", card)
-        assert len(figures) == (3 if name.replace("_", " ") in played else 0), name
-        assert all(re.match(r"[\d.]+ (s|%)$|never$", figure) for figure in figures), name
-        assert "<polyline" in card or "rest" in card
-        file = (FOLDER / f"{name}.yaml").read_text(encoding="utf-8")
-        sought = re.findall(r"<p class='purpose'>(?:Know|Learn) [^<]+, within comfort\.</p><p>", card)
-        assert len(sought) == ("Found, not made by hand" in file), name
-
-
-def test_the_search_needs_no_server(site: Path) -> None:
-    assert (site / "search" / "search_index.js").stat().st_size > 1e5
-    assert 'src="site/iframe-worker.js"' in (site / "index.html").read_text(encoding="utf-8")
-
-
-def test_formulas_need_no_script(site: Path) -> None:
-    text = (site / "model.html").read_text(encoding="utf-8")
-    assert text.count("<math") > 50
-    assert 'class="arithmatex"' not in text
 
 
 def test_a_notebooks_outputs_are_on_its_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,5 @@
 """The search for settings."""
 
-import sqlite3
 from pathlib import Path
 
 import optuna
@@ -47,15 +46,6 @@ def test_damaged_database_is_one_line(tiny_config: Path, tmp_path: Path, capsys:
     assert main(["tune", str(tiny_config), "--storage", f"sqlite:///{tmp_path}/tune.db"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "tune.db: cannot be used" in error and "not a database" in error
-
-
-def test_locked_database_is_one_line(tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    database = tmp_path / "tune.db"
-    with sqlite3.connect(database) as connection:
-        connection.execute("BEGIN EXCLUSIVE")
-        assert main(["tune", str(tiny_config), "--storage", f"sqlite:///{database}?timeout=0.1"]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "cannot be used: database is locked" in error
 
 
 @pytest.mark.parametrize(

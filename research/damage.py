@@ -1,6 +1,6 @@
 """Read thousands of damaged files of every kind, with bounded memory, and print what went wrong.
 
-    python tests/benchmarks/damage.py --files 3000 --seed 7
+    python -m research.damage --files 3000 --seed 7
 
 Ends with 1 where a damaged file gave a traceback, a wrong content in spite of checksums, took more than a second, or
 more memory than a gigabyte.
@@ -14,9 +14,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parents[1] / "damaged_files"), str(Path(__file__).parents[2])]
-
-from reading_damaged import FORMATS, faults_of  # noqa: E402 - the folder has just been added
+from tests.damaged_files.reading import FORMATS, faults_of
 
 MEMORY = 2**30
 """Bytes of address space beyond what the program takes for whole files."""
@@ -29,7 +27,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=7)
     given = parser.parse_args()
     each = -(-given.files // len(FORMATS))
-    faults, refused, start = [], Counter(), time.monotonic()
+    faults: list[str] = []
+    refused: Counter[str] = Counter()
+    start = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         for format_ in FORMATS:  # what reading a whole file loads is not counted
             (Path(folder) / format_.name).mkdir()

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import file_contents as contents
-
 from agents.card import SHIPPED, ResultsFile, read_card
 from agents.checkpoints import read_data
 from agents.exported import load_exported
@@ -22,12 +20,13 @@ from eval.kept.tables import read_table
 from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
 from eval.studies.design import shipped as shipped_studies
-from jawenv import Anatomy, Cohort, Comfort, Device, Knowledge, Patient
-from jawenv.files import read_mapping, read_model
+from jawenv import Anatomy, Cohort, Device, Patient
+from jawenv.files import read_model
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.reality.options import Reality
+from tests.damaged_files import contents
 from training.run.config import TrainingConfig
 from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
@@ -129,20 +128,14 @@ def _shipped_policy(folder: Path) -> None:
 _NPZ = ("a.npz", contents.replay, _replay)
 _CHECKPOINT = ("final_model.zip", contents.run, _policy)
 _WEIGHTS = ("policy.safetensors", _shipped_policy, _exported)
-_PAIRS = {"f": 1.5, "g": [1, 2], "h": {"a": True, "b": "text"}, "i": None}
 
 FORMATS = (
-    _copied("maneuver", MANEUVERS / "chirp.yaml", Maneuver.load),
-    _copied("maneuver of sines", MANEUVERS / "multisine.yaml", Maneuver.load),
-    _copied("designed maneuver", MANEUVERS / "refined.yaml", Maneuver.load),
+    _copied("maneuver", MANEUVERS / "refined.yaml", Maneuver.load),
     _text("patient", "a.json", contents.patient(), Patient.load),
     _text("cohort", "a.toml", contents.COHORT, lambda path: Cohort.load(path).to_dict()),
     _text("device", "a.toml", contents.numbers(Device), Device.load),
-    _text("comfort", "a.toml", contents.numbers(Comfort), Comfort.load),
     _text("anatomy", "a.toml", contents.ANATOMY, Anatomy.load),
     _text("reality", "a.yaml", contents.numbers(Reality).replace(" = ", ": "), Reality.load),
-    _text("knowledge", "a.yaml", contents.numbers(Knowledge).replace(" = ", ": "), Knowledge.load),
-    _text("mapping", "a.yml", json.dumps(_PAIRS), read_mapping),
     _copied("study", shipped_studies()["ladder"], lambda path: read_study(str(path))),
     _copied("training configuration", CONFIGS / "ppo.yaml", TrainingConfig.load),
     _text("distillation", "a.yaml", contents.DISTILLATION, lambda path: read_model(path, Distillation)),

@@ -1,17 +1,38 @@
 """Read damaged files of every kind, and gather what goes wrong."""
 
+import re
 import time
 from pathlib import Path
 
 import numpy as np
-from damages import KINDS, damaged
-from file_formats import FORMATS, Format
 
 from jawenv.errors import InputError
+from tests.damaged_files.formats import FORMATS, Format
 
 LONGEST_S = 1.0
 """Of computing; a machine that others use may take ten times that."""
 LONGEST_LINE = 800
+KINDS = ("bits", "cut", "value", "zeros")
+VALUES = (b"-1", b"0", b"1e999", b"nan", b"9" * 5000, b"null", b"[]", b"{}", b"''", b"true", b"1e-320")
+
+
+def damaged(content: bytes, kind: str, rng: np.random.Generator) -> bytes:
+    """The content with one damage of a kind."""
+    made = bytearray(content)
+    if kind == "bits":
+        for bit in rng.integers(8 * len(made), size=int(rng.integers(1, 40))):
+            made[bit // 8] ^= 1 << (bit % 8)
+    elif kind == "cut":
+        del made[int(rng.integers(len(made))) :]
+    elif kind == "value":
+        numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", content))
+        if numbers:
+            chosen = numbers[int(rng.integers(len(numbers)))]
+            made[chosen.start() : chosen.end()] = VALUES[int(rng.integers(len(VALUES)))]
+    else:
+        a, b = sorted(int(place) for place in rng.integers(0, len(made) + 1, size=2))
+        made[a:b] = bytes(b - a)
+    return bytes(made)
 
 
 def faults_of(format_: Format, folder: Path, number: int, seed: int) -> tuple[list[str], int]:

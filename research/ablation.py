@@ -4,8 +4,8 @@ Each row leaves one of them out, and is run by a process of its own that compile
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
 in Markdown; takes about a minute for each row. With --condyles 2 of what is there for a jaw on two discs:
 
-    python tests/benchmarks/ablation.py --patients 64 --seed 6000
-    python tests/benchmarks/ablation.py --patients 64 --seed 6000 --condyles 2
+    python -m research.ablation --patients 64 --seed 6000
+    python -m research.ablation --patients 64 --seed 6000 --condyles 2
 """
 
 import argparse
@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jawenv.controls import Control
 from jawenv.kernels.compiled import njit
 
 FILTER = "jawenv.filter."
@@ -38,7 +39,7 @@ class Cell(NamedTuple):
     """What is played."""
 
     agent: str
-    control: str
+    control: Control
     cohort: str = "trismus"
     env_id: str = "jawenv/Jaw-v2"
 
@@ -62,7 +63,7 @@ class Biting:
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Any, None]:
-        return np.tile(np.float32([-1.0, -1.0, 1.0, 1.0]), (*np.shape(observation)[:-1], 1)), None
+        return np.tile(np.array([-1.0, -1.0, 1.0, 1.0], np.float32), (*np.shape(observation)[:-1], 1)), None
 
 
 class Corners(Biting):
@@ -170,7 +171,7 @@ def main() -> None:
     print("|---|" + len(cells) * "--:|", flush=True)
     for number, row in rows:
         print(f"{row.what} ({number + 1} of {len(table)})", file=sys.stderr, flush=True)
-        command = [sys.executable, *sys.argv, "--row", str(number)]
+        command = [sys.executable, "-m", "research.ablation", *sys.argv[1:], "--row", str(number)]
         with tempfile.TemporaryDirectory() as cache:
             # The kernels of a filter that lacks something must not be taken for those of the whole one.
             places = {"JAWENV_CACHE_DIR": cache} if row.constants else {}

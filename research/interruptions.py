@@ -1,6 +1,6 @@
 """Stop each command at many moments by SIGKILL or SIGINT, give it again until it ends, and compare with a whole run.
 
-    python tests/benchmarks/interruptions.py --times 3 --seed 1
+    python -m research.interruptions --times 3 --seed 1
 
 The moments are drawn between the end of loading and that of the whole run. What is compared are the contents of all
 files but for what says when and for how long a command ran. Ends with 1 where something differs or is left by halves.
@@ -18,9 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
-
-from stopping import finished, stopped, unfinished  # noqa: E402 - the folder has just been added
+from tests.stopping import finished, stopped, unfinished
 
 DISTILL = """
 algorithm: ppo

@@ -1,6 +1,6 @@
 """How honest the filter is where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
 
-    python tests/benchmarks/honesty.py still --knowledge imaged --patients 64 --seed 20000
+    python -m research.honesty still --knowledge imaged --patients 64 --seed 20000
 
 still: a servo holds the jaw at 40 % of its opening for two minutes. corners: motors held at each of the 16 corners of
 their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is

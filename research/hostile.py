@@ -5,7 +5,7 @@ commands, random recurrent networks that see the observation, and the excitation
 crosses a hard limit ends (``terminated``); lost is who has NEES/p beyond 10 at the end. Silent is who is
 lost, whose episode did not end by a limit, and whose alarm does not ring. Prints a table in Markdown:
 
-    python tests/benchmarks/hostile.py --steps 2000000
+    python -m research.hostile --steps 2000000
 
 Finished rows are kept in --output, so that the same command goes on.
 """

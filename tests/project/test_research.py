@@ -1,0 +1,26 @@
+"""Each study of ``research`` is a command, and what the ablation changes exists."""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from research import ablation
+
+STUDIES = sorted(path.stem for path in (Path(__file__).parents[2] / "research").glob("[a-z]*.py"))
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_is_a_command(name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.argv", [name, "--help"])
+    with pytest.raises(SystemExit) as ended:
+        import_module(f"research.{name}").main()
+    assert ended.value.code == 0
+    assert "--seed" in capsys.readouterr().out
+
+
+def test_constants_that_the_ablation_changes_exist() -> None:
+    for row in ablation.ROWS:
+        for constant in row.constants:
+            module, _, name = (ablation.FILTER + constant).rpartition(".")
+            assert hasattr(import_module(module), name), constant
