@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,6 @@ from jawenv.envs.world.plants import take_body
 from jawenv.errors import InputError
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES
-
-if TYPE_CHECKING:
-    from jawenv.envs.simulation import Simulation
 
 QUIET = 1e-3
 """Share of the noise in the copies. Not 0, since the filter leaves a reading out that repeats the last to the bit."""
@@ -38,7 +35,7 @@ class Fork:
     expected motion. The filter does not filter its readings again in a copy, as it does where its mean has moved far.
 
     Args:
-        simulation: the N worlds; they are only read.
+        simulation: the N worlds, of a ``Simulation``; they are only read.
         copies: K.
         reward: what the copies' steps are paid for.
         believed: whether a copy's truth is what the filter believes (certainty equivalence): muscles, nuisances and
@@ -50,7 +47,7 @@ class Fork:
             another filter than the device's.
     """
 
-    def __init__(self, simulation: Simulation, copies: int, *, reward: Any, believed: bool) -> None:
+    def __init__(self, simulation: Any, copies: int, *, reward: Any, believed: bool) -> None:
         if simulation.model.plant == "contact":
             raise InputError(f"model is {simulation.model.name!r}; allowed for a planner: one without pymunk")
         if simulation.own_estimators is not None:
@@ -69,7 +66,8 @@ class Fork:
     @property
     def worlds(self) -> NDArray[np.void]:
         """(N K) records, as ``Simulation.worlds``."""
-        return self._copies.worlds
+        worlds: NDArray[np.void] = self._copies.worlds
+        return worlds
 
     def begin(self, keys: NDArray[np.uint64]) -> None:
         """Put all copies where the worlds are now.
@@ -89,7 +87,7 @@ class Fork:
         self._copies.advance(actions, np.repeat(chosen, self._number))
 
 
-def believe(worlds: NDArray[np.void], simulation: Simulation) -> None:
+def believe(worlds: NDArray[np.void], simulation: Any) -> None:
     """Make what the filter believes of copies of the N worlds of a simulation their truth."""
     truth, belief, models = worlds["truth"], worlds["known"]["belief"], simulation.models
     nuisances, changes = belief["nuisances"], simulation.settings["filter"]["nuisances"]

@@ -213,7 +213,7 @@ def test_checkpoint_of_another_network_is_refused(
         (["sac", "--residual-on", "wiggle"], "maneuver 'wiggle': unknown; allowed: chirp"),
         (["--device", "abacus"], "device 'abacus' cannot be used"),
         (["--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
-        (["--resume", "runs/a", "--anatomy", "jaw.toml"], "--anatomy cannot be combined with --resume"),
+        (["--resume", "runs/a", "--knowledge", "imaged"], "--knowledge cannot be combined with --resume"),
         (["--resume", "nowhere"], "nowhere holds no run"),
         (
             ["--env", "knee"],
