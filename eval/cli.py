@@ -44,7 +44,7 @@ app.command("live")(live_command)
 def play_command(
     entries: options.OneOrTwo,
     video: Annotated[
-        Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
+        Path | None, typer.Option(help="Write a film, .mp4 or .webp, in place of opening a window.", metavar="FILE")
     ] = None,
     env: options.Environment = None,
     cohort: options.Cohort = "trismus",
