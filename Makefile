@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 DEMO := runs/demo
-QUICK := $(addprefix tests/,anatomy device mechanics metrics reality test_errors.py test_files.py test_reading.py \
+QUICK := $(addprefix tests/,anatomy device mechanics/test_equations_of_motion.py metrics reality test_errors.py test_files.py test_reading.py \
 	test_numeric_fields.py test_refusals.py project/test_imports.py project/test_dependencies.py envs/test_rewards_and_ends.py)
 STUDIES := agents headline imaged robustness sensors force_sensors rates ladder cohorts
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
