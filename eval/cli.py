@@ -45,7 +45,7 @@ def play_command(
     world: dict[str, Any],
     entries: options.OneOrTwo,
     video: Annotated[
-        Path | None, typer.Option(help="Write a film, .mp4 or .gif, in place of opening a window.", metavar="FILE")
+        Path | None, typer.Option(help="Write a film, .mp4 or .webp, in place of opening a window.", metavar="FILE")
     ] = None,
     patient: Annotated[
         Path | None, typer.Option(help="File of the patient; one is drawn from the cohort by default.", metavar="FILE")

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from eval import words
-from eval.gif import write_gif
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from eval.entries import Entry
     from jawenv.rendering import Scene
 
-FORMATS = (".mp4", ".gif")
+FORMATS = (".mp4", ".webp")
 FULL_WIDTH, FULL_HEIGHT = 1280, 720
 _OVER = object()
 
@@ -146,7 +145,7 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
 
     Args:
         films: what is shown; of two, the same but for who plays.
-        path: .mp4 or .gif.
+        path: .mp4 or .webp.
         console: where progress is shown.
 
     Returns:
@@ -167,7 +166,7 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
     scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
         with alone(path), atomic_write(path) as unfinished:
-            (write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, scaled, episodes[0].rate)
+            (_write_webp if path.suffix == ".webp" else _write_mp4)(unfinished, scaled, episodes[0].rate)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
     return "\n".join(episode.outcome for episode in episodes)
@@ -200,6 +199,15 @@ def _write_mp4(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float) -
         own.replace(path)
     finally:
         own.unlink(missing_ok=True)
+
+
+def _write_webp(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float) -> None:
+    """Write a film that repeats for ever."""
+    from PIL import Image
+
+    first, *rest = map(Image.fromarray, pictures)
+    duration = round(1e3 / rate)
+    first.save(path, "WEBP", save_all=True, append_images=rest, duration=duration, loop=0, quality=75)
 
 
 def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:

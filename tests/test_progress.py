@@ -73,29 +73,6 @@ def test_compiling_says_nothing_about_the_speed(clock: Clock) -> None:
     assert progress.describe() == "1:39 left"
 
 
-def test_slow_work_at_times_is_not_taken_for_the_speed_of_all(clock: Clock) -> None:
-    """Ten a second for 100 s, then a single one in 60 s; after the warm-up 891 in 149 s, 6.0 a second."""
-    progress = Progress(2000, "episodes", Console(quiet=True))
-    for done in range(10, 1001, 10):
-        clock.now += 1.0
-        progress.advance_to(done)
-    clock.now += 60.0
-    progress.advance_to(1001)
-    assert progress.describe() == "2:47 left"
-
-
-def test_compiling_in_a_later_piece_says_nothing_about_the_speed(clock: Clock) -> None:
-    """As in a comparison: the first step, and one of the next, wait for kernels."""
-    progress = Progress(300, "steps", Console(quiet=True))
-    said = set()
-    for done in range(1, 301):
-        clock.now += {1: 20.0, 3: 100.0}.get(done, 0.2)
-        progress.advance_to(done)
-        said.add(progress.describe())
-    assert max(said) == "0:59 left" and "" in said, "297 steps of 0.2 s"
-    assert len(said) == 61
-
-
 def test_a_note_goes_when_it_is_empty(clock: Clock) -> None:
     progress = Progress(100, "draws", Console(quiet=True))
     progress.advance_to(0.0, "rates")

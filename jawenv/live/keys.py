@@ -2,8 +2,7 @@
 
 viser has hotkeys, which say that a key was pressed and not that it was let go, and its camera moves with the keys that
 drive here. So a script of the page catches those keys before the camera does, and hands each press and release to a
-hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's. A gamepad
-holds the same keys; a stick on a part of its way taps its key in as large a part of the steps, which is as much slower.
+hotkey of viser's own: a digit, with shift where the key is let go. It needs no connection besides viser's.
 """
 
 from __future__ import annotations
@@ -29,22 +28,7 @@ DRIVE_KEYS: dict[str, tuple[str, int, float]] = {
 }
 """Code of a key -> what it does, its channel, and how fast it moves the target, 1/s."""
 
-# Axes and buttons of a gamepad of the standard layout.
-_STICKS = (
-    (0, -1, "KeyA"),
-    (0, 1, "KeyD"),
-    (1, -1, "KeyW"),
-    (1, 1, "KeyS"),
-    (2, -1, "ArrowLeft"),
-    (2, 1, "ArrowRight"),
-    (3, -1, "ArrowUp"),
-    (3, 1, "ArrowDown"),
-)
-_STICK_RANGE = (0.2, 0.95)
-"""Of a stick's way: where its key begins to be tapped, and where it is held."""
-_BUTTONS = ((12, "ArrowUp"), (13, "ArrowDown"), (14, "ArrowLeft"), (15, "ArrowRight"))
-
-HELP = "<b>S W</b> open, close · <b>A D</b> right, left · <b>↑ ↓</b> push, pull · <b>← →</b> roll · or a gamepad"
+HELP = "<b>S W</b> open, close · <b>A D</b> right, left · <b>↑ ↓</b> push, pull · <b>← →</b> roll"
 
 
 class Keys:
@@ -110,7 +94,7 @@ def moved(targets: Array, down: set[str], seconds: float) -> Array:
 _SCRIPT = """
 if (!window.jawenvKeys) {
   window.jawenvKeys = true;
-  const codes = CODES, held = new Set(), padded = new Set();
+  const codes = CODES, held = new Set();
   const tell = (code, up) => {
     const digit = String(codes.indexOf(code) + 1);
     document.documentElement.dispatchEvent(new KeyboardEvent('keydown',
@@ -137,42 +121,13 @@ if (!window.jawenvKeys) {
       control.setAttribute('aria-label', button ? 'close or menu' : named);
     });
   }, 1000);
-  const sticks = STICKS, buttons = BUTTONS, [rests, holds] = RANGE, owed = {};
-  setInterval(() => {
-    const pushed = {};
-    for (const pad of navigator.getGamepads ? navigator.getGamepads() : []) {
-      if (!pad) continue;
-      sticks.forEach(([axis, way, code]) => {
-        const share = (way * (pad.axes[axis] || 0) - rests) / (holds - rests);
-        pushed[code] = Math.max(pushed[code] || 0, share);
-      });
-      buttons.forEach(([button, code]) => {
-        if (pad.buttons[button] && pad.buttons[button].pressed) pushed[code] = 1;
-      });
-    }
-    codes.forEach((code) => {
-      const share = pushed[code] || 0, held = share >= 1;
-      if (held !== padded.has(code)) {
-        held ? padded.add(code) : padded.delete(code);
-        tell(code, !held);
-      }
-      owed[code] = held || share <= 0 ? 0 : (owed[code] || 0) + share;
-      if (owed[code] < 1) return;
-      owed[code] -= 1;
-      tell(code, false);
-      tell(code, true);
-    });
-  }, 50);
 }
 """
 
 
 def keys_html() -> str:
     """The help line, and the script."""
-    script = _SCRIPT
-    told = {"CODES": list(DRIVE_KEYS), "STICKS": _STICKS, "BUTTONS": _BUTTONS, "RANGE": _STICK_RANGE}
-    for name, values in told.items():
-        script = script.replace(name, json.dumps(values))
+    script = _SCRIPT.replace("CODES", json.dumps(list(DRIVE_KEYS)))
     style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:4px 12px"
     return f'<div id="keys" style="{style}">{HELP}{script_html(script)}</div>'
 

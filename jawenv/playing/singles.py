@@ -2,29 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
 
+import gymnasium as gym
 import numpy as np
-import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
-    from jawenv.anatomy import Prior
-    from jawenv.envs.configuration import Configuration
     from jawenv.laboratory.recordings.record import Record
 
 __all__ = ["SingleWorlds"]
 
-Batch = tuple[npt.NDArray[np.float32], dict[str, Any]]
+
+class _World(gym.Wrapper[Any, Any, Any, Any]):
+    """World ``index``: has its own patient of those in the options, and stands still after its end."""
+
+    def __init__(self, env_id: str, index: int, env_kwargs: Mapping[str, Any]) -> None:
+        from jawenv.envs.jaw import JawEnv
+
+        super().__init__(gym.make(env_id, **env_kwargs))
+        if not isinstance(self.unwrapped, JawEnv):
+            raise InputError(f"env_id is {shown(env_id)}; allowed: an environment of jawenv, or a subclass of one")
+        self._index, self._last = index, (np.empty(0), dict[str, Any]())
+        self.ends = (False, False)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+        patients = (options or {}).get("patients")
+        self.ends = (False, False)
+        return self.env.reset(seed=seed, options=None if patients is None else {"patient": patients[self._index]})
+
+    def step(self, action: Any) -> Any:
+        reward: Any = 0.0
+        if not any(self.ends):
+            observation, reward, terminated, truncated, info = self.env.step(action)
+            self._last, self.ends = (observation, info), (terminated, truncated)
+        return self._last[0], reward, False, False, self._last[1]
 
 
-class SingleWorlds:
+class SingleWorlds(SyncVectorEnv):
     """N single environments in the form that ``jawenv.play`` has of the native vector form.
 
-    A world that has ended stands still, as with ``autoreset_mode="disabled"``. Infos keep the keys that are numbers,
-    booleans or arrays.
+    A world that has ended stands still; Gymnasium's own refuse to step one.
 
     Args:
         env_id: id of an environment that is a ``JawEnv``, wrapped or not.
@@ -36,39 +58,17 @@ class SingleWorlds:
     """
 
     def __init__(self, env_id: str, number: int, env_kwargs: Mapping[str, Any]) -> None:
-        import gymnasium as gym
-
-        from jawenv.envs.jaw import JawEnv
-
-        self.num_envs = number
+        worlds = [partial(_World, env_id, i, env_kwargs) for i in range(number)]
+        super().__init__(worlds, autoreset_mode=AutoresetMode.DISABLED)
+        first: Any = self.envs[0].unwrapped
+        self.configuration, self.prior, self.parameter_names = first.configuration, first.prior, first.parameter_names
         self._id = env_id
-        self._envs = [gym.make(env_id, **env_kwargs) for _ in range(number)]
-        if not isinstance(self._envs[0].unwrapped, JawEnv):
-            raise InputError(f"env_id is {shown(env_id)}; allowed: an environment of jawenv, or a subclass of one")
-        self._first = self._envs[0].unwrapped
-        self._running = np.zeros(number, dtype=np.bool_)
-        self._seen: list[Any] = [None] * number
-        self._flags = np.zeros((2, number), dtype=np.bool_)
 
-    @property
-    def unwrapped(self) -> SingleWorlds:
-        """Itself."""
-        return self
-
-    @property
-    def configuration(self) -> Configuration:
-        """The arguments of each world."""
-        return self._first.configuration
-
-    @property
-    def prior(self) -> Prior:
-        """The filter's prior over the log-parameters."""
-        return self._first.prior
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters, in the order of the belief."""
-        return self._first.parameter_names
+    def step(self, actions: Any) -> Any:
+        """One control period of every world that goes on; ``actions`` (N, 4)."""
+        observations, rewards, _, _, infos = super().step(actions)
+        terminated, truncated = np.array([cast(_World, world).ends for world in self.envs]).T
+        return observations, rewards, terminated, truncated, infos
 
     @property
     def simulation(self) -> Any:
@@ -79,43 +79,9 @@ class SingleWorlds:
         """
         raise InputError(f"{self._id} has no native vector form, which agents that plan need")
 
-    def reset(self, *, seed: Sequence[int], options: dict[str, Any] | None = None) -> Batch:
-        """Start an episode in every world: i has entry i of ``seed`` and of ``options["patients"]``."""
-        patients = (options or {}).get("patients", [None] * self.num_envs)
-        for i, env in enumerate(self._envs):
-            self._seen[i] = env.reset(seed=seed[i], options={"patient": patients[i]})
-        self._running[:], self._flags[:] = True, False
-        return self._together()
-
-    def step(
-        self, actions: npt.NDArray[np.float32]
-    ) -> tuple[
-        npt.NDArray[np.float32], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]
-    ]:
-        """One control period of every world that goes on; ``actions`` (N, 4)."""
-        rewards = np.zeros(self.num_envs)
-        for i in np.flatnonzero(self._running).tolist():
-            observation, rewards[i], *self._flags[:, i], info = self._envs[i].step(actions[i])
-            self._seen[i] = observation, info
-        self._running &= ~self._flags.any(axis=0)
-        observations, infos = self._together()
-        return observations, rewards, self._flags[0].copy(), self._flags[1].copy(), infos
-
-    def _together(self) -> Batch:
-        """Observations and infos of all worlds."""
-        infos = [info for _, info in self._seen]
-        keys = [key for key, value in infos[0].items() if isinstance(value, bool | int | float | np.ndarray)]
-        together = {key: np.array([info[key] for info in infos]) for key in keys if all(key in info for info in infos)}
-        return np.stack([observation for observation, _ in self._seen]), together
-
     def record(self, index: int) -> Record:
         """What the device of world ``index`` has measured."""
         from jawenv.laboratory.recordings.of_simulation import record_of
 
-        unwrapped: Any = self._envs[index].unwrapped
-        return record_of(unwrapped.simulation, 0)
-
-    def close(self) -> None:
-        """Close all."""
-        for env in self._envs:
-            env.close()
+        world: Any = self.envs[index].unwrapped
+        return record_of(world.simulation, 0)

@@ -34,5 +34,5 @@ def test_an_agent_is_trained_and_compared(env: str, tmp_path: Path, monkeypatch:
     about = results.load(Path("runs/study")).about
     assert about["settings"]["env"] == model.env_id
     page = Path("runs/study/report.html").read_text()
-    assert f"The {len(names)} parameters of {model.env_id} are identified best by" in page
+    assert f"{len(names)} parameters" in page and model.env_id in page
     assert evaluate([*study, "--env", "JawSides"]) == 2  # a trained agent takes part in its own only

@@ -77,5 +77,5 @@ def test_half_a_policy_counts_as_one_to_be_named(tmp_path: Path) -> None:
     assert exported_place(tmp_path) is None
     (tmp_path / "policy.safetensors").write_bytes(b"")
     assert exported_place(tmp_path) == tmp_path
-    with pytest.raises(InputError, match=r"card\.json: no such file"):
+    with pytest.raises(InputError):
         read_card(tmp_path)

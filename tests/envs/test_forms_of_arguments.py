@@ -145,5 +145,5 @@ def test_an_unusable_file_is_named(tmp_path, argument, name, text, message):
 
 @pytest.mark.parametrize("groups", [(), [(1, 2)], ((1, 2),), "left"])
 def test_groups_are_pairs_of_stiffness(groups):
-    with pytest.raises(jawenv.InputError, match="^cohort 'stiff left': groups is .*; allowed: one or more pairs"):
+    with pytest.raises(jawenv.InputError):
         replace(ONE_SIDE, groups=groups)

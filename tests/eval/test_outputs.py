@@ -13,7 +13,7 @@ SHORT = ["--episode-s", "1", "--seed", "5000"]
 @pytest.mark.parametrize(
     ("command", "option", "output"),
     [
-        (["play", "hold_still", *SHORT], "--video", "film.gif"),
+        (["play", "hold_still", *SHORT], "--video", "film.webp"),
         (["compare", "hold_still", *SHORT, "--patients", "2"], "--output", "compare"),
         (["diagnose", "hold_still", *SHORT, "--patients", "2"], "--output", "diagnose"),
         (["replay", "designed", *SHORT, "--patients", "2"], "--output", "replay.yaml"),

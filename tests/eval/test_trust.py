@@ -28,7 +28,7 @@ def test_commands_unpickle_nothing_without_trust(
     if command == "study":
         spec = tmp_path / "a.yaml"
         spec.write_text(STUDY.format(agent=tmp_path / "got.zip"))
-    option, output = {"play": ("--video", "out.gif"), "replay": ("--output", "out.yaml")}.get(
+    option, output = {"play": ("--video", "out.webp"), "replay": ("--output", "out.yaml")}.get(
         command, ("--output", "out")
     )
     arguments = [command, str(spec), option, str(tmp_path / output)]

@@ -247,5 +247,5 @@ def test_whatever_is_done_a_model_stays_one(largest):
 
 @pytest.mark.parametrize("given", [{"model": "bilateral"}, {"model": "sagittal"}])
 def test_what_cannot_be_had_together_is_one_line(given):
-    with pytest.raises(InputError, match="allowed"):
+    with pytest.raises(InputError):
         configure({"knowledge": "imaged"} | given)

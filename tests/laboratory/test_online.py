@@ -207,7 +207,7 @@ def test_readings_of_another_shape_are_refused_and_change_nothing(online, measur
 
 def test_a_filter_that_knows_no_start_waits_for_a_reading(online):
     online.reset()
-    with pytest.raises(jawenv.InputError, match="^measured holds no reading at the first update; allowed: one number"):
+    with pytest.raises(jawenv.InputError):
         online.update(NOTHING)
     assert online.update(played().records[0].measured[0]).time_s == 0.0
     online.reset(np.zeros(10))
@@ -215,38 +215,35 @@ def test_a_filter_that_knows_no_start_waits_for_a_reading(online):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    "arguments",
     [
-        ((np.zeros(12),), r"^start_mean has shape \(12,\); allowed: \(10,\)$"),
-        ((np.zeros(10), np.zeros(9)), r"^start_sd has shape \(9,\); allowed: \(10,\)$"),
-        ((np.zeros(10), np.full(10, -1.0)), "^start_mean or start_sd holds what is not allowed"),
-        ((np.full(10, np.nan),), "^start_mean or start_sd holds what is not allowed"),
-        ((None, np.zeros(10)), "^start_sd is given without start_mean"),
+        (np.zeros(12),),
+        (np.zeros(10), np.zeros(9)),
+        (np.zeros(10), np.full(10, -1.0)),
+        (np.full(10, np.nan),),
+        (None, np.zeros(10)),
     ],
 )
-def test_what_a_reset_refuses(online, arguments, message):
-    with pytest.raises(jawenv.InputError, match=message):
+def test_what_a_reset_refuses(online, arguments):
+    with pytest.raises(jawenv.InputError):
         online.reset(*arguments)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    "arguments",
     [
-        ({"every": 0}, "^every is 0; allowed: a whole number, 1 or more$"),
-        ({"every": 2.5}, "^every is 2.5"),
-        ({"head_tilt_deg": np.nan}, "^head_tilt_deg is nan; allowed: -90 to 90$"),
-        ({"head_tilt_deg": 91}, "^head_tilt_deg is 91"),
-        ({"model": "shark"}, "shark"),
-        (
-            {"jaw": build_jaw(condyles=2)},
-            "^jaw has 6 lines and 2 condyles, head_tilt_deg is 0; allowed with model 'jaw': 6 lines, 1 condyles,",
-        ),
-        ({"jaw": build_jaw(), "head_tilt_deg": 3}, "^jaw has 6 lines and 1 condyles, head_tilt_deg is 3; allowed"),
-        ({"cohort": "fish"}, "fish"),
-        ({"sensors": "smell"}, "^sensors is 'smell'; allowed: pose, point$"),
-        ({"knowledge": "vague"}, "^knowledge is 'vague'"),
+        {"every": 0},
+        {"every": 2.5},
+        {"head_tilt_deg": np.nan},
+        {"head_tilt_deg": 91},
+        {"model": "shark"},
+        {"jaw": build_jaw(condyles=2)},
+        {"jaw": build_jaw(), "head_tilt_deg": 3},
+        {"cohort": "fish"},
+        {"sensors": "smell"},
+        {"knowledge": "vague"},
     ],
 )
-def test_what_the_constructor_refuses(arguments, message):
-    with pytest.raises(jawenv.InputError, match=message):
+def test_what_the_constructor_refuses(arguments):
+    with pytest.raises(jawenv.InputError):
         OnlineFilter(**arguments)

@@ -23,7 +23,7 @@ def test_a_cell_holds_the_page_and_drives_until_it_is_stopped(tmp_path):
 
 
 def test_what_is_refused_leaves_no_server(tmp_path):
-    with pytest.raises(InputError, match="nobody"):
+    with pytest.raises(InputError):
         Cell("nobody", tmp_path)
-    with pytest.raises(InputError, match="knees"):
+    with pytest.raises(InputError):
         Cell(cohort="knees")

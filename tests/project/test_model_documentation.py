@@ -35,12 +35,13 @@ def test_the_page_shows_every_figure_in_order() -> None:
         assert (FIGURES / f"{name}.svg").stat().st_size < 300_000
 
 
-def test_every_figure_can_be_made(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["frames", "muscle_law", "muscle_lines", "condyle_path"])
+def test_a_figure_can_be_made(name: str, tmp_path: Path) -> None:
+    """Those of the anatomy; the others show the runs of other tests."""
     import make
 
-    for name in make.FIGURES:
-        drawn = make.make(name, tmp_path).read_bytes()
-        assert b"<svg" in drawn and b"<dc:date>" not in drawn, name
+    drawn = make.make(name, tmp_path).read_bytes()
+    assert b"<svg" in drawn and b"<dc:date>" not in drawn
 
 
 def test_errors_of_the_printed_equations() -> None:

@@ -19,7 +19,6 @@ from stable_baselines3 import PPO
 from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt
-from training.run.evaluations import Score
 from training.run.train import world_seed
 
 ROOT = Path(__file__).parents[2]
@@ -140,19 +139,6 @@ def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
     assert evaluations(run)[-1]["steps"] == 1280 and not (tmp_path / "ran").exists()
 
 
-def test_a_pipe_in_place_of_a_file_of_the_run_is_named(
-    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name in ("config.yaml", "repeat.json", "checkpoints/step_0000001024.zip"):
-        run = tmp_path / name.replace("/", "-")
-        shutil.copytree(finished, run)
-        (run / name).unlink()
-        os.mkfifo(run / name)
-        assert train("--resume", run, "--steps", 1280) == 2
-        error = capsys.readouterr().err
-        assert error.count("\n") == 1 and f"{run / name}: is a pipe; allowed: a regular file" in error
-
-
 def test_continue_starts_or_goes_on_but_never_mixes_settings(
     tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -180,18 +166,6 @@ def test_damaged_checkpoint_is_named(
     assert error.count("\n") == 1 and "step_0000001024.zip is damaged" in error
     checkpoint.unlink()
     assert train("--resume", run, "--steps", 1024) == 0
-
-
-def test_checkpoint_of_another_network_is_refused(
-    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(finished, run)
-    config = (run / "config.yaml").read_text().replace("- 64", "- 32")
-    (run / "config.yaml").write_text(config)
-    assert train("--resume", run, "--steps", 2048) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "step_0000001024.zip" in error
 
 
 @pytest.mark.parametrize(
@@ -310,15 +284,6 @@ def test_second_signal_stops_at_once() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_a_run_that_ends_within_an_update_says_where(
-    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert train(tiny_config, "--output", tmp_path / "run", "--steps", 300) == 0
-    told = capsys.readouterr().out
-    whole = evaluations(tmp_path / "run")[-1]["steps"]
-    assert whole > 300 and f"300 steps end within an update: {whole:,.0f} are trained" in told
-
-
 def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -334,17 +299,3 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     error = capsys.readouterr().err
     assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")
     assert error.count("\n") == 1
-
-
-def test_an_unknown_control_mode_is_refused_before_worlds_are_made(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert train("demo", "--control", "position", "--output", tmp_path / "run") == 2
-    told = capsys.readouterr()
-    assert "control is 'position'; allowed: force, trajectory, targets" in told.err
-    assert "preparing" not in told.out + told.err and not (tmp_path / "run").exists()
-
-
-def test_discomfort_of_the_best_policy_is_not_written_as_negative() -> None:
-    assert Score(False, -0.04).said() == "discomfort 0.04 s"
-    assert Score(True, -1.5).said() == "mean return -1.5"

@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import os
-import subprocess
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -162,35 +160,6 @@ def test_nothing_is_replaced_unasked(run: Path, tmp_path: Path, capsys: pytest.C
     assert "something other than an exported policy" in refusal(capsys, run, run, "--overwrite")
     (tmp_path / "file").write_text("text")
     assert "is a file; name a folder" in refusal(capsys, run, tmp_path / "file")
-
-
-def test_a_place_that_cannot_be_written_is_named(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").write_text("text")
-    assert f"output {tmp_path / 'file' / 'x'}: cannot be made" in refusal(capsys, run, tmp_path / "file" / "x")
-
-
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write everywhere")
-def test_a_read_only_place_is_named(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "empty").mkdir()
-    tmp_path.chmod(0o555)
-    (tmp_path / "empty").chmod(0o555)
-    assert "cannot be made: Permission denied" in refusal(capsys, run, tmp_path / "new")
-    assert "cannot be written: Permission denied" in refusal(capsys, run, tmp_path / "empty")
-
-
-def test_what_is_no_run_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "holds no run" in refusal(capsys, tmp_path, tmp_path / "shared")
-    TrainingConfig().save(tmp_path / "config.yaml")
-    assert "neither best_model.zip nor final_model.zip" in refusal(capsys, tmp_path, tmp_path / "shared")
-    other = write_run(tmp_path / "other", env_id="Point-v0")
-    assert "env 'Point-v0': unknown" in refusal(capsys, other, tmp_path / "shared")
-    assert not (tmp_path / "shared").exists()
-
-
-def test_the_command_runs_as_a_program(run: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "training", "export", str(run), "--output", str(tmp_path / "shared")]
-    done = subprocess.run(command, cwd=Path(agents.__file__).parents[1], capture_output=True, text=True)
-    assert done.returncode == 0 and "after 1,234 steps" in done.stdout and done.stderr == ""
 
 
 def test_an_export_that_was_stopped_is_given_again(

@@ -20,11 +20,7 @@ runpy.run_module({command!r}, run_name="__main__")
 @pytest.mark.parametrize(
     ("command", "extra", "package", "arguments"),
     [
-        ("eval", "eval", "typer", []),
-        ("eval", "eval", "numpy", []),
         ("eval", "eval", "pandas", ["compare", "hold_still"]),
-        ("training", "train", "typer", []),
-        ("training", "train", "rich", []),
         ("training", "train", "torch", ["train", "ppo"]),
     ],
 )

@@ -1,18 +1,10 @@
 """Maneuvers designed second by second: one plan for all patients, written as a file that plays it."""
 
-import os
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import jawenv
 from jawenv.device.channels import HIGHEST, LOWEST
-from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 from tests.recorded import Actions
 from training.cli import main
@@ -77,57 +69,11 @@ def test_a_stopped_design_plans_the_rest_as_if_it_had_not_been_stopped(tmp_path)
     assert made == 0 and again == whole
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (
-            "# {'cohort': 'knees'}\n1.0\n",
-            r"log.txt is of another search \(# \{'cohort': 'knees'\}\); allowed: the same",
-        ),
-        ("a diary", r"log.txt is of another search \(a diary\)"),
-        ("{head}1.0 2.0\n", "log.txt is damaged: line 2 has not 20 finite numbers; --overwrite begins anew$"),
-        ("{head}" + "nan " * 20 + "\n", "log.txt is damaged: line 2 has not 20 finite numbers"),
-        ("{head}" + "one " * 20 + "\n", "log.txt is damaged: line 2: could not convert string to float: 'one'"),
-        (b"\xff\xfe", "log.txt is damaged: it is no text"),
-    ],
-)
-def test_a_log_that_is_damaged_or_foreign_is_named(tmp_path, text, message):
-    log = tmp_path / "log.txt"
-    log.write_bytes(text if isinstance(text, bytes) else text.replace("{head}", f"# {QUICK.about()}\n").encode())
-    with pytest.raises(InputError, match=message):
-        design_maneuver(QUICK, ABOUT, log, lambda *_: None)
-
-
 @pytest.mark.parametrize("text", ["", "# {'cohort':"])
 def test_a_design_that_was_stopped_before_its_first_plan_begins_anew(tmp_path, text):
     log = tmp_path / "log.txt"
     log.write_text(text)
     assert log_of(log) == [] and log.read_text() == ""
-
-
-COMMAND = ["--horizon-s", "6", "--patients", "2", "--candidates", "16", "--rounds", "2"]
-
-
-def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
-    root = str(Path(__file__).parents[2])
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))}
-    command = [sys.executable, "-m", "training", "design", "--output", "mine.yaml", *COMMAND]
-    log = tmp_path / "mine.search.txt"
-    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL) as process:
-        for _ in range(6000):
-            if log.exists() and log.read_text().count("\n") >= 2:
-                break
-            assert process.poll() is None
-            time.sleep(0.02)
-        process.send_signal(signal.SIGKILL)
-    kept = log.read_text()
-    assert 2 <= kept.count("\n") < 7 and not (tmp_path / "mine.yaml").exists()
-    subprocess.run(command, cwd=tmp_path, env=environment, check=True, timeout=300, stderr=subprocess.DEVNULL)
-    assert log.read_text().startswith(kept[: kept.rfind("\n") + 1])
-    (tmp_path / "whole").mkdir()
-    assert main(["design", "--output", str(tmp_path / "whole" / "mine.yaml"), *COMMAND]) == 0
-    for name in ("mine.yaml", "mine.search.txt"):
-        assert (tmp_path / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -161,9 +107,3 @@ def test_the_command_writes_a_file_that_names_itself(tmp_path, capsys):
     assert "# python -m training design --output quick.yaml --horizon-s 1.0 --patients 1 --look-ahead-s 0.4" in text
     assert Maneuver.load(path).name == "quick"
     assert "quick.yaml: " in capsys.readouterr().err
-
-
-def test_a_folder_that_may_not_be_written_is_named_at_once(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("os.access", lambda *_: False)
-    assert main(["design", "--output", str(tmp_path / "mine.yaml")]) == 2
-    assert f"{tmp_path} may not be written" in capsys.readouterr().err

@@ -41,13 +41,6 @@ def test_study_goes_on_to_the_trials_wanted(
     assert sorted(path.name for path in (tmp_path / "t").iterdir()) == ["trial-0000", "trial-0001"]
 
 
-def test_damaged_database_is_one_line(tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "tune.db").write_bytes(b"not a database " * 100)
-    assert main(["tune", str(tiny_config), "--storage", f"sqlite:///{tmp_path}/tune.db"]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "tune.db: cannot be used" in error and "not a database" in error
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

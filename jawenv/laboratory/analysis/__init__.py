@@ -1,1 +1,1 @@
-"""What can be known at all: bound, identifiability, observability, and their wording."""
+"""What can be known at all: bound, identifiability and observability."""

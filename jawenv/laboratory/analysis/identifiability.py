@@ -13,18 +13,18 @@ from itertools import combinations
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from jawenv.errors import InputError
 from jawenv.laboratory.analysis.bound import bound_along
 from jawenv.laboratory.analysis.observability import Observability, observability
-from jawenv.laboratory.analysis.wording import in_words
 from jawenv.laboratory.recordings.record import Record
 
 Array = NDArray[np.float64]
 MOST_SUBSETS = 200_000
 # Brun et al. (2001) call parameters of a collinearity index above 10 to 15 poorly identifiable together.
 COLLINEAR = 10.0
+NAMED_SHARE = 0.75  # least share of a direction's squared length that is named
 
 
 def data_information(covariance: Array, prior_sd: Array) -> Array:
@@ -100,6 +100,64 @@ def _indices(information: Array, subsets: NDArray[np.intp]) -> Array:
     # Below rounding there is no telling how small it is.
     rounding = subsets.shape[1] * np.finfo(float).eps
     return np.where(smallest > rounding, 1.0 / np.sqrt(np.maximum(smallest, rounding)), np.inf)
+
+
+def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
+    """Say what a combination of parameters is about.
+
+    The largest parts that make up ``NAMED_SHARE`` of the squared length are named, those of one sign against those of
+    the other.
+
+    Args:
+        direction: (p,) weights of the log-parameters; its length and sign do not matter.
+        names: (p,) parameter names, ``log_F_o/<muscle>_<side>``.
+
+    Returns:
+        Such as 'F_o: temporalis, left against right', 'F_o against b: masseter, left' or, where more than one of kind,
+        muscle and side differs, 'F_o masseter left against b temporalis right'.
+
+    Raises:
+        InputError: the direction does not have one finite number for each name, or is zero.
+    """
+    weights = np.asarray(direction, dtype=np.float64)
+    if weights.shape != (len(names),) or not np.isfinite(weights).all() or not weights.any():
+        raise InputError(
+            f"direction: {np.array2string(weights, threshold=6)} given, "
+            f"allowed are {len(names)} finite numbers that are not all 0"
+        )
+    size = np.sort(np.abs(weights))[::-1]
+    smallest = size[np.searchsorted(np.cumsum(size**2), NAMED_SHARE * np.sum(size**2))] * (1.0 - 1e-6)
+    named = np.flatnonzero(np.abs(weights) >= smallest)
+    first = np.sign(weights[named[0]])  # F_o before b and left before right, whichever sign came out of a solver
+    labels = [_label(name) for name in names]
+    groups = [[labels[i] for i in named if (np.sign(weights[i]) == first) is same] for same in (np.True_, np.False_)]
+    groups = [group for group in groups if group]
+    values = [[tuple(dict.fromkeys(part)) for part in zip(*group, strict=True)] for group in groups]
+    products = all(
+        np.prod([len(part) for part in own]) == len(group) for own, group in zip(values, groups, strict=True)
+    )
+    if not products or sum(len(set(own)) > 1 for own in zip(*values, strict=True)) > 1:
+        return " against ".join(" and ".join(" ".join(filter(None, label)) for label in group) for group in groups)
+    whole = [tuple(dict.fromkeys(part)) for part in zip(*labels, strict=True)]
+    kind, *rest = (
+        " against ".join(dict.fromkeys(_joined(part, every, all_of) for part in own))
+        for own, every, all_of in zip(zip(*values, strict=True), whole, ("", "all muscles", "both sides"), strict=True)
+    )
+    return ": ".join(filter(None, (kind, ", ".join(filter(None, rest)))))
+
+
+def _label(name: str) -> tuple[str, str, str]:
+    """Kind, muscle and side of a parameter's name; empty where the model tells none."""
+    kind, _, muscle = name.removeprefix("log_").partition("/")
+    side = muscle.rpartition("_")[2] if muscle.endswith(("left", "right")) else ""
+    return kind, muscle.removesuffix(side).replace("_", " ").strip(), side
+
+
+def _joined(values: tuple[str, ...], every: tuple[str, ...], all_of: str) -> str:
+    """Some kinds, muscles or sides in words."""
+    if all_of and len(every) > 1 and set(values) == set(every):
+        return all_of
+    return " and ".join(filter(None, (", ".join(values[:-1]), values[-1])))
 
 
 @dataclass(frozen=True, eq=False)

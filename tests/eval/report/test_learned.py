@@ -1,11 +1,9 @@
 """What a training has changed is said as far as the study shows it."""
 
 import numpy as np
-import pytest
 
 from eval.comparison.ranking import rank
-from eval.report.learned import Change, learned
-from eval.report.page import render
+from eval.report.learned import learned
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
 STILL, WIDE = [0.0, 0.0, 0.0, 0.0], [0.5, 0.8, 0.0, -0.4]
@@ -72,23 +70,3 @@ def test_runs_that_are_gone_or_correct_nothing_of_the_study_are_left_out(tmp_pat
     assert learned(made, rank(made)) == ()
     (tmp_path / "config.yaml").unlink()
     assert learned(made, rank(made)) == ()
-
-
-def test_the_page_tells_it(tmp_path):
-    made = trained_on(IDLE, tmp_path)
-    page = render(type(made)(made.patients, made.curves, made.about), rank(made))
-    assert "what training made of hold still" in page and "9,600 environment steps" in page
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "said"),
-    [
-        ((0.0, 0.0), (-0.01, 0.02), "still, as before"),
-        ((0.0, 0.0), (-0.16, 0.30), "new: ± 0.23"),
-        ((-0.5, 0.5), (0.0, 0.0), "no longer used"),
-        ((-0.67, 0.67), (-0.86, 0.88), "1.3 times as wide"),
-        ((0.0, 0.9), (0.08, 1.0), "as wide, on average 0.09 more"),
-    ],
-)
-def test_a_change_in_words(before, after, said):
-    assert Change("side", before, after).said == said

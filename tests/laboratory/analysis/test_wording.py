@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jawenv.anatomy import PARAMETER_NAMES
-from jawenv.laboratory.analysis.wording import in_words
+from jawenv.laboratory.analysis.identifiability import in_words
 from jawenv.ladder import MODELS
 
 
@@ -39,15 +39,15 @@ def direction(names, **weights):
         ),
         (
             {"F_o_masseter_left": 1, "F_o_temporalis_right": 1, "F_o_medial_pterygoid_left": -1},
-            "F_o: masseter left and temporalis right against medial pterygoid left",
+            "F_o masseter left and F_o temporalis right against F_o medial pterygoid left",
         ),
         (
             {"F_o_masseter_left": 1, "b_temporalis_right": -1},
-            "F_o of masseter left against b of temporalis right",
+            "F_o masseter left against b temporalis right",
         ),
         (
             {"F_o_masseter_left": 1, "b_masseter_left": 1, "b_temporalis_left": -1},
-            "F_o and b of masseter against b of temporalis, left",
+            "F_o masseter left and b masseter left against b temporalis left",
         ),
     ],
 )
