@@ -103,7 +103,9 @@ class Subject:
         if plan.drift:
             account += f"; the muscles change by about {100 * plan.drift:g} % from one to the next"
         effects = ", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items())
-        notice = "Research, not a medical device. The patient is simulated."
+        exact = "known exactly: with a scan's anatomy all is several times less sure"
+        known = exact if entry.world.build_knowledge().exact else "known within the errors of a scan, or as told"
+        notice = f"Research, not a medical device. The patient is simulated, the anatomy {known}."
         return cls(_who(entry, person), account, notice, population_of(entry).prior, effects)
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 from jawenv.errors import InputError, shown
 from jawenv.reading import read_bytes
 
+LONGEST_LINE = 65_536
+"""Characters of a row of names or numbers."""
 SEPARATORS = (";", "\t", ",")
 MISSING = frozenset(("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "-nan", "-nan(ind)", "1.#qnan"))
 _NUMBER = re.compile(r"[+-]?([0-9]+[.,]?[0-9]*|[.,][0-9]+)([eE][+-]?[0-9]+)?")
@@ -51,6 +53,9 @@ def read_sheet(path: Path, largest: int) -> Sheet:
             break
         comments.append((number, line))
     kept = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
+    for number, line in kept:
+        if len(line) > LONGEST_LINE:
+            raise InputError(f"{path}: row {number} has {len(line):,} characters; allowed: {LONGEST_LINE:,} at most")
     separator = ""
     if kept and (said := re.fullmatch(r"sep=(.)", kept[0][1])):
         separator, kept = said[1], kept[1:]

@@ -5,6 +5,7 @@ import pytest
 
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.columns import READINGS
+from jawenv.laboratory.recordings.dialects import read_sheet
 from jawenv.laboratory.recordings.files import load_record
 
 NAMES = ["time_s", "mouthpiece_x_mm", "pitch_deg", *(column.name for column in READINGS)]
@@ -152,3 +153,9 @@ def test_a_word_of_wrong_shape_kind_or_size_is_one_line(tmp_path, word, told):
     with pytest.raises(InputError) as caught:
         load_record(written(tmp_path, head=f"# {word}\n"))
     assert told in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_row_has_a_bounded_length(tmp_path):
+    (tmp_path / "long.csv").write_text("time_s," * 10_000 + "\n0\n")
+    with pytest.raises(InputError, match="row 1 has 70,000 characters; allowed: 65,536"):
+        read_sheet(tmp_path / "long.csv", 2**20)
