@@ -59,11 +59,11 @@ class Film:
             InputError: one is out of range.
         """
         if not 320 <= self.width <= FULL_WIDTH or self.width % 32:
-            raise InputError(f"width: {self.width} given, allowed is a multiple of 32, 320 to {FULL_WIDTH}")
+            raise InputError(f"width is {self.width}; allowed: a multiple of 32, 320 to {FULL_WIDTH}")
         if self.every < 1:
-            raise InputError(f"every: {self.every} given, allowed is 1 or more")
+            raise InputError(f"every is {self.every}; allowed: 1 or more")
         if not self.start_s >= 0.0:
-            raise InputError(f"start_s: {self.start_s:g} given, allowed is 0 or more")
+            raise InputError(f"start_s is {self.start_s:g}; allowed: 0 or more")
 
 
 class Episode:
@@ -91,7 +91,7 @@ class Episode:
         self.rate = self._steps_per_s / film.every
         self.outcome = ""
         if film.start_s >= film.entry.env_kwargs["episode_s"]:
-            raise InputError(f"start_s: {film.start_s:g} given, allowed is a time within the episode")
+            raise InputError(f"start_s is {film.start_s:g}; allowed: a time within the episode")
 
     def steps(self) -> Iterator[None]:
         """Play; comes back at the steps that are shown, the last among them, where `picture` and `scene` are of."""
@@ -156,9 +156,9 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
             steps, or what the environment refuses.
     """
     if path.suffix not in FORMATS:
-        raise InputError(f"video: {path} given, allowed is a file that ends in {' or '.join(FORMATS)}")
+        raise InputError(f"video is {path}; allowed: a file that ends in {' or '.join(FORMATS)}")
     if not path.parent.is_dir():
-        raise InputError(f"video: {path} given, allowed is a file in a folder that exists")
+        raise InputError(f"video is {path}; allowed: a file in a folder that exists")
     episodes = [Episode(film, "rgb_array", console) for film in films]
     if len({episode.rate for episode in episodes}) > 1:
         raise InputError("two beside each other must have the same control steps per second")

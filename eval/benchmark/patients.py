@@ -34,7 +34,7 @@ def read_patients(path: Path, made_with: Mapping[str, Any]) -> pd.DataFrame:
     if about != made_with:
         raise InputError(f"{path}: was made with something else than the submission says; {_REMEDY}")
     if list(rows) != list(_COLUMNS):
-        raise InputError(f"{path}: columns {shown(list(rows))} given, allowed are {', '.join(_COLUMNS)}")
+        raise InputError(f"{path}: columns are {shown(list(rows))}; allowed: {', '.join(_COLUMNS)}")
     for column in _COLUMNS:
         kind = _KINDS.get(column, "f")
         if rows[column].dtype.kind != kind or (kind == "O" and not all(isinstance(each, str) for each in rows[column])):

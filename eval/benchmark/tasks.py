@@ -158,9 +158,9 @@ def tasks_named(names: Iterable[str] | None = None) -> tuple[Task, ...]:
     wanted = list(TASKS if names is None else names)
     for name in wanted:
         if name not in TASKS:
-            raise InputError(f"tasks: {shown(name)} given, allowed are {', '.join(TASKS)}")
+            raise InputError(f"tasks is {shown(name)}; allowed: {', '.join(TASKS)}")
     if not wanted:
-        raise InputError(f"tasks: none given, allowed are {', '.join(TASKS)}")
+        raise InputError(f"tasks is none; allowed: {', '.join(TASKS)}")
     return tuple(task for name, task in TASKS.items() if name in wanted)
 
 

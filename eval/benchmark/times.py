@@ -35,7 +35,7 @@ def within_for_good(recording: Recording, within: float) -> Array:
         InputError: `within` is not positive.
     """
     if not within > 0.0:
-        raise InputError(f"within: {within} given, allowed is a share above 0")
+        raise InputError(f"within is {within}; allowed: a share above 0")
     relative = np.abs(np.expm1(recording.belief_mean - recording.truth[:, None]))
     outside = relative.max(axis=-1) > within
     steps = outside.shape[1]

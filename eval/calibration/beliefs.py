@@ -105,5 +105,5 @@ def index_of(times: Array, time: float) -> int:
     """
     index = int(np.abs(times - time).argmin())
     if abs(float(times[index]) - time) > LATE:
-        raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {float(times[1]):g} s")
+        raise InputError(f"times is {time:g}; allowed: multiples of the control step, {float(times[1]):g} s")
     return index

@@ -52,7 +52,7 @@ class Calibration:
         growing = all(earlier < later for earlier, later in zip((0.0, *self.times), self.times, strict=False))
         if not self.times or not growing or not math.isfinite(self.times[-1]):
             given = ",".join(f"{time:g}" for time in self.times)
-            raise InputError(f"times: {given or 'none'} given, allowed are growing numbers of seconds above 0")
+            raise InputError(f"times is {given or 'none'}; allowed: growing numbers of seconds above 0")
 
     def check_steps(self, entry: Entry) -> None:
         """Check that the times are those of control steps of an entry.
@@ -64,7 +64,7 @@ class Calibration:
         step = 1.0 / float(kwargs.get("control_hz") or mode_of(kwargs).steps_per_s)
         for time in self.times:
             if abs(time - round(time / step) * step) > beliefs.LATE:
-                raise InputError(f"times: {time:g} given, allowed are multiples of the control step, {step:g} s")
+                raise InputError(f"times is {time:g}; allowed: multiples of the control step, {step:g} s")
 
 
 def calibrate(

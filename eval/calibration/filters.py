@@ -42,5 +42,5 @@ def filters_named(names: Sequence[str]) -> tuple[str, ...]:
     known = (TENSION, *OTHERS)
     for name in names or ("",):
         if name not in known:
-            raise InputError(f"filters: {name!r} given, allowed are {', '.join(known)}")
+            raise InputError(f"filters is {name!r}; allowed: {', '.join(known)}")
     return tuple(dict.fromkeys(names))

@@ -73,4 +73,4 @@ def _seconds(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"times: {text.strip()!r} given, allowed are seconds separated by commas, as 10,30") from None
+        raise InputError(f"times is {text.strip()!r}; allowed: seconds separated by commas, as 10,30") from None

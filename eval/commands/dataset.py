@@ -38,7 +38,7 @@ def dataset_command(
     from jawenv.errors import InputError, shown
 
     if file_format not in FORMATS:
-        raise InputError(f"format: {shown(file_format)} given, allowed are {', '.join(FORMATS)}")
+        raise InputError(f"format is {shown(file_format)}; allowed: {', '.join(FORMATS)}")
     settings = Settings.of(patients, seed, **world)
     console = terminal()
     names = write_all(

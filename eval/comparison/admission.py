@@ -33,9 +33,9 @@ class Admission:
     def __post_init__(self) -> None:
         """Check both values."""
         if not (math.isfinite(self.discomfort_s) and self.discomfort_s >= 0.0):
-            raise InputError(f"largest-discomfort-s: {self.discomfort_s} given, allowed is a finite number, 0 or more")
+            raise InputError(f"largest-discomfort-s is {self.discomfort_s}; allowed: a finite number, 0 or more")
         if not 0.0 <= self.violation <= 1.0:
-            raise InputError(f"largest-violation: {self.violation} given, allowed is a share, 0 to 1")
+            raise InputError(f"largest-violation is {self.violation}; allowed: a share, 0 to 1")
 
     def reasons(self, discomfort_s: float, violation: float) -> list[str]:
         """Why an entry is not admissible, a phrase for each limit that it exceeds.

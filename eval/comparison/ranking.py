@@ -200,7 +200,7 @@ def rank(study: Results, reference: str | None = None, admission: Admission | No
         InputError: no entry has the label `reference`.
     """
     if reference is not None and reference not in study.entries:
-        raise InputError(f"reference: {reference!r} given, allowed are {', '.join(study.entries)}")
+        raise InputError(f"reference is {reference!r}; allowed: {', '.join(study.entries)}")
     allowed = admission or Admission()
     rows = sorted((_row(study, entry, allowed) for entry in study.entries), key=_order)
     against = reference or rows[0].entry

@@ -30,7 +30,7 @@ def play_patient(study: Results, seed: int, console: Console, *, trust: bool = F
     settings = Settings.from_mapping(study.about["settings"])
     last = settings.seed + settings.patients - 1
     if not settings.seed <= seed <= last:
-        raise InputError(f"patient: {seed} given, allowed are the seeds of the comparison, {settings.seed} to {last}")
+        raise InputError(f"patient is {seed}; allowed: the seeds of the comparison, {settings.seed} to {last}")
     specs = [each["spec"] for each in study.about["entries"]]
     motions: dict[str, Any] = {}
     for entry in load_entries(specs, settings.world, trust=trust):

@@ -47,7 +47,7 @@ def play(
     if not specs:
         raise InputError("nothing to play: name a maneuver, a file, a training run or a policy")
     if contrasts < 0:
-        raise InputError(f"contrasts: {contrasts} given, allowed is 0 or more")
+        raise InputError(f"contrasts is {contrasts}; allowed: 0 or more")
     entries = load_entries(specs, settings.world, trust=trust)
     folder = folder_for(output, "parts")
     parts = {entry.label: _parts_of(entry, settings, contrasts, folder) for entry in entries}

@@ -64,7 +64,7 @@ class Run:
     def __post_init__(self) -> None:
         """Check the backend."""
         if self.backend not in get_args(Backend):
-            raise InputError(f"backend: {shown(self.backend)} given, allowed are {', '.join(get_args(Backend))}")
+            raise InputError(f"backend is {shown(self.backend)}; allowed: {', '.join(get_args(Backend))}")
 
 
 def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[str, str]) -> list[Part]:

@@ -50,9 +50,9 @@ def persons(seed: int, number: int, files: Sequence[Path] = ()) -> list[Person]:
         InputError: a number is not allowed, a file is damaged, or two would write the same page.
     """
     if number < 1:
-        raise InputError(f"patients: {number} given, allowed is 1 or more")
+        raise InputError(f"patients is {number}; allowed: 1 or more")
     if seed < 0:
-        raise InputError(f"seed: {seed} given, allowed is 0 or more")
+        raise InputError(f"seed is {seed}; allowed: 0 or more")
     if not files:
         return [Person(str(seed + i), seed + i) for i in range(number)]
     given = [Person(path.stem, seed + i, Patient.load(path)) for i, path in enumerate(files)]

@@ -117,7 +117,7 @@ def check_env(env_id: str) -> None:
     """
     model = model_of_env(env_id)
     if model.muscles.names != MUSCLE_NAMES:
-        raise InputError(f"env: {env_id} given, allowed are those with six closing muscles, Jaw and JawBilateral")
+        raise InputError(f"env is {env_id}; allowed: those with six closing muscles, Jaw and JawBilateral")
 
 
 def render(subject: Subject, course: Sequence[Treatment], about: dict[str, Any], show_truth: bool) -> str:

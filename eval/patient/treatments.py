@@ -45,9 +45,9 @@ class Course:
     def __post_init__(self) -> None:
         """Check the numbers."""
         if self.number < 1:
-            raise InputError(f"treatments: {self.number} given, allowed is 1 or more")
+            raise InputError(f"treatments is {self.number}; allowed: 1 or more")
         if not (math.isfinite(self.drift) and 0.0 <= self.drift <= LARGEST_DRIFT):
-            raise InputError(f"drift: {self.drift} given, allowed is 0 to {LARGEST_DRIFT:g}; 0.02 is 2 %")
+            raise InputError(f"drift is {self.drift}; allowed: 0 to {LARGEST_DRIFT:g}; 0.02 is 2 %")
 
 
 @dataclass(frozen=True)

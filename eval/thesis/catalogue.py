@@ -32,5 +32,5 @@ def chosen(keys: list[str] | None) -> list[Item]:
     """
     for key in keys or []:
         if key not in ITEMS:
-            raise InputError(f"only: {key!r} given, allowed are {', '.join(ITEMS)}")
+            raise InputError(f"only is {key!r}; allowed: {', '.join(ITEMS)}")
     return [item for key, item in ITEMS.items() if not keys or key in keys]

@@ -50,9 +50,9 @@ class Draws:
     def __post_init__(self) -> None:
         """Check the numbers."""
         if self.draws < 2:
-            raise InputError(f"draws: {self.draws} given, allowed is 2 or more")
+            raise InputError(f"draws is {self.draws}; allowed: 2 or more")
         if not 0 <= self.seed <= LARGEST_SEED:
-            raise InputError(f"seed: {shown(self.seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+            raise InputError(f"seed is {shown(self.seed)}; allowed: a whole number, 0 to {LARGEST_SEED}")
 
     @property
     def decisive(self) -> bool:

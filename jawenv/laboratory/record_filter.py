@@ -36,7 +36,7 @@ class TensionFilter:
     def __init__(self, *, every: int = 5) -> None:
         """Check the argument."""
         if every < 1:
-            raise InputError(f"every: {every} given, allowed is 1 or more")
+            raise InputError(f"every is {every}; allowed: 1 or more")
         self.every = every
 
     def estimate(self, record: Record) -> Estimate:

@@ -31,7 +31,7 @@ def serving(port: int = PORT) -> Iterator[Any]:
     """
     number = whole_number(port)
     if number is None or not 0 <= number <= LARGEST_PORT:
-        raise InputError(f"port: {shown(port)} given, allowed is a whole number, 0 to {LARGEST_PORT}")
+        raise InputError(f"port is {shown(port)}; allowed: a whole number, 0 to {LARGEST_PORT}")
     with needs("jawenv live", "viser", "live"):
         import viser
     from jawenv.live.admission import Admission

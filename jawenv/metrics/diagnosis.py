@@ -96,9 +96,9 @@ def diagnose(truth: Array, mean: Array, sd: Array, threshold: float, confidence:
     from scipy.special import ndtri
 
     if not threshold > 0.0:
-        raise InputError(f"threshold: {threshold} given, allowed is a value above 0")
+        raise InputError(f"threshold is {threshold}; allowed: a value above 0")
     if not 0.5 <= confidence < 1.0:
-        raise InputError(f"confidence: {confidence} given, allowed is at least 0.5 and below 1")
+        raise InputError(f"confidence is {confidence}; allowed: at least 0.5 and below 1")
     log_threshold, sure = np.log(threshold), float(ndtri(confidence))
     distance = (mean - log_threshold) / sd
     return Diagnosis(raised=truth > log_threshold, called_raised=distance > sure, called_normal=distance < -sure)

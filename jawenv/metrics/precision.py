@@ -42,7 +42,7 @@ def time_to(sd: Array, time: Array, threshold: float, valid: npt.NDArray[np.bool
         InputError: the threshold is not positive.
     """
     if not threshold > 0.0:
-        raise InputError(f"threshold: {threshold} given, allowed is a value above 0")
+        raise InputError(f"threshold is {threshold}; allowed: a value above 0")
     reached = worst_sd(sd) <= threshold
     if valid is not None:
         reached = reached & valid

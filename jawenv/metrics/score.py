@@ -161,7 +161,7 @@ def score(
         InputError: a covariance is not positive definite, or an argument is out of range.
     """
     if not sd_limit > 0.0:
-        raise InputError(f"sd_limit: {sd_limit} given, allowed is a value above 0")
+        raise InputError(f"sd_limit is {sd_limit}; allowed: a value above 0")
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
     truth, error = recording.truth, mean - recording.truth
     sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)

@@ -82,13 +82,13 @@ def play(
     """
     if not callable(getattr(agent, "predict", None)):
         raise InputError(
-            f"agent: {shown(agent)} given, allowed is an object with "
+            f"agent is {shown(agent)}; allowed: an object with "
             "predict(observation, state, episode_start, deterministic)"
         )
     number = _number_of(patients)
     seeds = _seeds_of(seed, number)
     if not isinstance(env_kwargs, Mapping | None):
-        raise InputError(f"env_kwargs: {shown(env_kwargs)} given, allowed is a mapping of the environment's arguments")
+        raise InputError(f"env_kwargs is {shown(env_kwargs)}; allowed: a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
     if (control := control_of(agent, kwargs)) is not None:
         kwargs["control"] = control
@@ -140,9 +140,9 @@ def _number_of(patients: object) -> int:
     else:
         number = whole_number(patients)
     if number is None:
-        raise InputError(f"patients: {shown(patients)} given, allowed is a whole number, or a sequence of patients")
+        raise InputError(f"patients is {shown(patients)}; allowed: a whole number, or a sequence of patients")
     if number < 1:
-        raise InputError(f"patients: {number} given, allowed is 1 or more")
+        raise InputError(f"patients is {number}; allowed: 1 or more")
     return number
 
 
@@ -152,11 +152,11 @@ def _seeds_of(seed: int | Sequence[int], number: int) -> list[int]:
     given: Sequence[object] = [seed] if one else seed  # type: ignore[assignment]
     seeds = [each for each in map(whole_number, given) if each is not None and 0 <= each <= LARGEST_SEED]
     if len(seeds) < len(given):
-        raise InputError(f"seed: {shown(seed)} given, allowed is a whole number, 0 to {LARGEST_SEED}")
+        raise InputError(f"seed is {shown(seed)}; allowed: a whole number, 0 to {LARGEST_SEED}")
     if one:
         return [seeds[0] + i for i in range(number)]
     if len(seeds) != number:
-        raise InputError(f"seed: {len(seeds)} given, allowed are one, or one for each of {number} patients")
+        raise InputError(f"seed is {len(seeds)}; allowed: one, or one for each of {number} patients")
     return seeds
 
 
@@ -273,7 +273,7 @@ def _settings_of(env: Any) -> tuple[str, dict[str, Any]]:
     spec = getattr(env, "spec", None)
     if spec is None:
         raise InputError(
-            f"env_or_jaw: a {type(env).__name__} given, allowed are an environment id, its keyword arguments "
+            f"env_or_jaw is a {type(env).__name__}; allowed: an environment id, its keyword arguments "
             "or an environment made by gymnasium.make"
         )
     not_settings = {"num_envs", "autoreset_mode", "render_mode", "vectorization_mode"}

@@ -123,7 +123,7 @@ def interrupt(page):
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
-        (["live", "--port", "70000"], "port: 70000 given"),
+        (["live", "--port", "70000"], "port is 70000; allowed"),
         (["live", "--port", "0", "--driver", "nope"], "maneuver 'nope': unknown"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
@@ -169,4 +169,4 @@ def test_what_is_misspelt_is_named_with_its_neighbour(capsys):
 
 def test_a_word_where_a_number_has_to_be_is_refused_plainly(capsys):
     assert main(["score", "chirp", "--patients", "ten"]) == 2
-    assert capsys.readouterr().err == "error: Invalid value for '--patients': 'ten' given, allowed is a whole number\n"
+    assert capsys.readouterr().err == "error is Invalid value for '--patients': 'ten'; allowed: a whole number\n"

@@ -82,11 +82,11 @@ def test_pictures_name_maneuver_patient_and_control(tmp_path):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--video", "film.avi"], "video: film.avi given, allowed is a file that ends in .mp4 or .webp"),
-        (["--video", "nowhere/film.webp"], "video: nowhere/film.webp given, allowed is a file in a folder that exists"),
-        (["--video", "film.webp", "--width", "333"], "width: 333 given"),
-        (["--video", "film.webp", "--every", "0"], "every: 0 given"),
-        (["--video", "film.webp", "--start-s", "7"], "start_s: 7 given"),
+        (["--video", "film.avi"], "video is film.avi; allowed: a file that ends in .mp4 or .webp"),
+        (["--video", "nowhere/film.webp"], "video is nowhere/film.webp; allowed: a file in a folder that exists"),
+        (["--video", "film.webp", "--width", "333"], "width is 333; allowed"),
+        (["--video", "film.webp", "--every", "0"], "every is 0; allowed"),
+        (["--video", "film.webp", "--start-s", "7"], "start_s is 7; allowed"),
         (["--video", "film.webp", "--patient", "nobody.json"], "nobody.json"),
         (["--video", "film.webp", "--cohort", "knees"], "knees"),
     ],

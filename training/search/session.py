@@ -107,7 +107,7 @@ def check_output(output: Path) -> None:
     if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
         raise InputError(f"--output: {output} given, but {output.parent} may not be written")
     if output.suffix != ".yaml" or not output.parent.is_dir():
-        raise InputError(f"--output: {output} given, allowed is a .yaml file in a folder that exists")
+        raise InputError(f"--output is {output}; allowed: a .yaml file in a folder that exists")
     if not output.stem.isidentifier() or output.stem != output.stem.lower():
         raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
 

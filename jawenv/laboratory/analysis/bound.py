@@ -94,7 +94,7 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
             the recursion has no result, as with states that are not finite.
     """
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
-        raise InputError(f"every: {every!r} given, allowed is a whole number of ticks, 1 or more")
+        raise InputError(f"every is {every!r}; allowed: a whole number of ticks, 1 or more")
     bound = path_bound(path_of(record, parameters), record, int(every))
     if not np.isfinite(bound.cov).all():
         raise InputError("record: states, wrenches or samples are not finite, or no jaw's: the bound has no value")

@@ -64,7 +64,7 @@ def collinearity(information: Array, subset: Sequence[int] | None = None) -> flo
     size = len(information)
     chosen = list(range(size)) if subset is None else list(subset)
     if not chosen or len(set(chosen)) != len(chosen) or not all(0 <= i < size for i in chosen):
-        raise InputError(f"subset: {chosen} given, allowed are different numbers from 0 to {size - 1}")
+        raise InputError(f"subset is {chosen}; allowed: different numbers from 0 to {size - 1}")
     return float(_indices(information, np.array([chosen]))[0])
 
 
@@ -83,7 +83,7 @@ def collinearity_of_size(information: Array, size: int) -> tuple[NDArray[np.intp
     """
     number = len(information)
     if not 1 <= size <= number or comb(number, size) > MOST_SUBSETS:
-        raise InputError(f"size: {size} given, allowed are 1 to {number} with at most {MOST_SUBSETS} subsets")
+        raise InputError(f"size is {size}; allowed: 1 to {number} with at most {MOST_SUBSETS} subsets")
     subsets = np.array(list(combinations(range(number), size)))
     indices = _indices(information, subsets)
     order = np.argsort(-indices, kind="stable")
@@ -236,7 +236,7 @@ class Identifiability:
         """
         size = len(self.prior_sd)
         if not 1 <= number <= size:
-            raise InputError(f"number: {number} given, allowed are 1 to {size}")
+            raise InputError(f"number is {number}; allowed: 1 to {size}")
         values, vectors = np.linalg.eigh(self.covariance)
         return [
             Combination(

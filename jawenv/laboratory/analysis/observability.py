@@ -163,7 +163,7 @@ def observability(record: Record, parameters: Array | None = None, window_s: flo
     ticks_each = round(window_s / record.dt) if np.isfinite(window_s) else 0
     ticks = len(record.time) - 1
     if not 1 <= ticks_each <= ticks:
-        raise InputError(f"window_s: {window_s} given, allowed are {record.dt:g} to {ticks * record.dt:g} s")
+        raise InputError(f"window_s is {window_s}; allowed: {record.dt:g} to {ticks * record.dt:g} s")
     path = path_of(record, parameters)
     by_state, by_parameter, rows = derivatives(path)
     scale = np.asarray(np.sqrt(np.diag(path.covariance))[:-1], dtype=np.float64)

@@ -65,7 +65,7 @@ def path_of(record: Record, parameters: Array | None = None) -> Path:
     if values is None:
         raise InputError(f"parameters: None given for a record without truth, allowed are {size} log-parameters")
     if np.shape(values) != (size,) or not np.isfinite(values).all():
-        raise InputError(f"parameters: {values} given, allowed are {size} finite natural-log parameters")
+        raise InputError(f"parameters is {values}; allowed: {size} finite natural-log parameters")
     jaw, motion = record.jaw, record.states.shape[1]
     scratch = record_zeros(1, joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
     muscles = np.zeros((len(jaw["muscle"]), 2))

@@ -165,7 +165,7 @@ class Record:
         """
         ticks = round(seconds / self.dt)
         if not 1 <= ticks < len(self.time):
-            raise InputError(f"until: {seconds} s given, allowed are {self.dt:g} to {self.time[-1]:g} s")
+            raise InputError(f"until is {seconds} s; allowed: {self.dt:g} to {self.time[-1]:g} s")
         return replace(
             self,
             time=self.time[: ticks + 1],

@@ -57,8 +57,8 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["slow_opening", "--tasks", "jaw"], "tasks: 'jaw' given, allowed are hinge-exact, jaw-exact"),
-        (["slow_opening", "--tasks", ","], "tasks: none given"),
+        (["slow_opening", "--tasks", "jaw"], "tasks is 'jaw'; allowed: hinge-exact, jaw-exact"),
+        (["slow_opening", "--tasks", ","], "tasks is none; allowed"),
         ([], "nothing to play: name a maneuver"),
         (["nobody"], "agent 'nobody': unknown"),
         (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v2, where none of these tasks"),

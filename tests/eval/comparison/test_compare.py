@@ -114,9 +114,9 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["hold_still", "--reference", "chirp"], "reference is 'chirp'; allowed: hold_still"),
         (
             ["hold_still", "--largest-discomfort-s", "-1"],
-            "largest-discomfort-s: -1.0 given, allowed is a finite number",
+            "largest-discomfort-s is -1.0; allowed: a finite number",
         ),
-        (["hold_still", "--largest-violation", "2"], "largest-violation: 2.0 given, allowed is a share, 0 to 1"),
+        (["hold_still", "--largest-violation", "2"], "largest-violation is 2.0; allowed: a share, 0 to 1"),
         (["no_such.yaml"], "no_such.yaml"),
         (["no_such.zip"], "no_such.zip"),
         (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
@@ -256,7 +256,7 @@ def test_a_report_can_be_drawn_again_against_another_reference(tmp_path, monkeyp
         assert main(["report", str(tmp_path), "--reference", reference]) == 0
     assert references == ["chirp", "hold_still"]
     assert main(["report", str(tmp_path), "--reference", "nobody"]) == 2
-    assert "reference: 'nobody' given" in capsys.readouterr().err
+    assert "reference is 'nobody'; allowed" in capsys.readouterr().err
 
 
 def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):

@@ -20,7 +20,7 @@ def test_without_minari_there_is_one_line(monkeypatch, tmp_path, capsys):
 
 def test_another_format_is_refused(tmp_path, capsys):
     assert main(["dataset", *SMALL, "--format", "csv", "--output", str(tmp_path)]) == 2
-    assert "format: 'csv' given, allowed are arrow, hdf5" in capsys.readouterr().err
+    assert "format is 'csv'; allowed: arrow, hdf5" in capsys.readouterr().err
 
 
 # Minari leaves the removal of its temporary folder to the collector of garbage, which warns.

@@ -76,7 +76,7 @@ def test_the_bound_of_the_belief_is_the_true_information_from_the_law_on(tmp_pat
 def test_what_is_refused(tmp_path, capsys):
     for arguments, said in (
         ((), "nothing to play"),
-        (("refined", "--contrasts", "-1"), "contrasts: -1 given"),
+        (("refined", "--contrasts", "-1"), "contrasts is -1; allowed"),
         (("refined", "--patients", "0"), "patients is 0; allowed"),
     ):
         assert main(["information", *arguments, "--output", str(tmp_path)]) == 2

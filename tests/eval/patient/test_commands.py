@@ -123,7 +123,7 @@ def test_a_page_stands_alone_and_says_what_it_is(three):
         assert "<script" not in written and not re.search(r"@import|url\(", written) and len(written) < 400_000
         assert "prefers-color-scheme: dark" in written and "size: A4" in written
         text = words_of(written)
-        assert "Research, not a medical device. The patient is simulated." in text
+        assert "Research, not a medical device. The patient is simulated, the anatomy known" in text
         assert re.search(r"0\.\d{3} N 95 %: 0\.\d+ to [01]\.\d+", text)
         assert "true:" not in text and "truly" not in text
     assert pages[LEFT].count("<svg") == 2 + 2 * len(MUSCLE_NAMES)
@@ -241,11 +241,11 @@ def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
     ("arguments", "told"),
     [
         (["no_such"], "agent 'no_such': unknown"),
-        (["hold_still", "--treatments", "0"], "treatments: 0 given, allowed is 1 or more"),
-        (["hold_still", "--drift", "nan"], "drift: nan given, allowed is 0 to 0.5"),
-        (["hold_still", "--patients", "0"], "patients: 0 given, allowed is 1 or more"),
-        (["hold_still", "--seed", "-1"], "seed: -1 given, allowed is a whole number"),
-        (["hold_still", "--env", "JawSides"], "env: jawenv/JawSides-v2 given, allowed are those with six"),
+        (["hold_still", "--treatments", "0"], "treatments is 0; allowed: 1 or more"),
+        (["hold_still", "--drift", "nan"], "drift is nan; allowed: 0 to 0.5"),
+        (["hold_still", "--patients", "0"], "patients is 0; allowed: 1 or more"),
+        (["hold_still", "--seed", "-1"], "seed is -1; allowed: a whole number"),
+        (["hold_still", "--env", "JawSides"], "env is jawenv/JawSides-v2; allowed: those with six"),
         (["hold_still", "--patient", "none.json"], "none.json: no such file"),
         (["hold_still", "--cohort", "nobody"], "cohort is 'nobody'; allowed"),
     ],

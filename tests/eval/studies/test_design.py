@@ -147,7 +147,7 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
         (["nothing"], "study 'nothing' is unknown; allowed: agents, cohorts, force_sensors, headline"),
         (["nothing.yaml"], "nothing.yaml: no such file"),
         ([], "study: none given; allowed: agents, cohorts, force_sensors, headline"),
-        (["headline", "--backend", "dask"], "backend: 'dask' given, allowed are loky, ray"),
+        (["headline", "--backend", "dask"], "backend is 'dask'; allowed: loky, ray"),
         (["headline", "--workers", "0"], "--workers"),
         (["broken.yaml"], "broken.yaml: damaged YAML"),
     ],

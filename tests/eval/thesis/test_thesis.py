@@ -40,11 +40,11 @@ def test_the_command_draws_judges_and_reports(tmp_path, capsys):
 def test_bad_input_is_refused_in_one_line(tmp_path, capsys):
     for arguments, told in (
         (["--only", "fig_6_3"], "fig_6_3"),
-        (["--draws", "1"], "draws: 1 given"),
-        (["--seed", "-1"], "seed: -1 given, allowed is a whole number, 0 to 4294967295"),
+        (["--draws", "1"], "draws is 1; allowed"),
+        (["--seed", "-1"], "seed is -1; allowed: a whole number, 0 to 4294967295"),
         (
             ["--seed", "1" + 24 * "0"],
-            "seed: 1000000000000000000000000 given, allowed is a whole number, 0 to 4294967295",
+            "seed is 1000000000000000000000000; allowed: a whole number, 0 to 4294967295",
         ),
     ):
         assert main(["thesis", *arguments, "--output", str(tmp_path)]) == 2
