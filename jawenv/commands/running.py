@@ -106,7 +106,7 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
         message = f"the standard output cannot be written: {error.strerror}"
     except typer.TyperException as error:
         given = _given(error)
-        message = _NO_NUMBER.sub(lambda said: f"{given}allowed is a {_WORDS[said[1]]}", error.format_message())
+        message = _NO_NUMBER.sub(lambda said: f"{given}allowed: a {_WORDS[said[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2
 
@@ -118,6 +118,6 @@ def _give_up_stdout() -> None:
 
 
 def _given(error: typer.TyperException) -> str:
-    """What stood where the ``error`` is, with a comma behind; nothing where typer's cause does not say it."""
+    """What stood where the ``error`` is, with a semicolon behind; nothing where typer's cause does not say it."""
     problems = getattr(error.__cause__, "errors", None)
-    return f"'{problems()[0]['input']}' given, " if callable(problems) else ""
+    return f"'{problems()[0]['input']}'; " if callable(problems) else ""

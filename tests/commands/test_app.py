@@ -169,4 +169,4 @@ def test_what_is_misspelt_is_named_with_its_neighbour(capsys):
 
 def test_a_word_where_a_number_has_to_be_is_refused_plainly(capsys):
     assert main(["score", "chirp", "--patients", "ten"]) == 2
-    assert capsys.readouterr().err == "error is Invalid value for '--patients': 'ten'; allowed: a whole number\n"
+    assert capsys.readouterr().err == "error: Invalid value for '--patients': 'ten'; allowed: a whole number\n"
