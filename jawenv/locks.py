@@ -39,6 +39,8 @@ def alone(output: Path) -> Iterator[None]:
         lock.acquire()
     except Timeout:
         raise InputError(f"{output}: in use by another process; wait for it, or name another output") from None
+    except NotImplementedError:
+        raise InputError(f"output {output}: its file system has no locks; allowed: one on another") from None
     except OSError as error:
         reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
         raise InputError(f"output {output}: cannot be {'written' if place.exists() else 'made'}: {reason}") from None

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 from jawenv.errors import InputError
 from jawenv.locks import alone
@@ -73,3 +74,12 @@ def test_what_a_killed_process_was_writing_goes(tmp_path):
     with alone(folder):
         assert not any(path.exists() for path in left)
     assert all(path.exists() for path in others)
+
+
+def test_a_file_system_without_locks_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(lock: FileLock) -> None:
+        raise NotImplementedError("FileSystem does not appear to support flock")
+
+    monkeypatch.setattr(FileLock, "acquire", refuse)
+    with pytest.raises(InputError, match="its file system has no locks"), alone(tmp_path / "run"):
+        pass
