@@ -47,6 +47,8 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
     fitted = found.rows - found.refused
     print(f"rows:    {found.rows:,} read, {fitted:,} fitted, {found.refused:,} refused by the filter's gate")
     print(f"numbers: {found.numbers:,} read, {found.left_out:,} left out (out of range, or of a frozen sensor)")
+    known = "exactly (--knowledge imaged: as a scan gives them)" if record.knowledge.exact else "within sds"
+    print(f"assumed: anatomy and mounting are known {known}")
     print(f"alarm:   {'silent' if found.misfit <= 1.0 else 'RINGS'}, misfit {found.misfit:.3g} (it rings above 1)\n")
     _print_estimates(record, found)
     if record.parameter_names[::2] == tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
