@@ -11,7 +11,8 @@ from eval.report import first
 def headline(ranking: Ranking) -> str:
     """The answer; before it what acted on the truth and the filter did not know, if anything."""
     known = f"With {effects(ranking)}, which the filter does not know: " if ranking.effects else ""
-    return known + first.answer(ranking)
+    said = known + first.answer(ranking)
+    return said[0].upper() + said[1:]
 
 
 def effects(ranking: Ranking) -> str:
