@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -82,7 +82,7 @@ def add_replays(
         check_targets(entry.agent, entry.env_kwargs)
     replays: dict[str, tuple[Entry, ...]] = {}
     for entry in adapting:
-        key = fingerprint(entry, asdict(averaged))
+        key = fingerprint(entry, averaged.to_mapping())
         path = folder / f"{key}.yaml"
         if fresh or not path.exists():
             replay_of_entry(entry, averaged, path, console)

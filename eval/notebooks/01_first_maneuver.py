@@ -26,7 +26,6 @@
 import os
 
 import gymnasium as gym
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
@@ -120,6 +119,8 @@ score.summary()
 # a patient gave to both.
 
 # %%
+import matplotlib.pyplot as plt
+
 still = jawenv.score(jawenv.play(jawenv.Player("hold_still"), patients=PATIENTS, seed=100, env_kwargs=short))
 both = pd.DataFrame({"hold still": still.information_true, MANEUVER: score.information_true}).transpose()
 axes = both.plot(marker="o", color="C0", alpha=0.5, legend=False, ylabel="true information, nats", figsize=(5, 3))

@@ -49,7 +49,9 @@ def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., A
         @wraps(command)
         def run(**given: Any) -> Any:
             world = {name: given.pop(name) for name in names}
-            return command(**given, world=_world({name: value for name, value in world.items() if value}))
+            return command(
+                **given, world=_world({name: value for name, value in world.items() if value not in (None, [])})
+            )
 
         vars(run)["__signature__"] = stated.replace(parameters=[*kept[:place], *options, *kept[place:]])
         run.__annotations__ = {each.name: each.annotation for each in (*kept, *options)}

@@ -60,4 +60,4 @@ def test_an_environment_of_a_run_that_names_a_module_imports_nothing(
     assert DEFAULT_ENV in text
     (run / "config.yaml").write_text(text.replace(DEFAULT_ENV, "antigravity:Jaw-v1"))
     assert main(["compare", str(run), "--output", str(tmp_path / "out")]) == 2
-    assert "antigravity" not in sys.modules and "unknown" in capsys.readouterr().err
+    assert "antigravity" not in sys.modules and "allowed: jawenv/Jaw" in capsys.readouterr().err

@@ -147,7 +147,7 @@ def test_another_patient_and_a_refused_choice(tmp_path):
         page._choices["model"].value = "bilateral"
         page._choices["knowledge"].value = "imaged"
         page._fulfil(page._change)
-        assert page.session.setup.model == "sides"
+        assert page.session.setup.world.model == "sides"
         assert "knowledge is not exact" in page._view._status.content
 
 

@@ -9,7 +9,6 @@ import pytest
 import jawenv
 from jawenv.controls import CONTROLS
 from jawenv.device.comfort import COMFORT_LIMITS
-from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 
 ROOT = Path(__file__).parents[2]
@@ -31,17 +30,6 @@ def table(heading: str) -> list[list[str]]:
 
 def named(cell: str) -> list[str]:
     return re.findall(r"`([^`]+)`", cell)
-
-
-def test_arguments() -> None:
-    own = {"render_mode"}
-    assert {named(row[0])[0] for row in table("Arguments")} == {field.name for field in fields(Configuration)} | own
-    stated = {named(row[0])[0]: row[2].strip("`").strip('"') for row in table("Arguments")}
-    hz = {name: mode.steps_per_s for name, mode in CONTROLS.items()}
-    rates = f"{hz['force']:g}; in targets control {hz['targets']:g}"
-    assert stated.pop("control_hz") == rates and hz["trajectory"] == hz["force"]
-    for field in (field for field in fields(Configuration) if field.name != "control_hz"):
-        assert stated[field.name] == (f"{field.default:g}" if type(field.default) is float else str(field.default))
 
 
 def test_what_an_action_means() -> None:

@@ -83,7 +83,7 @@ def test_an_environment_has_its_page(site: Path, env_id: str) -> None:
     headings = re.findall(r"<h2[^>]*>([^<]+)<", text)
     assert [heading for heading in headings if heading in SECTIONS] == list(SECTIONS)
     assert all(f"<code>{name}</code>" in text for name in Configuration.__dataclass_fields__)
-    assert "<code>float | None</code>" in text  # a type of two parts is one cell, without a backslash
+    assert "<code>float or None</code>" in text
     env = gym.make(env_id)
     assert f"({env.observation_space.shape[0]},)" in text
     assert f"–{env.observation_space.shape[0] - 2}<" in text  # the last part but the time

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from eval.cli import main
+from eval.commands.patient import as_a_clinic
 from eval.entries import load_entries
 from eval.patient import courses, page
 from eval.patient.courses import Person
@@ -31,7 +32,16 @@ def patient(name, F_o=0.3, b=7.0, left_F_o=None):
 
 
 def run(output, *arguments):
-    return main(["patient", *arguments, "--output", str(output)])
+    known = () if "--knowledge" in arguments else ("--knowledge", "exact")
+    return main(["patient", *arguments, *known, "--output", str(output)])
+
+
+def test_a_patient_is_known_as_a_scan_shows_him_unless_something_else_is_said():
+    assert as_a_clinic({"env": "Jaw"})["knowledge"] == "imaged"
+    assert as_a_clinic({"env": "Jaw", "knowledge": "exact"})["knowledge"] == "exact"
+    assert "knowledge" not in as_a_clinic({"env": "JawBilateral"}) and "knowledge" not in as_a_clinic(
+        {"env": "JawImaged"}
+    )
 
 
 def words_of(text):

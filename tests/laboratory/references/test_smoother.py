@@ -139,7 +139,7 @@ def as_the_model_has_it(record, rng):
 
 def test_where_all_is_linear_the_filter_ends_where_the_smoother_does(record, monkeypatch):
     """Uncertainty so small that tangents hold; the record still moves every belief by much. Every tick teaches."""
-    monkeypatch.setattr("jawenv.laboratory.filter_settings.rough_change", lambda cell_sd, dt: np.full(3, np.inf))
+    monkeypatch.setattr("jawenv.filter.settings.rough_change", lambda cell_sd, dt: np.full(3, np.inf))
     record = as_the_model_has_it(record, np.random.default_rng(3))
     filtered = ExtendedKalman(parameter_rate=0.0).estimate(record)
     smoothed = IteratedSmoother().smooth(record)
