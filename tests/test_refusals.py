@@ -141,7 +141,7 @@ LABORATORY = [
     ("smoothing_s 1000 allowed", lambda: balance_of(hinge(), smoothing_s=1e3)),
     ("smoothing_s nan allowed", lambda: balance_of(hinge(), smoothing_s=nan)),
     *(
-        ("subset given different", lambda subset=subset: collinearity(np.eye(12), subset))
+        ("subset different", lambda subset=subset: collinearity(np.eye(12), subset))
         for subset in ([], [0, 0], [0, 12], [-1])
     ),
     ("size 0 allowed", lambda: collinearity_of_size(np.eye(12), 0)),
