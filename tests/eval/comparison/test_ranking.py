@@ -151,7 +151,7 @@ def test_calibration_is_judged_by_the_band(ranking):
 
 
 def test_the_verdict_says_who_wins_who_lies_and_who_hurts(ranking):
-    assert verdict.headline(ranking).startswith("good one is the best maneuver: ")
+    assert verdict.headline(ranking).startswith("Good one is the best maneuver: ")
     told = " ".join(verdict.remarks(ranking))
     assert "Not ranked: ppo-seed0, discomfort 6 s per 30 s, allowed 0.1." in told
     assert "boastful (" in told

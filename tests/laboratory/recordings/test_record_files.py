@@ -270,9 +270,3 @@ def test_a_small_parquet_file_of_a_large_table_is_refused(tmp_path):
     assert (tmp_path / "zeros.parquet").stat().st_size < 100_000
     with pytest.raises(InputError, match=r"zeros\.parquet: its table takes 8,000,000 bytes; allowed: 1,000,000 at"):
         read_parquet(tmp_path / "zeros.parquet", 1_000_000)
-
-
-def test_a_cell_longer_than_csv_allows_is_one_line(tmp_path):
-    (tmp_path / "long.csv").write_text(f"{HEADER}\n{'1' * 200_000}")
-    with pytest.raises(InputError, match=r"^[^\n]*long\.csv: field larger than field limit[^\n]*allowed: CSV$"):
-        load_record(tmp_path / "long.csv")
