@@ -101,7 +101,7 @@ def test_fewer_and_other_patients_are_found_before_anything_is_played(copied, pl
         (lambda rows: rows.assign(seed=rows["seed"].astype(float)), "seed holds other values"),
         (lambda rows: rows.assign(score_s=np.nan), "score_s holds values outside of an episode"),
         (lambda rows: rows.assign(agent=[None, *rows["agent"][1:]]), "agent holds other values"),
-        (lambda rows: rows.assign(score_s_given=0.0), "columns ['task', 'agent', 'seed'"),
+        (lambda rows: rows.assign(score_s_given=0.0), "columns are ['task', 'agent', 'seed'"),
         (lambda rows: pd.concat([rows, rows.assign(task="bogus")]), "bogus, slow_opening: patients without a score"),
     ],
 )
