@@ -8,7 +8,7 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from eval import options
+from eval.commands import options
 from eval.commands.benchmark import benchmark_command
 from eval.commands.calibration import calibrate_command
 from eval.commands.comparison import card_command, compare_command, replay_command, report_command
@@ -16,7 +16,7 @@ from eval.commands.dataset import dataset_command
 from eval.commands.information import information_command
 from eval.commands.live import live_command
 from eval.commands.patient import diagnose_command, patient_command
-from eval.terminal import terminal, typed
+from eval.tables import terminal, typed
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from jawenv.seeds import REPORTS

@@ -143,7 +143,7 @@ def load_entries(
         InputError: an unknown maneuver, a checkpoint that needs trust, a damaged file or checkpoint, or a run that was
             trained in another environment.
     """
-    entries = [_load(spec, world or Configuration(), trust, load) for spec in dict.fromkeys(specs)]
+    entries = [load_entry(spec, world or Configuration(), trust=trust, load=load) for spec in dict.fromkeys(specs)]
     labels = [entry.label for entry in entries]
     return [
         entry if labels.count(entry.label) == 1 else replace(entry, label=f"{entry.label} ({entry.spec})")
@@ -151,7 +151,10 @@ def load_entries(
     ]
 
 
-def _load(spec: str, asked: Configuration, trust: bool, load: Callable[..., Agent]) -> Entry:
+def load_entry(
+    spec: str, asked: Configuration, *, trust: bool = False, load: Callable[..., Agent] = registry.load_agent
+) -> Entry:
+    """Load one agent, as `load_entries`."""
     trained = world_of(spec)
     world, notes = (asked, []) if trained is None else _of_a_run(spec, trained, asked)
     agent = load(spec, control=world.control, control_hz=world.control_hz, env_id=world.env_id, trust=trust)

@@ -50,6 +50,7 @@ class Settings:
         """All in plain values, as results keep it."""
         return {"patients": self.patients, "seed": self.seed, **self.world.to_mapping()}
 
-    def of_a_patient(self) -> dict[str, Any]:
-        """What decides a patient's row: all but how many there are and from which seed on; the cohort is whole."""
-        return self.world.to_mapping() | {"cohort": self.world.build_cohort().to_dict()}
+    @property
+    def seeds(self) -> range:
+        """Of the patients and their noise."""
+        return range(self.seed, self.seed + self.patients)

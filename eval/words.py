@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
 
 from eval.statistics import Interval
 
@@ -43,13 +42,6 @@ def with_interval(estimate: Interval, digits: int = 1, unit: str = "") -> str:
     """A figure with the ends of its interval: `1.2 % (0.9 … 1.3)`, without brackets where there is none."""
     ends = interval(estimate, digits)
     return f"{number(estimate.value, digits)}{unit}" + (f" ({ends})" if ends else "")
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], texts: Collection[int] = (0,)) -> str:
-    """A Markdown table of numbers, but for the columns at the places ``texts``."""
-    rule = ["---" if place in texts else "--:" for place in range(len(head))]
-    lines = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
-    return "\n".join([lines[0], "|" + "|".join(rule) + "|", *lines[1:]])
 
 
 def scaled(estimate: Interval, factor: float) -> Interval:

@@ -14,11 +14,12 @@ import pandas as pd
 from agents.own import names_own
 from eval.benchmark import differences, submission, tables
 from eval.benchmark.patients import read_patients
-from eval.benchmark.run import Cell, parts_of_cell, play_parts
+from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell
 from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
 from eval.kept.parts import Part, Run
+from eval.studies.cells import Cell, play_parts
 from jawenv import versions
 from jawenv.controls import mode_of
 from jawenv.errors import InputError, shown
@@ -82,9 +83,8 @@ def check(folder: Path, patients: int | None = None, run: Run | None = None, *, 
     with TemporaryDirectory() as place:
         draw = np.random.default_rng()
         parts: list[tuple[Cell, Part]] = []
-        for cell, score in zip(cells, given.scores, strict=True):
-            every = parts_of_cell(cell, Path(place), score.patients)
-            parts += [(cell, part) for part in drawn(every, patients, draw)]
+        for cell in cells:
+            parts += [(cell, part) for part in drawn(cell.parts(Path(place)), patients, draw)]
         again = play_parts(parts, run)
     exact = _platform(given.made_with) == _platform(versions.made_with())
     faults = differences.faults_of(rows, again, None if exact else steps)
@@ -152,19 +152,19 @@ def _of_entries(cells: Sequence[Cell], given: Submission) -> tuple[list[str], di
     """Labels and notes that are not those of the agents; and the control step, s, by task and agent."""
     specs = {each.agent: each.spec for each in given.agents}
     faults, steps = [], {}
-    for cell in cells:
+    for cell, score in zip(cells, given.scores, strict=True):
         entry = cell.load()
-        steps[cell.task.id, cell.agent] = 1.0 / mode_of(entry.env_kwargs).steps_per_s
-        if cell.agent not in (entry.label, f"{entry.label} ({specs[cell.agent]})"):
-            faults.append(f"{cell.agent}: is the label of what calls itself {entry.label}")
-        if cell.note != entry.note:
-            faults.append(f"{cell.name}: the note is {shown(cell.note)}, the agent gives {shown(entry.note)}")
+        steps[score.task, score.agent] = 1.0 / mode_of(entry.env_kwargs).steps_per_s
+        if score.agent not in (entry.label, f"{entry.label} ({specs[score.agent]})"):
+            faults.append(f"{score.agent}: is the label of what calls itself {entry.label}")
+        if score.note != entry.note:
+            faults.append(f"{cell.name}: the note is {shown(score.note)}, the agent gives {shown(entry.note)}")
     return faults, steps
 
 
 def _cell(score: SubmittedScore, given: Submission, folder: Path, trust: bool) -> Cell:
     agent = next(each for each in given.agents if each.agent == score.agent)
-    return Cell(TASKS[score.task], score.agent, _spec(agent, folder), score.note, trust)
+    return cell_of(TASKS[score.task], _spec(agent, folder), score.agent, score.patients, trust=trust)
 
 
 def _spec(agent: SubmittedAgent, folder: Path) -> str:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.stats import binomtest
 
-from eval.benchmark.times import COLUMNS, LEVELS
+from eval.rows.times import COLUMNS, LEVELS
 
 Mask = npt.NDArray[np.bool_]
 KEYS = ["task", "agent", "seed"]

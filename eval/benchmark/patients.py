@@ -9,8 +9,8 @@ from typing import Any
 import pandas as pd
 
 from eval.benchmark.tasks import TASKS
-from eval.benchmark.times import COLUMNS
 from eval.kept.tables import read_table
+from eval.rows.times import COLUMNS
 from jawenv.errors import InputError, shown
 
 _COLUMNS = ("task", "agent", *COLUMNS)

@@ -28,9 +28,9 @@ from agents.own import names_own
 from agents.planners import PLANNERS
 from agents.policies import config_of_run
 from agents.residual import BASE_FILE
-from eval.benchmark.run import Cell
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
+from eval.studies.cells import Cell
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
 from jawenv.playing.maneuvers import Maneuver
@@ -163,11 +163,11 @@ def make(
 
     Args:
         cells: what was played.
-        rows: of `eval.benchmark.run.play_cells`.
+        rows: of `eval.studies.cells.play_cells`.
         agents: of `keep_agents`.
         about: of `eval.kept.tables.made_with`.
     """
-    notes = {(cell.task.id, cell.agent): cell.note for cell in cells}
+    notes = {tuple(cell.levels.values()): cell.load().note for cell in cells}
     scores = tuple(scored(task, agent, of_cell, notes[task, agent]) for (task, agent), of_cell in by_cell(rows).items())
     return Submission(
         benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=json_of(about)
@@ -201,7 +201,7 @@ def keep_agents(cells: Iterable[Cell], folder: Path) -> tuple[SubmittedAgent, ..
     Raises:
         InputError: a file cannot be read or written.
     """
-    agents = dict.fromkeys((cell.agent, cell.spec) for cell in cells)
+    agents = dict.fromkeys((str(cell.levels["agent"]), cell.load().spec) for cell in cells)
     if (folder / AGENTS).exists():
         shutil.rmtree(folder / AGENTS)
     kept = []

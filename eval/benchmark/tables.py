@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
-from rich.console import Console
 
 from eval import words
 from eval.benchmark.scores import by_cell, figures, score_of
 from eval.benchmark.tasks import TASKS, VERSION, Task, digest
-from eval.terminal import printed_table
+from eval.tables import Table, made_by
 
 NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
@@ -27,37 +26,34 @@ DETAILS_NOTE = (
 _DIGITS = {"score, s": 2, "get there, %": 0, "worst sd, %": 2, "discomfort, s": 3}
 
 
-def score_table(rows: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Head and rows: an agent a row, a task a column.
+TASK_HEAD = ("task", "what it asks", "model", "cohort", "knowledge", "device", "within", "seeds")
+
+
+def score_table(rows: pd.DataFrame) -> Table:
+    """An agent a row, a task a column.
 
     Args:
-        rows: of `eval.benchmark.run.play_cells`.
+        rows: of `eval.studies.cells.play_cells`.
     """
     cells = by_cell(rows)
     tasks = list(dict.fromkeys(task for task, _ in cells))
-    agents = dict.fromkeys(map(str, rows["agent"]))
     table = [
-        [
-            words.label(agent),
-            *(
-                words.with_interval(score_of(cells[task, agent]), 2) if (task, agent) in cells else "–"
-                for task in tasks
-            ),
-        ]
-        for agent in agents
+        [words.label(agent)]
+        + [words.with_interval(score_of(cells[task, agent]), 2) if (task, agent) in cells else "–" for task in tasks]
+        for agent in dict.fromkeys(map(str, rows["agent"]))
     ]
-    return ["agent", *tasks], table
+    return Table(["agent", *tasks], table, note=NOTE, title=f"{VERSION}: s until the truth is found, lower is better")
 
 
-def details_table(rows: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Head and rows: a task and an agent a row, with what stands beside the score."""
+def details_table(rows: pd.DataFrame) -> Table:
+    """A task and an agent a row, with what stands beside the score."""
     table, head = [], ["task", "agent", "patients"]
     for (task, agent), cell in by_cell(rows).items():
-        found = figures(task, cell)
-        head = [*head[:3], *found]
-        written = [words.with_interval(value, _DIGITS.get(name, 1)) for name, value in found.items()]
+        beside = figures(task, cell)
+        head = [*head[:3], *beside]
+        written = [words.with_interval(value, _DIGITS.get(name, 1)) for name, value in beside.items()]
         table.append([task, words.label(agent), str(len(cell)), *written])
-    return head, table
+    return Table(head, table, (0, 1), DETAILS_NOTE)
 
 
 def task_row(task: Task) -> list[str]:
@@ -69,37 +65,25 @@ def task_row(task: Task) -> list[str]:
     return [task.id, task.description, model, task.cohort, task.knowledge, device or "–", share, seeds]
 
 
-TASK_HEAD = ["task", "what it asks", "model", "cohort", "knowledge", "device", "within", "seeds"]
-
-
 def markdown(rows: pd.DataFrame, about: dict[str, Any]) -> str:
     """The page ``benchmark.md``.
 
     Args:
-        rows: of `eval.benchmark.run.play_cells`.
+        rows: of `eval.studies.cells.play_cells`.
         about: of `eval.kept.tables.made_with`.
     """
-    versions, git, machine = about["versions"], about["git"], about["machine"]
     tasks = [task for task in TASKS.values() if task.id in set(rows["task"])]
-    state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
-    made = f"Made by `{about['command']}`, {about['finished']}: tasks {VERSION}, digest `{digest()}`"
-    made += f". jawenv {versions['jawenv']}{state}; {machine['cores']} cores of {machine['processor']}."
-    all_tasks = words.table(TASK_HEAD, map(task_row, tasks), range(len(TASK_HEAD) - 2))
     lines = [
         f"# Benchmark {VERSION}",
-        "",
-        made,
-        "",
+        made_by(about, f"tasks {VERSION}, digest `{digest()}`"),
         _how_many(rows, tasks),
-        "",
-        words.table(*score_table(rows)),
-        "",
-        NOTE,
-        "",
+        score_table(rows).markdown(),
+        "## Beside the scores",
+        details_table(rows).markdown(),
+        "## Tasks",
+        Table(TASK_HEAD, [task_row(task) for task in tasks], range(len(TASK_HEAD) - 2)).markdown(),
     ]
-    lines += ["## Beside the scores", "", words.table(*details_table(rows), (0, 1)), "", DETAILS_NOTE, ""]
-    lines += ["## Tasks", "", all_tasks, ""]
-    return "\n".join(lines)
+    return "\n\n".join(lines) + "\n"
 
 
 def _how_many(rows: pd.DataFrame, tasks: Sequence[Task]) -> str:
@@ -113,14 +97,3 @@ def _how_many(rows: pd.DataFrame, tasks: Sequence[Task]) -> str:
     if len(fewer) == len(tasks) and len(set(fewer.values())) == 1:
         return f"Of each task {next(iter(fewer.values()))} patients were played."
     return f"Not all patients were played: {'; '.join(f'{many} in {task}' for task, many in fewer.items())}."
-
-
-def show(rows: pd.DataFrame, console: Console) -> None:
-    """Print the scores."""
-    head, table = score_table(rows)
-    printed = printed_table(f"{VERSION}: s until the truth is found, lower is better")
-    for name in head:
-        printed.add_column(name.replace("-", "-\n"))
-    for row in table:
-        printed.add_row(*row)
-    console.print(printed)

@@ -1,92 +1,19 @@
-"""What the filter believes of what it knows only within sds beside the muscles, and what was drawn: by groups."""
+"""What calibrations say of nuisances: means of each group over the patients, as a table."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from eval import statistics, words
-from eval.calibration.beliefs import JUDGED
+from eval.rows.nuisances import ERROR, GROUPS, LEFT
 from eval.statistics import Interval
-from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
-from jawenv.mechanics.unknowns import Unknowns
+from eval.tables import Table
 
 NOTE = (
     "What is known only within an sd beside the muscles: the mean of (error / sd) squared of a group, 1 if honest, and "
     "the mean sd that is left, in % of the sd before anything was measured. What a maneuver leaves below 100 % it "
     "calibrates."
 )
-_NUMBERS = ("fossa", "fossa", "mass", "damping", "damping", "head tilt")
-_FIELDS = {
-    "origin": "attachments",
-    "insertion": "attachments",
-    "centre_of_mass": "centre of mass",
-    "mouthpiece": "mouthpiece, place",
-    "turn": "mouthpiece, angles",
-    "offset": "cell offset",
-    "cell_turn": "cell, angles",
-    "motors": "force of each motor",
-}
-GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
-"""Of nuisances, in the order of tables."""
-ERROR, LEFT = "nuisance_z2", "nuisance_left"
-"""Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
-
-
-def group_of(direction: Unknowns) -> str:
-    """The group of one of the filter's nuisances."""
-    place = np.flatnonzero(direction.numbers)
-    if len(place):
-        return _NUMBERS[place[0]]
-    return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
-
-
-class NuisanceBeliefs:
-    """What the filter believes of nuisances at some times, for all worlds, as ``jawenv.play`` tells it (``on_step``).
-
-    Args:
-        times: s.
-    """
-
-    def __init__(self, times: Sequence[float]) -> None:
-        """Nothing is heard yet."""
-        self._times, self._step = tuple(times), 0
-        self._kept: dict[float, list[dict[str, float]]] = {}
-
-    def __call__(self, env: Any, action: Any) -> None:
-        """Keep the beliefs where the time is one of those asked for."""
-        simulation = env.unwrapped.simulation
-        rate = simulation.configuration.steps_per_s
-        for time in self._times:
-            if round(time * rate) == self._step:
-                self._kept[time] = [figures_of(simulation, world) for world in range(len(simulation.worlds))]
-        self._step += 1
-
-    def added_to(self, rows: pd.DataFrame, first_seed: int) -> pd.DataFrame:
-        """Rows of ``beliefs.rows_of`` with the columns of all groups; after the episodes."""
-        worlds = rows["seed"] - first_seed
-        judged = rows["outcome"] == JUDGED
-        chosen = [
-            self._kept[time][world] if known else {}
-            for world, time, known in zip(worlds, rows["time_s"], judged, strict=True)
-        ]
-        return rows.join(pd.DataFrame(chosen, index=rows.index))
-
-
-def figures_of(simulation: Any, world: int) -> dict[str, float]:
-    """For each group the mean of (error / sd) squared, and of the sds that are left of the prior's."""
-    mean, sd = belief_of_nuisances(simulation, world)
-    squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
-    groups = np.array([group_of(direction) for direction in simulation.nuisance_sds])
-    figures: dict[str, float] = {}
-    for group in dict.fromkeys(groups):
-        chosen = groups == group
-        figures |= {f"{ERROR}/{group}": float(squares[chosen].mean()), f"{LEFT}/{group}": float(sd[chosen].mean())}
-    return figures
 
 
 def summarised(judged: pd.DataFrame) -> dict[str, float]:
@@ -103,22 +30,28 @@ def groups_in(table: pd.DataFrame) -> list[str]:
     return [group for group in GROUPS if f"{ERROR}/{group}" in table.columns and table[f"{LEFT}/{group}"].notna().any()]
 
 
-def heads(table: pd.DataFrame) -> list[str]:
-    """Headings of ``cells``."""
-    return ["maneuver", "time, s", *groups_in(table)]
+def table_of(summary: pd.DataFrame, *, intervals: bool = True) -> Table:
+    """A row for each maneuver and time of a summary: squares, and what is left, of each group.
 
-
-def cells(table: pd.DataFrame) -> list[list[str]]:
-    """A row for each maneuver and time of a summary: squares with their interval, and what is left, of each group."""
-    groups = groups_in(table)
-    known = table[table[[f"{LEFT}/{group}" for group in groups]].notna().any(axis=1)]
-    return [
-        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group) for group in groups)]
-        for _, row in known.iterrows()
+    Args:
+        summary: of `eval.calibration.summary.summarise`.
+        intervals: of the squares; without them a terminal has room for all groups.
+    """
+    groups = groups_in(summary)
+    some = summary[summary[[f"{LEFT}/{group}" for group in groups]].notna().any(axis=1)]
+    rows = [
+        [words.label(row["entry"]), f"{row['time_s']:g}", *(_cell(row, group, intervals) for group in groups)]
+        for _, row in some.iterrows()
     ]
+    head = [
+        "maneuver",
+        "time, s",
+        *(group if intervals else group.replace(", ", " ").replace(" ", ", ") for group in groups),
+    ]
+    return Table(head, rows, note=NOTE)
 
 
-def _cell(row: pd.Series, group: str) -> str:
-    """As `1.02 (0.93 … 1.12), 64 %`."""
-    squares = words.with_interval(Interval.of(row, f"{ERROR}/{group}"), 2)
-    return f"{squares}, {words.percent(row[f'{LEFT}/{group}'], 0)} %"
+def _cell(row: pd.Series, group: str, intervals: bool) -> str:
+    """As `1.02 (0.93 … 1.12), 64 %`, or `1.02 (64 %)`."""
+    squares, left = Interval.of(row, f"{ERROR}/{group}"), f"{words.percent(row[f'{LEFT}/{group}'], 0)} %"
+    return f"{words.with_interval(squares, 2)}, {left}" if intervals else f"{words.number(squares.value, 2)} ({left})"

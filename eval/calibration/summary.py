@@ -1,20 +1,17 @@
-"""What the rows of a calibration say of each maneuver, filter and time; as a table of figures, printed and Markdown."""
+"""What the rows of a calibration say of each maneuver, filter and time: figures, and the tables that show them."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from eval import statistics, words
 from eval.calibration import nuisances
-from eval.calibration.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
+from eval.rows.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
 from eval.statistics import UNKNOWN, Interval
-from eval.terminal import printed_table
+from eval.tables import Table
 from jawenv.metrics import nees_band
 
 COLUMNS = (
@@ -41,6 +38,7 @@ NOTE = (
     "posterior Cramér-Rao bound, mean over the p parameters. Ended: the episode was over before that time; diverged: "
     "the filter had no belief any more."
 )
+_PRINTED = (*COLUMNS[1:5], COLUMNS[6], *COLUMNS[8:], "largest mean z")
 _WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
 
 
@@ -48,7 +46,7 @@ def summarise(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
 
     Args:
-        rows: of ``eval.calibration.calibrate.calibrate``.
+        rows: of `eval.studies.cells.play_cells`, with levels ``entry`` and ``filter``.
 
     Returns:
         ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES
@@ -129,87 +127,33 @@ def cells(row: pd.Series) -> list[str]:
     ]
 
 
+def tables(table: pd.DataFrame) -> list[Table]:
+    """The table of a summary, and that of its nuisances where the filter has some.
+
+    Args:
+        table: of `summarise`.
+    """
+    main = Table(COLUMNS, [cells(row) for _, row in table.iterrows()], (0, 1), NOTE)
+    return [main, nuisances.table_of(table)] if nuisances.groups_in(table) else [main]
+
+
 def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> None:
-    """Print a summary, a table per maneuver and one of bias; red: the sds are too small, yellow: too large.
+    """Print a summary: two tables of each maneuver, of precision and of bias.
 
     Args:
         table: the summary.
         console: where.
         details: whether to print the nuisances too.
     """
-    heads = (
-        "filter",
-        "time\ns",
-        "n",
-        "NEES / p\nhonest: 1",
-        "inside 1/2/3 sd\n68/95/99.7 %",
-        "claimed\nnats",
-        "true\nnats",
-        "claimed\n− true",
-        "RMSE /\nbound",
-        "ended/\ndiverged",
-    )
+    places = [COLUMNS.index(name) for name in _PRINTED]
     for entry, rows in table.groupby("entry", sort=False):
-        printed = printed_table(words.label(str(entry)))
-        for head in heads:
-            printed.add_column(head, justify="left" if head == "filter" else "right", no_wrap=True)
-        for row in _rows(rows):
-            texts = cells(row)
-            nees, *rest = (_two_lines(texts[i]) for i in (4, 9, 10, 11))
-            nees.stylize(_colour(row))
-            inside = "/".join(words.percent(row[f"inside_{sigmas}"], sigmas // 3) for sigmas in SIGMAS)
-            claimed, ends = words.number(row["claimed"]), f"{texts[12]}/{texts[13]}"
-            printed.add_row(*texts[1:4], nees, inside, claimed, *rest, ends)
-        console.print(printed)
-    console.print(_bias_table(table))
+        texts = [[cells(row)[place] for place in places] for _, row in rows.iterrows()]
+        Table(_PRINTED, texts, (0, len(_PRINTED) - 1), title=words.label(str(entry))).show(console)
     console.print(Text(NOTE, style="dim"))
     if details and nuisances.groups_in(table):
-        console.print(_nuisance_table(table))
-        console.print(Text(nuisances.NOTE, style="dim"))
-
-
-def _colour(row: pd.Series) -> str:
-    if row["nees_per_parameter_low"] > 1.0:
-        return "red"
-    return "yellow" if row["nees_per_parameter_high"] < 1.0 else ""
-
-
-def _two_lines(cell: str) -> Text:
-    value, _, ends = cell.partition(" (")
-    text = Text(value)
-    text.append(f"\n{ends.rstrip(')')}", style="dim")
-    return text
-
-
-def _bias_table(table: pd.DataFrame) -> Table:
-    """The largest mean z of every maneuver, filter and time."""
-    printed = printed_table("Bias: the parameter whose mean z is furthest from 0, and is 0 if honest")
-    for head in ("maneuver", "filter", "time\ns", "largest\nmean z", "parameter"):
-        printed.add_column(head, justify="right" if "\n" in head else "left")
-    for row in _rows(table):
-        entry, name, time, *_ = cells(row)
-        figure, _, parameter = _largest_mean_z(row).partition(", ")
-        printed.add_row(entry, name, time, _two_lines(figure), parameter)
-    return printed
-
-
-def _nuisance_table(table: pd.DataFrame) -> Table:
-    """What is left of the nuisances' sds, per maneuver and time, below the mean square of their errors."""
-    printed = printed_table("What is known within sds: (error/sd)², 1 if honest, and % of the sd left")
-    for head in nuisances.heads(table):
-        printed.add_column(head.replace(" ", "\n"), justify="left" if head == "maneuver" else "right")
-    for entry, time, *figures in nuisances.cells(table):
-        printed.add_row(entry, time, *(f"{text.split(' ')[0]}\n{text.split(', ')[1]}" for text in figures))
-    return printed
+        nuisances.table_of(table, intervals=False).show(console)
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
-    """A summary as a Markdown table, below a line that says what it was made with."""
-    parts = [lead, "", words.table(COLUMNS, map(cells, _rows(table)), (0, 1)), "", NOTE]
-    if nuisances.groups_in(table):
-        parts += ["", words.table(nuisances.heads(table), nuisances.cells(table), (0,)), "", nuisances.NOTE]
-    return "\n".join(parts) + "\n"
-
-
-def _rows(table: pd.DataFrame) -> Iterator[pd.Series]:
-    return (row for _, row in table.iterrows())
+    """A summary as Markdown, below a line that says what it was made with."""
+    return "\n\n".join([lead, *(each.markdown() for each in tables(table))]) + "\n"

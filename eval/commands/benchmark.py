@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eval import options
-from eval.terminal import terminal, typed
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:
@@ -84,15 +84,16 @@ def _play(
     agents: list[str], wanted: list[str] | None, patients: int | None, output: Path, run: Run, trust: bool
 ) -> None:
     from eval.benchmark import submission, tables
-    from eval.benchmark.run import cells_of, play_cells
+    from eval.benchmark.run import cells_of
     from eval.benchmark.tasks import tasks_named
     from eval.kept.tables import made_with, write_table
+    from eval.studies.cells import play_cells
     from jawenv.files import write_json, write_text
     from jawenv.locks import alone
 
     submission.refuse_copies(agents, output)
-    cells = cells_of(agents, tasks_named(wanted), trust=trust)
-    rows = play_cells(cells, output, patients, run)
+    cells = cells_of(agents, tasks_named(wanted), patients, trust=trust)
+    rows = play_cells(cells, output, run)
     about = made_with(typed())
     with alone(output):
         kept = submission.keep_agents(cells, output)
@@ -100,7 +101,7 @@ def _play(
         write_text(output / submission.PAGE, tables.markdown(rows, about))
         write_json(output / submission.FILE, submission.make(cells, rows, kept, about))
     console = terminal()
-    tables.show(rows, console)
+    tables.score_table(rows).show(console)
     console.print(f"tables:     {output / submission.PAGE}\nsubmission: {output / submission.FILE}", soft_wrap=True)
 
 

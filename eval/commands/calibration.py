@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options
-from eval.terminal import terminal, typed
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.seeds import REPORTS
@@ -44,20 +44,19 @@ def calibrate_command(
     the chunks of patients that are finished: the same command goes on from there.
     """
     from eval.calibration import summary
-    from eval.calibration.calibrate import Calibration, calibrate
+    from eval.calibration.cells import cells_of
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
     from eval.settings import Settings
+    from eval.studies.cells import play_cells
 
     moments = tuple(_seconds(text) for text in times.split(","))
-    settings = Settings.of(patients, seed, **world | {"episode_s": moments[-1]})
-    wanted = Calibration(settings, tuple(name.strip() for name in filters.split(",")), moments)
-    specs, console = list(dict.fromkeys(entries or [])), terminal()
-    rows = calibrate(specs, wanted, output, Run(fresh, console=console), trust=trust)
-    table, about = (
-        summary.summarise(rows),
-        made_with(typed(), settings=settings.to_mapping(), filters=wanted.filters, times=wanted.times),
-    )
+    names = tuple(name.strip() for name in filters.split(","))
+    settings, console = Settings.of(patients, seed, **world | {"episode_s": moments[-1]}), terminal()
+    cells = cells_of(list(dict.fromkeys(entries or [])), names, moments, settings, trust=trust)
+    rows = play_cells(cells, output, Run(fresh, console=console), "estimates")
+    table = summary.summarise(rows)
+    about = made_with(typed(), settings=settings.to_mapping(), filters=names, times=moments)
     write_table(rows, output / "beliefs.parquet", about)
     write_table(table, output / "calibration.parquet", about)
     write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from eval import options
-from eval.terminal import terminal, typed
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.errors import InputError
 from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
@@ -55,6 +55,7 @@ def compare_command(
     """
     from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
+    from eval.comparison.replayed import play_patient
     from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.settings import Settings
 
@@ -71,6 +72,7 @@ def compare_command(
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
+    study = play_patient(study, None, console, trust=trust)
     _present(study, output, reference, admission, console, details)
 
 
@@ -89,13 +91,11 @@ def report_command(
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
     from eval.comparison.admission import Admission
+    from eval.comparison.replayed import play_patient
 
     admission = Admission(largest_discomfort_s, largest_violation)
-    study, console = results.load(folder), terminal()
-    if patient is not None:
-        from eval.comparison.replayed import play_patient
-
-        study = play_patient(study, patient, console, trust=trust)
+    console = terminal()
+    study = play_patient(results.load(folder), patient, console, trust=trust)
     _present(study, folder, reference, admission, console, details)
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options
-from eval.terminal import terminal, typed
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.seeds import REPORTS
 
 
@@ -33,7 +33,7 @@ def dataset_command(
     MINARI_DATASETS_PATH=FOLDER makes minari.load_dataset find them. Without names these are random, hold_still,
     slow_opening, opening_with_swings_and_fore_aft and refined.
     """
-    from eval.dataset.episodes import FORMATS, REFERENCES, write_all
+    from eval.dataset import FORMATS, REFERENCES, write_all
     from eval.settings import Settings
     from jawenv.errors import InputError, shown
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options
-from eval.terminal import terminal, typed
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.seeds import REPORTS
 
 
@@ -35,18 +35,23 @@ def information_command(
     Writes information.md, information.parquet and patients.parquet. Ctrl-C keeps the patients that are finished: the
     same command goes on from there.
     """
-    from eval.information import run, tables
+    from eval import information
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
     from eval.settings import Settings
+    from eval.studies.cells import play_cells
     from jawenv.files import write_text
 
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
-    specs = list(dict.fromkeys(entries or []))
-    rows = run.play(specs, settings, contrasts, output, Run(fresh, workers, console=console), trust=trust)
-    table, about = tables.summarise(rows), made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts)
+    cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=trust)
+    rows = play_cells(cells, output, Run(fresh, workers, console=console), "records")
+    summary, about = (
+        information.summarise(rows),
+        made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts),
+    )
+    table = information.table(summary)
     write_table(rows, output / "patients.parquet", about)
-    write_table(table, output / "information.parquet", about)
-    write_text(output / "information.md", tables.markdown(table, about))
-    tables.show(table, console)
+    write_table(summary, output / "information.parquet", about)
+    write_text(output / "information.md", f"Made by `{about['command']}`.\n\n{table.markdown()}\n")
+    table.show(console)
     console.print(f"table: {output / 'information.md'}", soft_wrap=True)

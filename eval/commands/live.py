@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options
+from eval.commands import options
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 from jawenv.live.server import PORT

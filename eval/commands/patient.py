@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import options, words
-from eval.terminal import terminal, typed
+from eval import words
+from eval.commands import options
+from eval.tables import terminal, typed
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.ladder import DEFAULT_ENV, env_id_of
@@ -117,7 +118,6 @@ def diagnose_command(
     )
     write_text(output / "diagnosis.md", accuracy.markdown(table, lead))
     accuracy.show(table, console)
-    console.print(accuracy.NOTE, style="dim")
     console.print(f"table:   {output / 'diagnosis.md'}\nresults: {output / 'diagnosis.parquet'}", soft_wrap=True)
 
 

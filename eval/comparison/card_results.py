@@ -8,7 +8,8 @@ import numpy as np
 
 from agents.card import Result, ResultsFile
 from eval import statistics
-from eval.comparison.results import EARLY_S, Results
+from eval.comparison.results import Results
+from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
 from jawenv.errors import InputError
 

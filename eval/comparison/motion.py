@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jawenv.controls import CONTROLS
-from jawenv.errors import InputError
-from jawenv.files import write_text
 from jawenv.playing.protocol import Action
-from jawenv.reading import read_bytes
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 
@@ -100,31 +95,3 @@ def _rounded(value: Any) -> Any:
     if array.ndim:
         return [_rounded(each) for each in array]
     return float(f"{array:.4g}")
-
-
-def save(motions: dict[str, Any], path: Path) -> None:
-    """Write the motions of entries, by their labels, wholly or not at all.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    write_text(path, json.dumps(motions, separators=(",", ":")))
-
-
-def load(path: Path) -> dict[str, Any]:
-    """Read what `save` has written; nothing where there is no such file, as in older studies.
-
-    Raises:
-        InputError: the file is damaged.
-    """
-    if not path.exists():
-        return {}
-    text = read_bytes(path)
-    try:
-        motions = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{path} is damaged ({reason}); delete it: the report is then without playback") from None
-    if not isinstance(motions, dict):
-        raise InputError(f"{path} holds a {type(motions).__name__}, allowed are motions by the names of entries")
-    return motions

@@ -1,4 +1,4 @@
-"""Another patient of a finished comparison, played again for the report's films."""
+"""One patient of a comparison, played again to see how the jaw is moved."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from rich.console import Console
 from eval import words
 from eval.comparison.motion import Motion
 from eval.comparison.results import Results
-from eval.entries import load_entries
+from eval.entries import load_entry
 from eval.settings import Settings
 from jawenv.errors import InputError
 
 
-def play_patient(study: Results, seed: int, console: Console, *, trust: bool = False) -> Results:
-    """The same results with the motions of another of their patients.
+def play_patient(study: Results, seed: int | None, console: Console, *, trust: bool = False) -> Results:
+    """The same results with the motions of one of their patients.
 
     Args:
         study: a finished comparison whose agents still lie where they were.
-        seed: of the patient.
+        seed: of the patient; the first by default.
         console: where progress is shown.
         trust: see ``load_entries``.
 
@@ -28,13 +28,13 @@ def play_patient(study: Results, seed: int, console: Console, *, trust: bool = F
         InputError: no patient of the comparison has that seed, or an agent is not there any more.
     """
     settings = Settings.from_mapping(study.about["settings"])
-    last = settings.seed + settings.patients - 1
-    if not settings.seed <= seed <= last:
+    seed = settings.seed if seed is None else seed
+    if seed not in settings.seeds:
+        last = settings.seeds[-1]
         raise InputError(f"patient is {seed}; allowed: the seeds of the comparison, {settings.seed} to {last}")
-    specs = [each["spec"] for each in study.about["entries"]]
     motions: dict[str, Any] = {}
-    for entry in load_entries(specs, settings.world, trust=trust):
-        seen = Motion()
+    for about in study.about["entries"]:
+        entry, seen = replace(load_entry(about["spec"], settings.world, trust=trust), label=about["label"]), Motion()
         with console.status(f"playing {words.label(entry.label)}"):
             entry.play(1, seed, on_step=seen)
         if seen.motion():

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from eval import statistics
-from eval.comparison.results import EARLY_S, Results
+from eval.comparison.results import Results
+from eval.rows.outcomes import EARLY_S
 from eval.statistics import Array, Interval
 
 _SEED = re.compile(r"(?P<stem>.+)-seed\d+")

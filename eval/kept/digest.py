@@ -21,12 +21,24 @@ from jawenv.reading import read_bytes
 from jawenv.versions import package_versions
 
 _SOURCES = {".py", ".toml", ".yaml", ".json", ".csv"}
-_SHOWN = {"commands", "live", "rendering"}
-"""Rooms of jawenv that show numbers and change none: their text decides nothing that is kept."""
+DECIDING = (
+    "kernels",
+    "anatomy",
+    "mechanics",
+    "device",
+    "reality",
+    "filter",
+    "envs",
+    "playing",
+    "metrics",
+    "laboratory",
+    "inference",
+)
+"""Rooms of jawenv that a number can come from; the single modules beside them count too."""
 
 
 def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[ModuleType] = ()) -> str:
-    """16 hexadecimal digits for values, files, jawenv but for what only shows, agents, and packages they compute with.
+    """16 hexadecimal digits for values, files, what of jawenv can change a number, agents, and computing packages.
 
     Args:
         decided_by: values that JSON can hold.
@@ -66,12 +78,12 @@ def fingerprint(entry: Entry, settings: Any, *made_by: ModuleType) -> str:
 
 @cache
 def _source(module: Path) -> str:
-    """The digest of a module's file, or of all files of its package."""
+    """The digest of a module's file, or of all files of its package; of jawenv's, those that can change a number."""
     files = module.parent.rglob("*") if module.name == "__init__.py" else [module]
-    content = hashlib.sha256()
-    shown = {Path(str(jawenv.__file__)).parent / room for room in _SHOWN}
-    for file in sorted(file for file in files if file.suffix in _SOURCES and not shown & set(file.parents)):
-        content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
+    content, root = hashlib.sha256(), Path(str(jawenv.__file__)).parent
+    for file in sorted(file for file in files if file.suffix in _SOURCES):
+        if file.parent == root or not file.is_relative_to(root) or file.relative_to(root).parts[0] in DECIDING:
+            content.update(file.name.encode() + hashlib.sha256(read_bytes(file)).digest())
     return content.hexdigest()
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from rich.console import Console
+from rich.text import Text
 
 from eval import statistics, words
 from eval.comparison.results import Results
 from eval.statistics import Interval
-from eval.terminal import printed_table
+from eval.tables import Table
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 
 Mask = NDArray[np.bool_]
@@ -97,21 +98,20 @@ _COLUMNS = ("muscle", "raised", "normal", *SHARES.values())
 
 def show(table: pd.DataFrame, console: Console) -> None:
     """Print the rows of all muscles together, a line per entry and property."""
-    printed = printed_table()
-    for column in ("maneuver", "property"):
-        printed.add_column(column)
-    for column in _COLUMNS[1:]:
-        printed.add_column(column.replace(", ", ",\n"), justify="right", no_wrap=True)
-    for _, row in table[table["muscle"] == ALL].iterrows():
-        figures = (cell.replace(" (", "\n(") for cell in cells(row)[1:])
-        printed.add_row(words.label(row["entry"]), str(row["property"]), *figures)
-    console.print(printed)
+    rows = [
+        [words.label(row["entry"]), str(row["property"]), *cells(row)[1:]]
+        for _, row in table[table["muscle"] == ALL].iterrows()
+    ]
+    Table(("maneuver", "property", *_COLUMNS[1:]), rows, (0, 1)).show(console)
+    console.print(Text(NOTE, style="dim"))
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
     """A Markdown table per entry and property, below a line that says what they were made with."""
     parts = [lead]
     for _, rows in table.groupby(["entry", "property"], sort=False):
-        table_of_rows = words.table(_COLUMNS, (cells(row) for _, row in rows.iterrows()))
-        parts += [f"## {_heading(rows.iloc[0])}", table_of_rows]
+        parts += [
+            f"## {_heading(rows.iloc[0])}",
+            Table(_COLUMNS, [cells(row) for _, row in rows.iterrows()]).markdown(),
+        ]
     return "\n\n".join([*parts, NOTE]) + "\n"

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from eval import words
 from eval.comparison.trainings import FIGURES, Gain
-from eval.terminal import printed_table
+from eval.tables import Table, printed_table
 from jawenv.files import write_text
 
 SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
@@ -43,7 +43,7 @@ def write(found: tuple[Gain, ...], path: Path) -> None:
         ]
         for each in found
     ]
-    write_text(path, words.table(head, rows, (0, 1)) + "\n")
+    write_text(path, Table(head, rows, (0, 1)).markdown() + "\n")
 
 
 def _both(gain: Gain, name: str) -> Text:

@@ -11,7 +11,8 @@ import numpy as np
 
 from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, Row
-from eval.comparison.results import EARLY_S, Results
+from eval.comparison.results import Results
+from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError

@@ -17,12 +17,13 @@ from eval import words
 from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
-from eval.comparison.results import EARLY_S, Results
+from eval.comparison.results import Results
 from eval.report import charts, first, panels, template, verdict
 from eval.report.learned import learned
 from eval.report.learning import learning_charts
 from eval.report.playback import legend, playback
 from eval.report.terms import TERMS
+from eval.rows.outcomes import EARLY_S
 from eval.statistics import RESAMPLES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 

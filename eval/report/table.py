@@ -11,11 +11,11 @@ from rich.text import Text
 from eval import words
 from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import KNOWN, Ranking, Row
-from eval.comparison.results import EARLY_S
 from eval.report import first, verdict
 from eval.report.learned import Learned
+from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
-from eval.terminal import printed_table
+from eval.tables import printed_table
 
 _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
 _MEANING = {"honest": "honest", "overconfident": "too small", "cautious": "too large"}

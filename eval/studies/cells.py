@@ -1,163 +1,158 @@
-"""The cells of a study: every entry under every setting."""
+"""The engine of every question of ``eval``: cells are played in parts, kept, found again, and joined to one table.
+
+A cell is an entry in a world, on some patients, and what is kept of each of them. Patient i is drawn, and its noise
+made, by the seed of its number, so that a row is the same whatever else is played.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import product
-from typing import Any
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import ClassVar
 
-from eval.comparison import results
-from eval.entries import Entry, load_entries
+import pandas as pd
+
+from eval.entries import Entry
 from eval.kept.digest import fingerprint
-from eval.settings import Settings
-from eval.studies.design import Choice, Design, Environment, Pair
-from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError
+from eval.kept.parts import Part, Run, finish, folder_for, parts_of
+from eval.kept.tables import read_table, write_table
+from jawenv.progress import Progress
 
-FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
-"""What tells cells apart, in the order of the columns."""
+FOLDER = "parts"
+"""Of an output folder: what is finished."""
 
 
-Levels = tuple[Any, ...]
-"""The values of `FACTORS`."""
+@dataclass(frozen=True)
+class Rows(ABC):
+    """A family of columns: how patients are played, and the rows that are kept of them.
+
+    Fields of subclasses decide what is kept, and so do the sources of their module.
+
+    Attributes:
+        columns: those that kept rows must have.
+        made_by: other modules that decide the rows.
+    """
+
+    columns: ClassVar[tuple[str, ...]] = ("seed",)
+    made_by: ClassVar[tuple[ModuleType, ...]] = ()
+
+    @abstractmethod
+    def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
+        """Play ``number`` patients from a seed on, and make their rows, each with its ``seed``.
+
+        Args:
+            entry: whose agent is freshly loaded.
+            number: of patients.
+            seed: of the first one.
+            progress: see `jawenv.play`.
+        """
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry under one setting.
+    """One entry in one world.
 
     Attributes:
-        environment: name of the environment, with its filter where that is not its own.
-        cohort: name or file of the cohort.
-        control: control mode.
-        sensors: sensors.
-        force_sensor: how the device knows its force.
-        reality: name of the effects.
-        control_hz: control steps per second.
-        entry: label.
-        spec: what the entry is loaded by.
-        settings: on whom and how it is played.
-        planned: whether the entry is a planner, which takes long.
-        trust: whether its checkpoint may be unpickled.
+        levels: columns that tell its rows from those of other cells, numbers among them in Hz.
+        load: makes the entry; a function that processes can be sent.
+        seeds: of the patients.
+        rows: what is kept of them.
+        size: patients that are played together.
     """
 
-    environment: str
-    cohort: str
-    control: str
-    sensors: str
-    force_sensor: str
-    reality: str
-    control_hz: float
-    entry: str
-    spec: str
-    settings: Settings
-    planned: bool
-    trust: bool = False
+    levels: Mapping[str, str | float]
+    load: Callable[[], Entry]
+    seeds: range
+    rows: Rows
+    size: int
 
     @property
-    def levels(self) -> Levels:
-        """The values of `FACTORS`."""
-        return tuple(getattr(self, factor) for factor in FACTORS)
+    def name(self) -> str:
+        """What tells it apart in its study."""
+        return " · ".join(f"{level:g} Hz" if isinstance(level, float) else level for level in self.levels.values())
 
-    def load(self) -> Entry:
-        """The entry, ready to be played."""
-        return load_entries([self.spec], self.settings.world, trust=self.trust)[0]
+    def parts(self, folder: Path) -> list[Part]:
+        """The parts in which it is played, each kept as a table in the folder.
 
-    def fingerprint(self, bound: bool = False) -> str:
-        """The digest of a patient's row, which may have the bound."""
-        settings = self.settings.of_a_patient() | {"label": self.entry, "bound": bound}
-        return fingerprint(self.load(), settings, results)
-
-
-def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
-    """All cells, in the order of the file.
-
-    Args:
-        design: the study.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
-
-    Raises:
-        InputError: an unknown entry, one that another setting was trained for, two of one name, settings that no
-            environment takes, or a pair that no two cells fit.
-    """
-    cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment, trust))
-    for pair in design.pairs:
-        if not matches(pair, [cell.levels for cell in cells], design):
-            known = ", ".join(dict.fromkeys(cell.entry for cell in cells))
-            raise InputError(
-                f"pairs: no two cells are '{pair[0]}' and '{pair[1]}' and alike in all else; entries are {known}; "
-                f"reality is {', '.join(design.reality)}"
-            )
-    return cells
+        Raises:
+            InputError: a file of the agent cannot be read.
+        """
+        entry = self.load()
+        decided_by = {"rows": asdict(self.rows), "cohort": entry.world.build_cohort().to_dict()}
+        made = fingerprint(entry, decided_by, sys.modules[type(self.rows).__module__], *self.rows.made_by)
+        return parts_of(self.name, self.seeds, self.size, folder, {entry.label: made})
 
 
-def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[Levels, Levels]]:
-    """The cells that fit the first side of a pair, each with the cell that differs from it by the second side alone.
-
-    Where the study names no rates, each control has its own, so that two controls differ by their rates as well.
+def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
+    """Play all cells, but for what is kept in the output folder.
 
     Args:
-        pair: the sides.
-        every: levels of all cells.
-        design: the study.
-    """
-    compared = [place for place, factor in enumerate(FACTORS) if factor != "control_hz" or design.control_hz]
-    by_place = {tuple(levels[place] for place in compared): levels for levels in every}
-    one, other = pair[0].given, pair[1].given
-    found = []
-    for levels in every:
-        fields = dict(zip(FACTORS, levels, strict=True))
-        wanted = tuple((fields | other).values())
-        partner = by_place.get(tuple(wanted[place] for place in compared), levels)
-        if all(fields[factor] == value for factor, value in one.items()) and partner != levels:
-            found.append((levels, partner))
-    return found
+        cells: of a study, with different levels.
+        output: folder; its ``parts`` holds what is finished.
+        run: how it is played.
+        unit: what a patient of a cell is called, in the plural.
 
-
-def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
-    rates = design.control_hz or (None,)
-    controls = environment.controls or design.controls
-    settings = product(design.cohorts, controls, design.sensors, design.force_sensors, design.reality, rates)
-    for cohort_name, control, sensors, force_sensor, reality, hz in settings:
-        fields: dict[str, Any] = {
-            "cohort": cohort_name,
-            "control": control,
-            "sensors": sensors,
-            "force_sensor": force_sensor,
-            "episode_s": design.episode_s,
-            "env": environment.env,
-            "reality": design.reality[reality],
-            "estimator": environment.estimator,
-            "control_hz": hz,
-        }
-        world = Configuration.from_mapping(fields)
-        labels: dict[str, str] = {}
-        for choice in design.entries:
-            if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
-                number = min(choice.patients or design.patients, design.patients)
-                asked = Settings(world, number, design.seed)
-                entry = _checked(choice, asked, labels, trust)
-                place = environment.name, cohort_name, control, sensors, force_sensor, reality, world.steps_per_s
-                yield Cell(*place, entry.label, choice.agent, asked, entry.planned, trust)
-
-
-def _checked(choice: Choice, asked: Settings, labels: dict[str, str], trust: bool) -> Entry:
-    """An entry, whose label must be another one than those of the entries before.
+    Returns:
+        The rows of all cells, in their order, each with the levels of its cell as its first columns.
 
     Raises:
-        InputError: it plays other settings than those asked for, or has the label of another entry.
+        InputError: an entry that cannot be played, an output folder that cannot be used, or a kept file that is
+            damaged.
     """
-    entry = load_entries([choice.agent], asked.world, trust=trust)[0]
-    if entry.world != asked.world:
-        raise InputError(
-            f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.world.control}, sensors "
-            f"{asked.world.sensors}; allowed: what it was trained with, also as "
-            f"{{agent: {choice.agent}, controls: [...]}}"
-        )
-    if entry.label in labels:
-        raise InputError(
-            f"entries: {choice.agent} and {labels[entry.label]} are both called {entry.label!r}; allowed: one of a name"
-        )
-    labels[entry.label] = choice.agent
-    return entry
+    folder = folder_for(output, FOLDER)
+    return play_parts([(cell, part) for cell in cells for part in cell.parts(folder)], run, unit)
+
+
+def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
+    """Play some parts of cells, but for those that are kept.
+
+    Returns:
+        As `play_cells`.
+
+    Raises:
+        InputError: a kept file is damaged, or another process is at work in the folder.
+    """
+    cells = {part.key: cell for cell, part in parts}
+    needed = {path: cell.rows.columns for cell, part in parts for _, path in part.files}
+    kept = finish(
+        [part for _, part in parts],
+        partial(play_part, cells=cells),
+        lambda path: read_table(path, needed[path])[0],
+        unit,
+        run,
+    )
+    return pd.concat([_placed(kept[path], cell) for cell, part in parts for _, path in part.files], ignore_index=True)
+
+
+def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:
+    """Play the patients of a part and keep their rows.
+
+    Args:
+        part: ``first`` is the seed of the first patient.
+        progress: counts patients.
+        cells: by their names.
+    """
+    cell, before = cells[part.key], progress.done
+    entry = cell.load()
+    name = part.key.replace("_", " ")
+    rows = cell.rows.play(
+        entry,
+        part.number,
+        part.first,
+        lambda step, steps: progress.advance_to(before + part.number * step / steps, name),
+    )
+    for _, path in part.files:
+        write_table(rows, path, {"cell": part.key})
+    spent = getattr(entry.agent, "ms_per_decision", None)
+    if spent is not None:
+        progress.say(f"{name}: {spent:.0f} ms per decision")
+
+
+def _placed(rows: pd.DataFrame, cell: Cell) -> pd.DataFrame:
+    levels = pd.DataFrame({name: [level] * len(rows) for name, level in cell.levels.items()}, index=rows.index)
+    return pd.concat([levels, rows], axis=1)

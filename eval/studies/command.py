@@ -8,8 +8,10 @@ from rich.console import Console
 
 from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
+from eval.rows.outcomes import without_times
 from eval.studies import design, drawing, estimates, tables
-from eval.studies.run import play_study
+from eval.studies.cells import play_cells
+from eval.studies.grid import FACTORS, cells_of
 from jawenv.files import write_text
 from jawenv.locks import alone
 
@@ -38,7 +40,8 @@ def study(
     if patients is not None:
         wanted = wanted.model_copy(update={"patients": min(patients, wanted.patients)})
     output = output or OUTPUT / name
-    rows = play_study(wanted, output, run, trust=trust)
+    rows = without_times(play_cells(cells_of(wanted, trust), output, run))
+    rows.insert(len(FACTORS), "patient", rows["seed"] - wanted.seed)
     about = made_with(command, study=wanted.model_dump(mode="json"))
     with alone(output):
         write_table(rows, output / PATIENTS, about)
@@ -53,6 +56,6 @@ def study(
         page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], wanted, about)
         write_text(output / "study.md", page)
         drawing.draw(figures["profiles"], wanted, output / "profiles.svg")
-    tables.show(figures["cells"], wanted, console)
+    tables.of_cells(figures["cells"], wanted).show(console, intervals=False)
     console.print(f"tables:  {output / 'study.md'}\nfigure:  {output / 'profiles.svg'}", soft_wrap=True)
     console.print(f"results: {output / PATIENTS}, and cells, pairs, profiles beside it", soft_wrap=True)

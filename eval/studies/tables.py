@@ -7,17 +7,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from rich.console import Console
 
 from eval import words
 from eval.statistics import Interval
-from eval.studies.cells import FACTORS
 from eval.studies.design import Design
 from eval.studies.estimates import ALL
+from eval.studies.grid import FACTORS
 from eval.studies.metrics import COMPARED, METRICS
-from eval.terminal import printed_table
+from eval.tables import Table, made_by
 
-Rows = list[list[str]]
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
 _SD_SHOWN = (0.02, 0.05, 0.10, 0.20)
 _TIMES_SHOWN = 3
@@ -48,8 +46,8 @@ def _level(factor: str, level: Any) -> str:
     return f"{level:g}" if isinstance(level, float) else words.label(level) if factor == "entry" else str(level)
 
 
-def of_cells(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
-    """Head and rows of the table of cells.
+def of_cells(table: pd.DataFrame, design: Design) -> Table:
+    """The table of cells.
 
     Args:
         table: of `eval.studies.estimates.cells`.
@@ -64,11 +62,11 @@ def of_cells(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
         records = cell.to_dict("records")
         figures = [_cell(Interval(row["value"], row["low"], row["high"]), row["metric"]) for row in records]
         rows.append([*(_level(factor, place[factor]) for factor in factors), str(cell["patients"].iloc[0]), *figures])
-    return head, rows
+    return Table(head, rows, _texts(head, rows), NOTE, design.title)
 
 
-def of_pairs(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
-    """Head and rows of the table of pairs.
+def of_pairs(table: pd.DataFrame, design: Design) -> Table:
+    """The table of pairs.
 
     Args:
         table: of `eval.studies.estimates.pairs`, not empty.
@@ -88,7 +86,7 @@ def of_pairs(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
                 *(_compared(row) for row in figures.to_dict("records")),
             ]
         )
-    return head, rows
+    return Table(head, rows, _texts(head, rows), PAIRS_NOTE)
 
 
 def _compared(row: Mapping[Any, Any]) -> str:
@@ -99,8 +97,8 @@ def _compared(row: Mapping[Any, Any]) -> str:
     return _cell(difference, row["metric"]) + ("" if np.isnan(better.value) else f"; {share}")
 
 
-def of_profiles(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
-    """Head and rows of a table of some points of the profiles.
+def of_profiles(table: pd.DataFrame, design: Design) -> Table:
+    """A table of some points of the profiles.
 
     Args:
         table: of `eval.studies.estimates.profiles`.
@@ -121,12 +119,11 @@ def of_profiles(table: pd.DataFrame, design: Design) -> tuple[list[str], Rows]:
                 ends = words.interval(Interval(row["share"], 100 * row["low"], 100 * row["high"]), 0)
                 figures.append(f"{words.percent(row['share'], 0)} ({ends})")
         rows.append([*(_level(factor, place[factor]) for factor in factors), *figures])
-    return head, rows
+    return Table(head, rows, _texts(head, rows))
 
 
-def _lines(head: Sequence[str], rows: Rows) -> list[str]:
-    texts = [i for i in range(len(head)) if not any(char.isdigit() for row in rows for char in row[i][:2])]
-    return [words.table(head, rows, texts), ""]
+def _texts(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
+    return [i for i in range(len(head)) if not any(char.isdigit() for row in rows for char in row[i][:2])]
 
 
 def markdown(
@@ -143,26 +140,11 @@ def markdown(
     """
     last = design.seed + design.patients - 1
     same = [f"{factor} {_level(factor, cells[factor].iloc[0])}" for factor in FACTORS if cells[factor].nunique() == 1]
-    versions, git = about["versions"], about["git"]
-    made = f"Made by `{about['command']}`, {about['finished']}: {design.patients} patients (seeds {design.seed}–{last})"
-    made += f", episodes of {design.episode_s:g} s" + "".join(f", {text}" for text in same)
-    state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
-    machine = about["machine"]
-    made += f". jawenv {versions['jawenv']}{state}; {machine['cores']} cores of {machine['processor']}."
-    lines = [f"# {design.title}", "", *([design.description, ""] if design.description else []), made, ""]
-    lines += [*_lines(*of_cells(cells, design)), NOTE, ""]
+    what = f"{design.patients} patients (seeds {design.seed}–{last}), episodes of {design.episode_s:g} s"
+    made = made_by(about, ", ".join([what, *same]))
+    lines = [f"# {design.title}", *([design.description] if design.description else []), made]
+    lines.append(of_cells(cells, design).markdown())
     if len(pairs):
-        lines += ["## Pairs", "", *_lines(*of_pairs(pairs, design)), PAIRS_NOTE, ""]
-    lines += ["## Profiles: share of the patients, %", "", *_lines(*of_profiles(profiles, design))]
-    return "\n".join(lines)
-
-
-def show(cells: pd.DataFrame, design: Design, console: Console) -> None:
-    """Print the table of cells, without intervals."""
-    head, rows = of_cells(cells, design)
-    table = printed_table(design.title)
-    for name in head:
-        table.add_column(name.replace(", ", "\n"))
-    for row in rows:
-        table.add_row(*(text.partition(" (")[0] for text in row))
-    console.print(table)
+        lines += ["## Pairs", of_pairs(pairs, design).markdown()]
+    lines += ["## Profiles: share of the patients, %", of_profiles(profiles, design).markdown()]
+    return "\n\n".join(lines) + "\n"

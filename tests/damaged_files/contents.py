@@ -44,7 +44,6 @@ RESULTS = """results:
 - {cohort: trismus, patients: 64, seeds: [500, 563], metric: worst sd in %, median: 2.3, low: 2.1, high: 2.6}
 - {cohort: trismus, patients: 64, seeds: [500, 563], metric: NEES, mean: 12.1, low: 11.0, high: 13.2, level: 0.9}
 """
-MOTIONS = json.dumps({"refined": {"time_s": [0.0, 0.1, 0.2], "pose": [[0.1, 0.2], [0.3, 0.4]], "name": "refined"}})
 
 
 def patient() -> str:

@@ -15,7 +15,6 @@ from agents.checkpoints import read_data
 from agents.exported import load_exported
 from agents.policies import load_policy
 from agents.replay import Replay
-from eval.comparison import motion
 from eval.kept.tables import read_table
 from eval.patient.courses import load as load_treatment
 from eval.studies.design import read as read_study
@@ -144,7 +143,6 @@ FORMATS = (
         "evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(RunFolder(path.parent))
     ),
     _text("results for a card", "a.yaml", contents.RESULTS, lambda path: read_model(path, ResultsFile)),
-    _text("motions", "a.json", contents.MOTIONS, motion.load),
     Format("card", "card.json", _shipped_policy, lambda folder: repr(read_card(folder))),
     Format("exported policy", *_WEIGHTS, has_checksums=True),
     Format("weights with their hash", *_WEIGHTS, put=_with_hash),

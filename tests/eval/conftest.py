@@ -9,7 +9,10 @@ from eval import entries
 
 @pytest.fixture
 def plays(monkeypatch):
-    """Names and first seeds of what is really played, in order; may be told at which one to fail, and how."""
+    """Names and first seeds of what is really played, in order; may be told at which one to fail, and how.
+
+    Nothing is played once more to be looked at.
+    """
     state = SimpleNamespace(names=[], seeds=[], fail_at=None, error=KeyboardInterrupt())
     original = entries.play
 
@@ -21,4 +24,5 @@ def plays(monkeypatch):
         return original(agent, **kwargs)
 
     monkeypatch.setattr(entries, "play", counted)
+    monkeypatch.setattr("eval.comparison.replayed.play_patient", lambda study, *given, **more: study)
     return state

@@ -1,7 +1,9 @@
 """Studies of known outcome: linear-Gaussian recordings in place of played episodes."""
 
-from eval.comparison import results
+import pandas as pd
+
 from eval.comparison.results import Results
+from eval.rows.outcomes import outcomes_of
 from jawenv.ladder import model_of_env
 from jawenv.playing.rollout import DEFAULT_ENV
 from tests.metrics.linear_gaussian import linear_gaussian
@@ -26,11 +28,8 @@ def about(label: str, env: str = DEFAULT_ENV) -> dict:
 def study(patients: int = 40, env: str = DEFAULT_ENV) -> Results:
     names = model_of_env(env).muscles.parameter_names
     parts = [
-        results.from_recording(
-            linear_gaussian(patients, noise=noise, shrink=shrink, hurt=hurt, parameters=names),
-            label,
-            7,
-            about(label, env),
+        outcomes_of(linear_gaussian(patients, noise=noise, shrink=shrink, hurt=hurt, parameters=names), 7).assign(
+            entry=label
         )
         for label, (noise, shrink, hurt) in ENTRIES.items()
     ]
@@ -43,8 +42,8 @@ def study(patients: int = 40, env: str = DEFAULT_ENV) -> Results:
         "sensors": "pose",
         "episode_s": 20.0,
     }
-    return results.join(
-        parts,
+    return Results.of_rows(
+        pd.concat(parts, ignore_index=True),
         {
             "command": "python -m eval compare good_one",
             "settings": settings,
@@ -59,11 +58,9 @@ def many_entries() -> Results:
     """Twelve entries, the last of which does not come with the project; all others bear a shipped maneuver's spec."""
     made = study(patients=4)
     labels = [*(f"no_{k}" for k in range(1, 12)), "my_own"]
-    parts = [
-        results.Results(
-            *(table[table["entry"] == GOOD].assign(entry=label) for table in (made.patients, made.curves)), {}
-        )
-        for label in labels
-    ]
+    patients, curves = (
+        pd.concat([table[table["entry"] == GOOD].assign(entry=label) for label in labels], ignore_index=True)
+        for table in (made.patients, made.curves)
+    )
     entries = [about(label) | {"spec": label if label == "my_own" else "chirp"} for label in labels]
-    return results.join(parts, made.about | {"entries": entries})
+    return Results(patients, curves, made.about | {"entries": entries})

@@ -44,7 +44,7 @@ def test_a_comparison_with_replays_says_whether_an_entry_adapts(tmp_path, capsys
     assert patients["early_worst_sd"].isna().all()
     assert main([*arguments, "--output", str(tmp_path)]) == 0
     again = capsys.readouterr().out
-    assert "averaging" not in again and "4 of 4 entries kept from an earlier run" in again
+    assert "averaging" not in again and "8 of 8 episodes kept from an earlier run" in again
     assert main(["report", str(tmp_path)]) == 0
     assert "Against the own targets" in capsys.readouterr().out
 

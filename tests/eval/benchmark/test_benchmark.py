@@ -1,6 +1,7 @@
 """The command: what it writes, what it keeps, and what it refuses."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pandas as pd
 import pytest
 
 from eval.benchmark import submission
-from eval.benchmark.run import cells_of, parts_of_cell
+from eval.benchmark.run import cells_of
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.cli import main
@@ -80,12 +81,12 @@ def test_the_list_names_every_task(capsys):
 
 def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
     cells = cells_of(["ppo_force", "slow_opening"], tasks_named(["hinge-exact", "jaw-exact"]))
-    assert [(cell.task.id, cell.agent) for cell in cells] == [
+    assert [tuple(cell.levels.values()) for cell in cells] == [
         ("jaw-exact", "ppo_force"),
         ("hinge-exact", "slow_opening"),
         ("jaw-exact", "slow_opening"),
     ]
-    assert "played with control force" in cells[0].note and not cells[1].note
+    assert "played with control force" in cells[0].load().note and not cells[1].load().note
     assert cells[0].load().env_kwargs["control"] == "force"
 
 
@@ -96,14 +97,15 @@ def test_a_runs_files_are_copied_so_that_they_load(tmp_path):
     kept = submission.keep_agents(cells, tmp_path / "out")
     assert [each.copy_at for each in kept] == ["agents/0/my_run", "agents/1/my_run/checkpoints/step_1.zip"]
     loaded = cells_of([str(tmp_path / "out" / each.copy_at) for each in kept], jaw)
-    assert [cell.agent for cell in loaded] == [cell.agent for cell in cells]
+    assert [cell.levels for cell in loaded] == [cell.levels for cell in cells]
     assert submission.fingerprint_of(str(tmp_path / "out" / kept[0].copy_at)) == kept[0].fingerprint
 
 
 def test_agents_of_one_name_are_told_apart(tmp_path):
     other = shutil.copy(CIRCLES, tmp_path / "other.yaml")
     cells = cells_of([CIRCLES, other], tasks_named(["hinge-exact", "jaw-exact"]))
-    assert len({cell.agent for cell in cells}) == 2 and all(f"({cell.spec})" in cell.agent for cell in cells)
+    assert len({cell.levels["agent"] for cell in cells}) == 2
+    assert all(f"({cell.load().spec})" in cell.levels["agent"] for cell in cells)
 
 
 def test_an_agent_within_the_output_is_refused(tmp_path):
@@ -113,6 +115,6 @@ def test_an_agent_within_the_output_is_refused(tmp_path):
 
 def test_patients_are_played_in_tens_so_that_a_part_can_be_checked(tmp_path):
     (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
-    parts = parts_of_cell(cell, tmp_path, 25)
+    parts = replace(cell, seeds=cell.seeds[:25]).parts(tmp_path)
     assert [(part.first, part.number) for part in parts] == [(50_000, 10), (50_010, 10), (50_020, 5)]
-    assert len(parts_of_cell(cell, tmp_path)) == 10
+    assert len(cell.parts(tmp_path)) == 10

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eval.benchmark.times import restricted, within_for_good
+from eval.rows.times import restricted, within_for_good
 from jawenv.errors import InputError
 from tests.metrics.linear_gaussian import linear_gaussian
 

@@ -11,9 +11,11 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from eval.calibration import beliefs, calibrate, nuisances, summary
-from eval.calibration.filters import OTHERS
+from eval.calibration import cells, summary
+from eval.calibration import nuisances as tables
 from eval.cli import main
+from eval.rows import beliefs, nuisances
+from eval.rows.filters import OTHERS
 from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances, joint_likelihood
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
@@ -88,7 +90,7 @@ def test_the_environments_own_filter_is_the_same_over_the_record(recording):
 
 
 def test_a_run_goes_on_where_it_was_interrupted(tmp_path, plays, monkeypatch, capsys):
-    monkeypatch.setattr(calibrate, "CHUNK", 1)
+    monkeypatch.setattr(cells, "PATIENTS_IN_A_PART", 1)
     plays.fail_at = 2
     assert run(tmp_path, "hold_still", *SHORT) == 130
     assert "interrupted" in capsys.readouterr().err and not (tmp_path / "calibration.parquet").exists()
@@ -126,7 +128,7 @@ def ended(recording, world, step, violation):
 def test_a_patient_counts_only_at_times_that_it_reached(recording):
     over = ended(recording, 1, 10, True)
     for name in ("tension", "smoother"):
-        rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some")
+        rows = beliefs.rows_of(over, name, (0.5, 1.0), 4).assign(entry="some", filter="some")
         table = summary.summarise(rows).set_index("time_s")
         assert list(table["patients"]) == [3, 2] and list(table["ended"]) == [0, 1]
         assert list(table["diverged"]) == [0, 0]
@@ -142,7 +144,7 @@ def test_a_bias_of_a_known_size_is_found_and_named():
     biased = exact.belief_mean.copy()
     biased[..., place] -= 0.5 * exact.belief_sd[..., place]
     tables = [
-        summary.summarise(beliefs.rows_of(each, "tension", (10.0,), 0).assign(entry="some"))
+        summary.summarise(beliefs.rows_of(each, "tension", (10.0,), 0).assign(entry="some", filter="some"))
         for each in (exact, replace(exact, belief_mean=biased))
     ]
     honest, shifted = (table.iloc[0] for table in tables)
@@ -168,7 +170,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
             return Estimate("broken", good.time, mean, cov)
 
     monkeypatch.setattr(beliefs, "OTHERS", {**OTHERS, "broken": lambda every, times: Broken()})
-    rows = beliefs.rows_of(recording, "broken", (0.25, 0.5, 1.0), 4).assign(entry="some")
+    rows = beliefs.rows_of(recording, "broken", (0.25, 0.5, 1.0), 4).assign(entry="some", filter="some")
     table = summary.summarise(rows)
     assert list(table["diverged"]) == [0, 3, 3] and list(table["patients"]) == [3, 0, 0]
     assert "–" in summary.markdown(table, "lead"), "nobody left to judge"
@@ -210,7 +212,7 @@ def test_what_is_known_within_sds_is_judged_by_groups(tmp_path, capsys):
     assert "mouthpiece" in capsys.readouterr().out
     rows, table = (pd.read_parquet(tmp_path / f"{name}.parquet") for name in ("beliefs", "calibration"))
     groups = [group for group in nuisances.GROUPS if group not in ("cell, angles", "force of each motor")]
-    assert nuisances.groups_in(table) == groups
+    assert tables.groups_in(table) == groups
     for group in groups:
         left, squares = (rows[f"{kind}/{group}"].to_numpy().reshape(2, 2) for kind in (nuisances.LEFT, nuisances.ERROR))
         assert ((left > 0.0) & (left < 1.01)).all() and (left[:, 1] <= left[:, 0] + 0.02).all(), group

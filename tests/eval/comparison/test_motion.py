@@ -2,23 +2,28 @@ import json
 
 import numpy as np
 import pytest
+from rich.console import Console
 
-from eval.comparison import results
 from eval.comparison.compare import compare
+from eval.comparison.replayed import play_patient
 from eval.entries import load_entries
 from eval.settings import Settings
+
+
+def watched(specs, settings):
+    return play_patient(compare(load_entries(specs, settings.world), settings), None, Console(quiet=True))
 
 
 @pytest.fixture(scope="module")
 def study():
     settings = Settings.of(patients=2, control="targets", episode_s=2.0)
-    return compare(load_entries(["slow_opening", "hold_still"], settings.world), settings)
+    return watched(["slow_opening", "hold_still"], settings)
 
 
 def test_the_first_patient_is_watched_at_most_ten_times_a_second(study):
     for control, steps in (("targets", 10), ("force", 20)):
         settings = Settings.of(patients=1, control=control, episode_s=2.0)
-        (moved,) = compare(load_entries(["chirp"], settings.world), settings).motions.values()
+        (moved,) = watched(["chirp"], settings).motions.values()
         times = moved["frames"]["time_s"]
         assert len(times) == steps
         assert np.diff(times) == pytest.approx(2.0 / steps)
@@ -51,13 +56,6 @@ def test_watching_changes_no_result(study):
     entry = load_entries(["slow_opening"], Settings.of(control="targets", episode_s=2.0).world)[0]
     plain = play(entry.agent, patients=2, seed=0, env_kwargs=entry.env_kwargs)
     assert study.of("slow_opening")["information_true"].to_numpy() == pytest.approx(plain.information_true[:, -1])
-
-
-def test_motions_come_back_as_they_were_saved(study, tmp_path):
-    results.save(study, tmp_path)
-    assert results.load(tmp_path).motions == study.motions
-    (tmp_path / "motions.json").unlink()
-    assert results.load(tmp_path).motions == {}
 
 
 def test_numbers_are_plain(study):

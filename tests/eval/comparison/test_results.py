@@ -3,6 +3,7 @@ import pandas as pd
 import pytest
 
 from eval.comparison import results
+from eval.rows.outcomes import EARLY_METRICS, outcomes_of
 from jawenv.errors import InputError
 from tests.eval.studies import BOASTFUL, GOOD, study
 from tests.metrics.linear_gaussian import linear_gaussian
@@ -29,10 +30,10 @@ def test_a_row_per_patient_and_entry(made):
 
 
 def test_what_is_known_early_is_what_an_episode_that_ends_then_has(made):
-    lasts_10_s = results.from_recording(linear_gaussian(3, steps=20), GOOD, 7, {}).patients
-    for name in results.EARLY_METRICS:
+    lasts_10_s = outcomes_of(linear_gaussian(3, steps=20), 7)
+    for name in EARLY_METRICS:
         np.testing.assert_allclose(lasts_10_s[name], lasts_10_s[name.removeprefix("early_")], rtol=1e-9)
-        assert results.from_recording(linear_gaussian(3, steps=19), GOOD, 7, {}).patients[name].isna().all()
+        assert outcomes_of(linear_gaussian(3, steps=19), 7)[name].isna().all()
     assert (made.of(GOOD)["early_worst_sd"] > made.of(GOOD)["worst_sd"]).all()
 
 

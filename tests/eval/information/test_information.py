@@ -6,8 +6,8 @@ import pytest
 
 from eval import entries
 from eval.cli import main
-from eval.information.gains import law_of
 from eval.kept.tables import read_table
+from eval.rows.gains import law_of
 from jawenv.envs.configuration import Configuration
 from jawenv.inference import patient_law
 

@@ -83,6 +83,7 @@ def test_a_changed_run_is_played_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
+    monkeypatch.setattr("eval.comparison.replayed.play_patient", lambda study, *given, **more: study)
     run = save_run(tmp_path / "run")
     command = ["compare", str(run), "--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
     kept = []
@@ -90,7 +91,7 @@ def test_a_changed_run_is_played_again(
         if part is not None:
             PARTS[part](run)
         assert main(command) == 0
-        kept.append("1 of 1 entries kept from an earlier run" in capsys.readouterr().out)
+        kept.append("1 of 1 episodes kept from an earlier run" in capsys.readouterr().out)
     assert kept == [False, True, False, False, False]
 
 

@@ -1,12 +1,14 @@
 """A study's file: what it may say, and that everything else is one clear line."""
 
+from pathlib import Path
+
 import pytest
 
 from agents import registry
 from eval.cli import main
 from eval.studies import design
-from eval.studies.cells import FACTORS, cells_of
 from eval.studies.design import Design
+from eval.studies.grid import FACTORS, cells_of
 from jawenv import COHORTS
 from jawenv.device.force_sensor import FORCE_SENSORS
 from jawenv.errors import InputError
@@ -15,6 +17,11 @@ from jawenv.reality import Reality
 from jawenv.seeds import REPORTS
 
 SMALL = {"title": "Small", "entries": ["hold_still", "chirp"], "patients": 2, "seed": 5000, "episode_s": 1.0}
+
+
+def named(cell):
+    """The digest of its first patients."""
+    return cell.parts(Path())[0].files[0][1].stem.split("-")[-1]
 
 
 def cells(**changes):
@@ -28,39 +35,39 @@ def test_every_entry_is_played_under_every_setting():
         reality={"none": {}, "creep": {"creep_share": 0.3}},
         entries=["hold_still", {"agent": "myopic", "controls": ["targets"], "patients": 1}],
     )
-    assert len(made) == len({cell.levels for cell in made}) == 2 * 2 * (2 + 1)
-    planned = [cell for cell in made if cell.entry == "myopic"]
-    assert {cell.control for cell in planned} == {"targets"} and {cell.settings.patients for cell in planned} == {1}
-    assert {cell.control_hz for cell in made} == {5.0, 20.0}
-    assert {cell.environment for cell in made} == {"Jaw", "JawBilateral, midline filter"}
-    creeping = [cell.load().env_kwargs for cell in made if cell.reality == "creep"]
+    assert len(made) == len({cell.name for cell in made}) == 2 * 2 * (2 + 1)
+    planned = [cell for cell in made if cell.levels["entry"] == "myopic"]
+    assert {cell.levels["control"] for cell in planned} == {"targets"} and {len(cell.seeds) for cell in planned} == {1}
+    assert {cell.levels["control_hz"] for cell in made} == {5.0, 20.0}
+    assert {cell.levels["environment"] for cell in made} == {"Jaw", "JawBilateral, midline filter"}
+    creeping = [cell.load().env_kwargs for cell in made if cell.levels["reality"] == "creep"]
     assert all(kwargs["reality"] == {"creep_share": 0.3} for kwargs in creeping)
 
 
 def test_an_environment_may_be_played_in_some_controls_alone():
     made = cells(environments=["Jaw", {"env": "JawImaged", "controls": ["targets"]}], controls=["force", "targets"])
-    played = {(cell.environment, cell.control) for cell in made}
+    played = {(cell.levels["environment"], cell.levels["control"]) for cell in made}
     assert played == {("Jaw", "force"), ("Jaw", "targets"), ("JawImaged", "targets")}
-    assert {cell.settings.world.env_id for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
+    assert {cell.load().env_id for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
 
 
 def test_rates_reach_the_environment():
     made = cells(controls=["force"], control_hz=[10, 50], entries=["chirp"])
-    assert [cell.control_hz for cell in made] == [10.0, 50.0]
+    assert [cell.levels["control_hz"] for cell in made] == [10.0, 50.0]
     assert [cell.load().env_kwargs["control_hz"] for cell in made] == [10.0, 50.0]
 
 
 def test_the_fingerprint_changes_with_what_decides_a_row():
-    prints = [cells(**changes)[0].fingerprint() for changes in ({}, {"control_hz": [10]}, {"cohorts": ["wide"]})]
+    prints = [named(cells(**changes)[0]) for changes in ({}, {"control_hz": [10]}, {"cohorts": ["wide"]})]
     assert len(set(prints)) == 3
-    assert cells(patients=3)[0].fingerprint() == prints[0]
+    assert named(cells(patients=3)[0]) == prints[0]
 
 
 @pytest.mark.parametrize("name", design.shipped())
 def test_a_shipped_study_can_be_played_on_patients_for_reports(name):
     wanted = design.read(name)[1]
     made = cells_of(wanted)
-    assert made and len({cell.levels for cell in made}) == len(made)
+    assert made and len({cell.name for cell in made}) == len(made)
     assert any(wanted.seed in seeds and wanted.seed + wanted.patients - 1 in seeds for seeds in REPORTS)
     assert all(len(cell.levels) == len(FACTORS) for cell in made)
 

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from eval.studies import estimates, tables
-from eval.studies.cells import FACTORS
 from eval.studies.design import Design
+from eval.studies.grid import FACTORS
 
 PATIENTS = 30
 

@@ -13,7 +13,8 @@ import yaml
 from eval.cli import main
 from eval.kept import tables
 from eval.kept.parts import Run, finish
-from eval.studies import run
+from eval.studies import grid
+from eval.studies.cells import play_cells
 from eval.studies.design import Design
 from jawenv.errors import InputError
 from tests.eval.kept.test_parts import parts_in, refuse
@@ -116,25 +117,29 @@ def test_a_full_disk_is_one_line_and_what_is_finished_is_kept(study, plays, monk
     assert study() == 0 and kept.items() <= parts(study.output).items()
 
 
+def played(folder, run):
+    return play_cells(grid.cells_of(Design(**SMALL)), folder, run)
+
+
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     """The rows from one process."""
-    return run.play_study(Design(**SMALL), tmp_path_factory.mktemp("alone"), Run(workers=1))
+    return played(tmp_path_factory.mktemp("alone"), Run(workers=1))
 
 
 def test_two_processes_give_the_same_numbers(alone, tmp_path):
-    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, Run(workers=2)), alone, check_exact=True)
+    pd.testing.assert_frame_equal(played(tmp_path, Run(workers=2)), alone, check_exact=True)
 
 
 def test_parts_of_another_size_give_the_same_numbers(alone, tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "PATIENTS_IN_A_PART", 2)
-    pd.testing.assert_frame_equal(run.play_study(Design(**SMALL), tmp_path, Run(workers=1)), alone, check_exact=True)
+    monkeypatch.setattr(grid, "PATIENTS_IN_A_PART", 2)
+    pd.testing.assert_frame_equal(played(tmp_path, Run(workers=1)), alone, check_exact=True)
 
 
 def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
     ray = pytest.importorskip("ray", reason='ray is not installed: pip install -e ".[cluster]"')
     try:
-        rows = run.play_study(Design(**SMALL), tmp_path, Run(workers=2, backend="ray"))
+        rows = played(tmp_path, Run(workers=2, backend="ray"))
         pd.testing.assert_frame_equal(rows, alone, check_exact=True)
         with pytest.raises(InputError):
             finish(parts_in(tmp_path, 4), refuse, Path.read_text, "items", Run(workers=2, backend="ray"))

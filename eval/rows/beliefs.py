@@ -1,14 +1,19 @@
-"""What each filter believes of each patient at the wanted times, as rows: how far off, and how sure."""
+"""What a filter believes of each patient at some times: how far off, and how sure."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval.calibration.filters import OTHERS, TENSION
+from eval.entries import Entry
+from eval.rows import filters, nuisances
+from eval.rows.filters import OTHERS, TENSION
+from eval.rows.nuisances import NuisanceBeliefs
+from eval.studies.cells import Rows
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information
@@ -21,6 +26,29 @@ SIGMAS = (1, 2, 3)
 LATE = 1e-6  # s; by how much a kept time may miss the wanted one
 
 
+@dataclass(frozen=True)
+class Beliefs(Rows):
+    """What a filter believes, with its nuisances where it is the environment's own and has some.
+
+    Attributes:
+        filter: name, see ``eval.rows.filters``.
+        times: s, growing, each a time of the control steps.
+    """
+
+    columns = ("time_s", "seed", "outcome")
+    made_by = (filters, nuisances)
+    filter: str
+    times: tuple[float, ...]
+
+    def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
+        """See `Rows`."""
+        own = self.filter == TENSION
+        heard = NuisanceBeliefs(self.times) if own and not entry.world.build_knowledge().exact else None
+        recording = entry.play(number, seed, progress, on_step=heard, record=not own)
+        rows = rows_of(recording, self.filter, self.times, seed)
+        return rows if heard is None else heard.added_to(rows, seed)
+
+
 def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) -> pd.DataFrame:
     """One row per patient and time.
 
@@ -30,7 +58,7 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
 
     Args:
         recording: of N worlds, with their records unless the filter is the environment's own.
-        name: of the filter, see ``eval.calibration.filters``.
+        name: of the filter, see ``eval.rows.filters``.
         times: s, growing, each a time of the recording's control steps.
         seed: of the first patient.
 
@@ -46,7 +74,7 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
         own = name == TENSION and bool(recording.terminated[world])
         own = own and not recording.violation[world, recording.last[world]]
         for time in times:
-            row: dict[str, object] = {"filter": name, "time_s": time, "seed": seed + world}
+            row: dict[str, object] = {"time_s": time, "seed": seed + world}
             if time not in reached:
                 rows.append(row | {"outcome": DIVERGED if own else ENDED})
                 continue
@@ -59,7 +87,7 @@ def columns_of(parameters: Sequence[str]) -> list[str]:
     """Names of the columns for these parameters."""
     figures = ["nees", "claimed", "true", *(f"inside_{sigmas}" for sigmas in SIGMAS)]
     own = [f"{kind}/{name}" for kind in ("error", "sd", "bound_sd") for name in parameters]
-    return ["filter", "time_s", "seed", "outcome", *figures, *own]
+    return ["time_s", "seed", "outcome", *figures, *own]
 
 
 def _estimate(recording: Recording, world: int, name: str, times: tuple[float, ...]) -> Estimate | None:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from eval.comparison import results
+from eval.entries import Entry
+from eval.rows import outcomes
+from eval.rows.outcomes import outcomes_of
+from eval.studies.cells import Rows
 from jawenv.errors import InputError
 from jawenv.metrics import time_to
 from jawenv.playing.recording import Recording
@@ -14,9 +20,9 @@ from jawenv.playing.recording import Recording
 Array = npt.NDArray[np.float64]
 LEVELS = (0.20, 0.10, 0.05)
 """Relative errors whose times are kept in every task."""
-_OF_THE_COMPARISON = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
+_OF_THE_EPISODE = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
 _FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
-COLUMNS = (*_OF_THE_COMPARISON, *_FOUND, "claimed_s", "completed", "score_s")
+COLUMNS = (*_OF_THE_EPISODE, *_FOUND, "claimed_s", "completed", "score_s")
 """What is kept of every patient; see docs/benchmark.md."""
 
 
@@ -56,20 +62,28 @@ def restricted(time: Array, episode_s: float) -> Array:
     return np.minimum(time, episode_s)
 
 
-def rows_of(recording: Recording, seed: int, within: float, episode_s: float) -> pd.DataFrame:
-    """One row per patient, with `COLUMNS`.
+@dataclass(frozen=True)
+class Times(Rows):
+    """When the truth is found.
 
-    Args:
-        recording: of all patients.
-        seed: of the first one.
+    Attributes:
         within: largest relative error that the task allows.
         episode_s: length of its episodes.
     """
-    rows = results.from_recording(recording, "", seed, {}).patients
-    for level, column in zip(LEVELS, _FOUND, strict=True):
-        rows[column] = within_for_good(recording, level)
-    claimed = time_to(recording.belief_sd, recording.time, within, recording.valid)
-    rows["claimed_s"] = restricted(claimed, episode_s)
-    rows["completed"] = completed(recording)
-    rows["score_s"] = restricted(within_for_good(recording, within), episode_s)
-    return rows[list(COLUMNS)]
+
+    columns = COLUMNS
+    made_by = (outcomes,)
+    within: float
+    episode_s: float
+
+    def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
+        """See `Rows`."""
+        recording = entry.play(number, seed, progress, track_bound=False)
+        rows = outcomes_of(recording, seed)
+        for level, column in zip(LEVELS, _FOUND, strict=True):
+            rows[column] = within_for_good(recording, level)
+        claimed = time_to(recording.belief_sd, recording.time, self.within, recording.valid)
+        rows["claimed_s"] = restricted(claimed, self.episode_s)
+        rows["completed"] = completed(recording)
+        rows["score_s"] = restricted(within_for_good(recording, self.within), self.episode_s)
+        return rows[list(COLUMNS)]

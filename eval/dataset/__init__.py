@@ -1,1 +1,0 @@
-"""Episodes of maneuvers and agents as data sets of Minari."""

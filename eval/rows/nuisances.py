@@ -1,0 +1,81 @@
+"""What the filter believes of what it knows only within sds beside the muscles, and what was drawn: by groups."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances
+from jawenv.mechanics.unknowns import Unknowns
+
+_NUMBERS = ("fossa", "fossa", "mass", "damping", "damping", "head tilt")
+_FIELDS = {
+    "origin": "attachments",
+    "insertion": "attachments",
+    "centre_of_mass": "centre of mass",
+    "mouthpiece": "mouthpiece, place",
+    "turn": "mouthpiece, angles",
+    "offset": "cell offset",
+    "cell_turn": "cell, angles",
+    "motors": "force of each motor",
+}
+GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
+"""Of nuisances, in the order of tables."""
+ERROR, LEFT = "nuisance_z2", "nuisance_left"
+"""Columns of a group, ``<one of these>/<group>``: mean of (error / sd) squared, and of the sd in prior sds."""
+
+
+def group_of(direction: Unknowns) -> str:
+    """The group of one of the filter's nuisances."""
+    place = np.flatnonzero(direction.numbers)
+    if len(place):
+        return _NUMBERS[place[0]]
+    return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
+
+
+class NuisanceBeliefs:
+    """What the filter believes of nuisances at some times, for all worlds, as ``jawenv.play`` tells it (``on_step``).
+
+    Args:
+        times: s.
+    """
+
+    def __init__(self, times: Sequence[float]) -> None:
+        """Nothing is heard yet."""
+        self._times, self._step = tuple(times), 0
+        self._kept: dict[float, list[dict[str, float]]] = {}
+
+    def __call__(self, env: Any, action: Any) -> None:
+        """Keep the beliefs where the time is one of those asked for."""
+        simulation = env.unwrapped.simulation
+        rate = simulation.configuration.steps_per_s
+        for time in self._times:
+            if round(time * rate) == self._step:
+                self._kept[time] = [figures_of(simulation, world) for world in range(len(simulation.worlds))]
+        self._step += 1
+
+    def added_to(self, rows: pd.DataFrame, first_seed: int) -> pd.DataFrame:
+        """Rows of ``beliefs.rows_of`` with the columns of all groups; after the episodes."""
+        worlds = rows["seed"] - first_seed
+        judged = rows["nees"].notna()
+        chosen = [
+            self._kept[time][world] if known else {}
+            for world, time, known in zip(worlds, rows["time_s"], judged, strict=True)
+        ]
+        return rows.join(pd.DataFrame(chosen, index=rows.index))
+
+
+def figures_of(simulation: Any, world: int) -> dict[str, float]:
+    """For each group the mean of (error / sd) squared, and of the sds that are left of the prior's."""
+    mean, sd = belief_of_nuisances(simulation, world)
+    squares: NDArray[np.float64] = np.square((mean - simulation.worlds["truth"]["nuisances"][world]) / sd)
+    groups = np.array([group_of(direction) for direction in simulation.nuisance_sds])
+    figures: dict[str, float] = {}
+    for group in dict.fromkeys(groups):
+        chosen = groups == group
+        figures |= {f"{ERROR}/{group}": float(squares[chosen].mean()), f"{LEFT}/{group}": float(sd[chosen].mean())}
+    return figures

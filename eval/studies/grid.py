@@ -1,0 +1,123 @@
+"""The cells of a study file: every entry under every setting."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from itertools import product
+from typing import Any
+
+from eval.entries import Entry, load_entry
+from eval.rows.outcomes import Outcomes
+from eval.studies.cells import Cell
+from eval.studies.design import Choice, Design, Environment, Pair
+from jawenv.envs.configuration import Configuration
+from jawenv.errors import InputError
+
+PATIENTS_IN_A_PART = 20
+PATIENTS_OF_A_PLANNER = 4
+_BOUNDS = {"information_bound", "worst_bound_sd"}
+FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
+"""What tells cells apart, in the order of the columns."""
+
+
+Levels = tuple[Any, ...]
+"""The values of `FACTORS`."""
+
+
+def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
+    """All cells, in the order of the file.
+
+    Args:
+        design: the study.
+        trust: whether checkpoints that lie in no run's folder may be unpickled.
+
+    Raises:
+        InputError: an unknown entry, one that another setting was trained for, two of one name, settings that no
+            environment takes, or a pair that no two cells fit.
+    """
+    cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment, trust))
+    for pair in design.pairs:
+        if not matches(pair, [tuple(cell.levels.values()) for cell in cells], design):
+            known = ", ".join(dict.fromkeys(str(cell.levels["entry"]) for cell in cells))
+            raise InputError(
+                f"pairs: no two cells are '{pair[0]}' and '{pair[1]}' and alike in all else; entries are {known}; "
+                f"reality is {', '.join(design.reality)}"
+            )
+    return cells
+
+
+def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[Levels, Levels]]:
+    """The cells that fit the first side of a pair, each with the cell that differs from it by the second side alone.
+
+    Where the study names no rates, each control has its own, so that two controls differ by their rates as well.
+
+    Args:
+        pair: the sides.
+        every: levels of all cells.
+        design: the study.
+    """
+    compared = [place for place, factor in enumerate(FACTORS) if factor != "control_hz" or design.control_hz]
+    by_place = {tuple(levels[place] for place in compared): levels for levels in every}
+    one, other = pair[0].given, pair[1].given
+    found = []
+    for levels in every:
+        fields = dict(zip(FACTORS, levels, strict=True))
+        wanted = tuple((fields | other).values())
+        partner = by_place.get(tuple(wanted[place] for place in compared), levels)
+        if all(fields[factor] == value for factor, value in one.items()) and partner != levels:
+            found.append((levels, partner))
+    return found
+
+
+def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
+    rates = design.control_hz or (None,)
+    controls = environment.controls or design.controls
+    settings = product(design.cohorts, controls, design.sensors, design.force_sensors, design.reality, rates)
+    for cohort_name, control, sensors, force_sensor, reality, hz in settings:
+        fields: dict[str, Any] = {
+            "cohort": cohort_name,
+            "control": control,
+            "sensors": sensors,
+            "force_sensor": force_sensor,
+            "episode_s": design.episode_s,
+            "env": environment.env,
+            "reality": design.reality[reality],
+            "estimator": environment.estimator,
+            "control_hz": hz,
+        }
+        world = Configuration.from_mapping(fields)
+        labels: dict[str, str] = {}
+        for choice in design.entries:
+            if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
+                entry = _checked(choice, world, labels, trust)
+                place = environment.name, cohort_name, control, sensors, force_sensor, reality, world.steps_per_s
+                number = min(choice.patients or design.patients, design.patients)
+                yield Cell(
+                    dict(zip(FACTORS, (*place, entry.label), strict=True)),
+                    partial(load_entry, choice.agent, world, trust=trust),
+                    range(design.seed, design.seed + number),
+                    Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics)),
+                    PATIENTS_OF_A_PLANNER if entry.planned else PATIENTS_IN_A_PART,
+                )
+
+
+def _checked(choice: Choice, asked: Configuration, labels: dict[str, str], trust: bool) -> Entry:
+    """An entry, whose label must be another one than those of the entries before.
+
+    Raises:
+        InputError: it plays other settings than those asked for, or has the label of another entry.
+    """
+    entry = load_entry(choice.agent, asked, trust=trust)
+    if entry.world != asked:
+        raise InputError(
+            f"entries: {choice.agent} is {entry.note}, but the study asks for control {asked.control}, sensors "
+            f"{asked.sensors}; allowed: what it was trained with, also as "
+            f"{{agent: {choice.agent}, controls: [...]}}"
+        )
+    if entry.label in labels:
+        raise InputError(
+            f"entries: {choice.agent} and {labels[entry.label]} are both called {entry.label!r}; allowed: one of a name"
+        )
+    labels[entry.label] = choice.agent
+    return entry

@@ -1,0 +1,99 @@
+"""Tables of figures: the same one in Markdown and in the terminal."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+from rich.text import Text
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of written figures below their headings.
+
+    Attributes:
+        head: a heading for each column.
+        rows: a text for each column.
+        texts: places of the columns that hold no figures.
+        note: what a reader must know, below the table; empty for nothing.
+        title: above it in the terminal.
+    """
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    texts: Collection[int] = (0,)
+    note: str = ""
+    title: str = ""
+
+    def markdown(self) -> str:
+        """The table, and below it the note."""
+        rule = ["---" if place in self.texts else "--:" for place in range(len(self.head))]
+        lines = ["| " + " | ".join(cells) + " |" for cells in (self.head, *self.rows)]
+        lines.insert(1, "|" + "|".join(rule) + "|")
+        return "\n".join([*lines, *(["", self.note] if self.note else [])])
+
+    def show(self, console: Console, *, intervals: bool = True) -> None:
+        """Print it, each interval below its figure."""
+        printed = printed_table(self.title)
+        for place, name in enumerate(self.head):
+            printed.add_column(name.replace(", ", "\n"), justify="left" if place in self.texts else "right")
+        for row in self.rows:
+            printed.add_row(*(_two_lines(text, intervals) for text in row))
+        console.print(printed)
+        if self.note:
+            console.print(Text(self.note, style="dim"))
+
+
+def _two_lines(text: str, intervals: bool) -> Text:
+    value, _, ends = text.partition(" (")
+    written = Text(value)
+    if ends and intervals:
+        written.append("\n" + ends.replace(")", "", 1), style="dim")
+    return written
+
+
+class _Terminal(Console):
+    """A console that goes on in silence when its reader has left, as ``head`` does: the results are still written."""
+
+    def on_broken_pipe(self) -> None:
+        """See rich."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def terminal() -> Console:
+    """A terminal of its own width, or a log wide enough for the tables."""
+    return _Terminal(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def typed() -> str:
+    """The command as it was given, for the results."""
+    return shlex.join(["python", "-m", "eval", *sys.argv[1:]])
+
+
+def made_by(about: Mapping[str, Any], what: str) -> str:
+    """A sentence of what made some tables.
+
+    Args:
+        about: of `eval.kept.tables.made_with`.
+        what: was played.
+    """
+    versions, git, machine = about["versions"], about["git"], about["machine"]
+    state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
+    return (
+        f"Made by `{about['command']}`, {about['finished']}: {what}. jawenv {versions['jawenv']}{state}; "
+        f"{machine['cores']} cores of {machine['processor']}."
+    )
+
+
+def printed_table(title: str = "") -> RichTable:
+    """A table without columns as yet, below a bold title."""
+    return RichTable(title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
