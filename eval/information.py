@@ -10,9 +10,9 @@ import pandas as pd
 
 from eval import words
 from eval.entries import load_entries, load_entry
+from eval.kept.cells import Cell
 from eval.rows.gains import Gains
 from eval.settings import Settings
-from eval.studies.cells import Cell
 from eval.tables import Table
 from jawenv.errors import InputError
 
@@ -69,7 +69,7 @@ def summarise(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per entry; ``_error`` is the standard error of the mean of that name.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
     """
     return pd.DataFrame([_figures(str(entry), of_entry) for entry, of_entry in rows.groupby("entry", sort=False)])
 

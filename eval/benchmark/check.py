@@ -18,8 +18,8 @@ from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell
 from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
+from eval.kept.cells import Cell, play_parts
 from eval.kept.parts import Part, Run
-from eval.studies.cells import Cell, play_parts
 from jawenv import versions
 from jawenv.controls import mode_of
 from jawenv.errors import InputError, shown

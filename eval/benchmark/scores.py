@@ -15,7 +15,7 @@ def score_of(rows: pd.DataFrame) -> Interval:
     """The score of one agent in one task, s: the restricted mean of the patients' times; lower is better.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`, of one cell.
+        rows: of `eval.kept.cells.play_cells`, of one cell.
     """
     return statistics.mean(rows["score_s"].to_numpy(dtype=np.float64))
 
@@ -24,7 +24,7 @@ def by_cell(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
     """The patients' rows by task and agent, tasks in the order of `TASKS`, agents in that of the rows.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
     """
     found = {(str(task), str(agent)): cell for (task, agent), cell in rows.groupby(["task", "agent"], sort=False)}
     agents = list(dict.fromkeys(map(str, rows["agent"])))

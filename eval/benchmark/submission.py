@@ -30,7 +30,7 @@ from agents.policies import config_of_run
 from agents.residual import BASE_FILE
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
-from eval.studies.cells import Cell
+from eval.kept.cells import Cell
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
 from jawenv.playing.maneuvers import Maneuver
@@ -163,7 +163,7 @@ def make(
 
     Args:
         cells: what was played.
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
         agents: of `keep_agents`.
         about: of `eval.kept.tables.made_with`.
     """

@@ -33,7 +33,7 @@ def score_table(rows: pd.DataFrame) -> Table:
     """An agent a row, a task a column.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
     """
     cells = by_cell(rows)
     tasks = list(dict.fromkeys(task for task, _ in cells))
@@ -69,7 +69,7 @@ def markdown(rows: pd.DataFrame, about: dict[str, Any]) -> str:
     """The page ``benchmark.md``.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
         about: of `eval.kept.tables.made_with`.
     """
     tasks = [task for task in TASKS.values() if task.id in set(rows["task"])]

@@ -46,7 +46,7 @@ def summarise(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per maneuver, filter and time; ``_low`` and ``_high`` are the ends of 95 % bootstrap intervals.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`, with levels ``entry`` and ``filter``.
+        rows: of `eval.kept.cells.play_cells`, with levels ``entry`` and ``filter``.
 
     Returns:
         ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES

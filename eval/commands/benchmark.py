@@ -86,8 +86,8 @@ def _play(
     from eval.benchmark import submission, tables
     from eval.benchmark.run import cells_of
     from eval.benchmark.tasks import tasks_named
+    from eval.kept.cells import play_cells
     from eval.kept.tables import made_with, write_table
-    from eval.studies.cells import play_cells
     from jawenv.files import write_json, write_text
     from jawenv.locks import alone
 

@@ -45,10 +45,10 @@ def calibrate_command(
     """
     from eval.calibration import summary
     from eval.calibration.cells import cells_of
+    from eval.kept.cells import play_cells
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
     from eval.settings import Settings
-    from eval.studies.cells import play_cells
 
     moments = tuple(_seconds(text) for text in times.split(","))
     names = tuple(name.strip() for name in filters.split(","))

@@ -36,10 +36,10 @@ def information_command(
     same command goes on from there.
     """
     from eval import information
+    from eval.kept.cells import play_cells
     from eval.kept.parts import Run
     from eval.kept.tables import made_with, write_table
     from eval.settings import Settings
-    from eval.studies.cells import play_cells
     from jawenv.files import write_text
 
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()

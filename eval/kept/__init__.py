@@ -1,1 +1,1 @@
-"""What is kept of a long piece of work: named by a digest of what decides it, whole or not at all, and found again."""
+"""The engine: what is played is made in parts, kept by a digest of what decides it, and found again."""

@@ -11,16 +11,24 @@ belief after. For a normal likelihood this is exact, whatever the working prior.
 normal. It is evaluated best from a working prior as wide as that from which the filter starts elsewhere: after six
 treatments of 5 s with `slow_opening` the mean NEES of 24 patients is 11.7 then, and 15.5 from one with the marginal sds
 of the belief.
+
+Where the anatomy is known only within sds, the belief is about x = (muscles, the patient's own anatomy). With beliefs
+about the muscles alone, the errors that come of the anatomy would count as if they were independent from one treatment
+to the next. The session's part (load cell, mouthpiece, tilt) is drawn anew for each treatment and integrated out in
+each.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Prior
+from eval.entries import Entry
+from jawenv.anatomy import Cohort, Prior
+from jawenv.anatomy.knowledge import knowledge
 
 Array = NDArray[np.float64]
 
@@ -76,3 +84,53 @@ def combined(before: Belief, working: Prior, mean: Array, cov: Array) -> tuple[A
     covariance = np.linalg.inv(precision)
     covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
     return working.mean + np.einsum("tij,tj->ti", covariance, steps), covariance
+
+
+def is_shared(entry: Entry) -> bool:
+    """Whether an entry's patients have an anatomy that is known only within sds."""
+    return not knowledge(entry.env_kwargs.get("knowledge")).exact
+
+
+def at_start(prior: Prior, size: int) -> tuple[Array, Array]:
+    """Mean and covariance of x (size) before anything is measured."""
+    sds = np.ones(size)
+    sds[: len(prior.sd)] = prior.sd
+    mean = np.zeros(size)
+    mean[: len(prior.mean)] = prior.mean
+    return mean, np.diag(np.square(sds))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class KnownPatient(Cohort):
+    """The cohort of a patient, with another prior for the filter.
+
+    Attributes:
+        believed: the prior.
+    """
+
+    believed: Prior
+
+    def __post_init__(self) -> None:
+        """Put the prior in place of the cohort's own.
+
+        Raises:
+            InputError: what `Cohort` refuses.
+        """
+        super().__post_init__()
+        object.__setattr__(self, "_typical", self.prior.mean)
+        object.__setattr__(self, "prior", self.believed)
+
+    @property
+    def typical(self) -> NDArray[np.float64]:
+        """Those of the cohort, so that the filter has as many numbers to integrate out whatever is believed."""
+        typical: NDArray[np.float64] = self.__dict__["_typical"]
+        return typical
+
+    @classmethod
+    def of(cls, cohort: Cohort, believed: Prior) -> KnownPatient:
+        """A cohort with another prior."""
+        return cls(cohort.name, cohort.description, cohort.basis, cohort.groups, cohort.muscles, believed=believed)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild with the prior."""
+        return KnownPatient.of, (Cohort(self.name, self.description, self.basis, self.groups, self.muscles), self.prior)

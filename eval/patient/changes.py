@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eval import words
+from eval.patient.belief import at_start
 from eval.patient.charts import SD_95
-from eval.patient.shared import change
 from eval.patient.treatments import Treatment
 from jawenv.anatomy import Prior
+from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,35 @@ class Change:
         """The factor by which a parameter has changed, and the ends of its 95 % interval."""
         value, reach = self.mean[parameter], SD_95 * self.sd[parameter]
         return math.exp(value), math.exp(value - reach), math.exp(value + reach)
+
+
+def change(first: JointLikelihood, later: JointLikelihood, prior: Prior) -> tuple[Array, Array]:
+    """How much the muscles have changed between two treatments of a patient.
+
+    The muscles of both have the cohort's prior, independently: what is said of a change is what was measured. The
+    anatomy is one and has one prior, so that errors which come of it and are alike in both treatments cancel.
+
+    Args:
+        first: what one treatment has told.
+        later: what another one has told.
+        prior: of the muscles.
+
+    Returns:
+        Mean (P,) of the later log parameters minus the first, and covariance (P, P).
+    """
+    parameters, size = len(prior.mean), len(first.vector)
+    # (muscles then, muscles now, anatomy)
+    then = np.r_[0:parameters, 2 * parameters : size + parameters]
+    now = np.r_[parameters : size + parameters]
+    mean, cov = at_start(Prior(np.tile(prior.mean, 2), np.tile(prior.sd, 2)), size + parameters)
+    information, vector = np.zeros_like(cov), np.zeros_like(mean)
+    for places, each in ((then, first), (now, later)):
+        information[np.ix_(places, places)] += each.information
+        vector[places] += each.vector
+    mean, cov = JointLikelihood(information, vector).posterior(mean, cov)
+    difference = np.hstack([-np.eye(parameters), np.eye(parameters), np.zeros((parameters, size - parameters))])
+    changed: Array = difference @ cov @ difference.T
+    return difference @ mean, changed
 
 
 def change_of(course: Sequence[Treatment], prior: Prior) -> Change | None:

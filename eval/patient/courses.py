@@ -13,7 +13,7 @@ from agents.array_files import load_arrays, save_arrays
 from eval.entries import Entry
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Part, Run, finish, folder_for
-from eval.patient import belief, cohort, shared, treatments
+from eval.patient import belief, treatments
 from eval.patient.treatments import Course, Treatment, first_treatment, next_treatment
 from jawenv.anatomy import Patient
 from jawenv.errors import InputError
@@ -91,7 +91,7 @@ def play_courses(
     for person in people:
         patient = None if person.patient is None else person.patient.model_dump()
         settings = {"seed": person.seed, "drift": course.drift, "patient": patient, "moments": MOMENTS}
-        name = fingerprint(entry, settings, belief, cohort, shared, treatments)
+        name = fingerprint(entry, settings, belief, treatments)
         paths = {str(number): folder / f"{name}-{number:04d}.npz" for number in range(1, course.number + 1)}
         parts.append(Part(person.name, 1, 1, tuple(paths.items())))
     work = partial(_play_course, entry=entry, drift=course.drift, people={person.name: person for person in people})

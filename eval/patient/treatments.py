@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eval.entries import Entry
-from eval.patient.belief import Belief, combined
-from eval.patient.cohort import KnownPatient
-from eval.patient.shared import at_start, is_shared
+from eval.patient.belief import Belief, KnownPatient, at_start, combined, is_shared
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
 from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood, joint_likelihood

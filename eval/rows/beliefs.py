@@ -10,10 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from eval.entries import Entry
+from eval.kept.cells import Rows
 from eval.rows import filters, nuisances
 from eval.rows.filters import OTHERS, TENSION
 from eval.rows.nuisances import NuisanceBeliefs
-from eval.studies.cells import Rows
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.metrics import claimed_information, covered, nees, true_information

@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from eval.entries import Entry
-from eval.studies.cells import Rows
+from eval.kept.cells import Rows
 from jawenv.metrics import claimed_information, nees, rmse, score, true_information, worst_sd
 from jawenv.playing.recording import Recording
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 import pandas as pd
 
 from eval.entries import Entry
+from eval.kept.cells import Rows
 from eval.rows import outcomes
 from eval.rows.outcomes import outcomes_of
-from eval.studies.cells import Rows
 from jawenv.errors import InputError
 from jawenv.metrics import time_to
 from jawenv.playing.recording import Recording

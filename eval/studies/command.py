@@ -6,11 +6,11 @@ from pathlib import Path
 
 from rich.console import Console
 
+from eval.kept.cells import play_cells
 from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
 from eval.rows.outcomes import without_times
 from eval.studies import design, drawing, estimates, tables
-from eval.studies.cells import play_cells
 from eval.studies.grid import FACTORS, cells_of
 from jawenv.files import write_text
 from jawenv.locks import alone

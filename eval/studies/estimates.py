@@ -46,7 +46,7 @@ def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     """The metrics of every cell.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
         design: the study.
 
     Returns:
@@ -66,7 +66,7 @@ def pairs(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     """The two sides of every pair, patient by patient, under every setting that both are played in, and over all.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
         design: the study.
 
     Returns:
@@ -149,7 +149,7 @@ def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     """Performance profiles: the share of the patients whose worst sd is at most x, or within 5 % by x seconds.
 
     Args:
-        rows: of `eval.studies.cells.play_cells`.
+        rows: of `eval.kept.cells.play_cells`.
         design: the study.
 
     Returns:

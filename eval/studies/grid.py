@@ -8,8 +8,8 @@ from itertools import product
 from typing import Any
 
 from eval.entries import Entry, load_entry
+from eval.kept.cells import Cell
 from eval.rows.outcomes import Outcomes
-from eval.studies.cells import Cell
 from eval.studies.design import Choice, Design, Environment, Pair
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError

@@ -11,10 +11,10 @@ from eval.comparison import compare as comparison
 from eval.comparison import results
 from eval.comparison.replayed import play_patient
 from eval.entries import env_of_runs, load_entries
+from eval.kept.cells import play_cells
 from eval.kept.digest import fingerprint
 from eval.kept.parts import Run
 from eval.settings import Settings
-from eval.studies.cells import play_cells
 from eval.studies.design import Design
 from eval.studies.grid import cells_of
 from jawenv.errors import InputError

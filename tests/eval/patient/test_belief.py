@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from eval.patient.belief import Belief, combined
-from eval.patient.cohort import KnownPatient
+from eval.patient.belief import Belief, KnownPatient, combined
 from jawenv.anatomy import Prior
 
 

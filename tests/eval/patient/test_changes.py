@@ -6,9 +6,8 @@ import pytest
 
 import jawenv
 from eval.entries import load_entries
-from eval.patient.changes import change_in_words
-from eval.patient.cohort import KnownPatient
-from eval.patient.shared import at_start, change
+from eval.patient.belief import KnownPatient, at_start
+from eval.patient.changes import change, change_in_words
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from eval.settings import Settings
 from jawenv.anatomy import Patient, Prior

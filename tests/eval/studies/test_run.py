@@ -12,9 +12,9 @@ import yaml
 
 from eval.cli import main
 from eval.kept import tables
+from eval.kept.cells import play_cells
 from eval.kept.parts import Run, finish
 from eval.studies import grid
-from eval.studies.cells import play_cells
 from eval.studies.design import Design
 from jawenv.errors import InputError
 from tests.eval.kept.test_parts import parts_in, refuse
