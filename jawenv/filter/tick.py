@@ -7,7 +7,6 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 
 from jawenv.filter.alarm.misfit import add_to_block
 from jawenv.filter.belief.basis import basis_dtype, build_basis
@@ -21,13 +20,13 @@ from jawenv.filter.measurement_update import (
 )
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.nuisances.changed_jaw import copy_jaw
-from jawenv.filter.nuisances.changes import correct_readings, follow_friction, nuisance_dtype
+from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances, nuisance_dtype
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
-from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.dynamics import N_WRENCH
@@ -142,24 +141,23 @@ def add_tooth_noise(jaw, motion, variance):
         variance[k] += sd * sd
 
 
+def _known_jaw(jaw, belief):
+    return jaw
+
+
+@where(has_nuisances, otherwise=_known_jaw)
+def model_of(jaw, belief):
+    """The filter's model, or where there are nuisances that at their mean."""
+    return belief.jaw
+
+
+@njit
 def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
     """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
     """
-    return take(belief["jaw"] if belief["nuisances"].size else jaw, belief, measured, samples, tick, settings, scratch)
-
-
-@overload(take_readings)
-def _choose_jaw(jaw, belief, measured, samples, tick, settings, scratch):
-    """The filter's model, or where there are nuisances that at their mean."""
-    if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, belief, measured, samples, tick, settings, scratch: take(
-            jaw, belief, measured, samples, tick, settings, scratch
-        )
-    return lambda jaw, belief, measured, samples, tick, settings, scratch: take(
-        belief.jaw, belief, measured, samples, tick, settings, scratch
-    )
+    return take(model_of(jaw, belief), belief, measured, samples, tick, settings, scratch)
 
 
 @njit

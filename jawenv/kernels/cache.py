@@ -35,6 +35,7 @@ from jawenv.files import atomic_write
 from jawenv.kernels.linked import reading_linked
 
 OPTIONS = "compiled_with"  # attribute of a kernel's Python function: what Numba was asked for
+MADE_OF = "made_of"  # attribute of a kernel's part: the functions that it stands for
 CHECKSUM_BYTES = 32  # sha256
 UNUSED_DAYS = 30  # after which a kernel that was compiled is deleted
 
@@ -77,7 +78,9 @@ def kernel_digest(function: FunctionType) -> str:
             digest.update(piece)
         for name, value in _references(part):
             called = _function_of(value)
-            if called is not None:
+            if hasattr(value, MADE_OF):
+                pending += getattr(value, MADE_OF)
+            elif called is not None:
                 pending.append(called)
                 if not hasattr(value, "py_func") and called.__module__.startswith("jawenv."):
                     text, others = _module_of(called)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import hashlib
+import inspect
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -13,10 +14,11 @@ from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
+import numba.extending
 import numpy as np
 
 from jawenv.errors import InputError
-from jawenv.kernels.cache import OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
+from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
 from jawenv.kernels.linked import LinkedCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -95,6 +97,38 @@ def njit_within(function: Function) -> Function:
 def njit_inlined(function: Function) -> Function:
     """The same for a small kernel that is optimised with each of its callers: what they share is computed once."""
     return cast(Function, Kernel(function, forceinline=True))
+
+
+def where(
+    condition: Callable[..., object], otherwise: Callable[..., Any] | None = None
+) -> Callable[[Function], Function]:
+    """Decorator of a kernel's part that is there only where the types say so, and becomes part of its caller.
+
+    What is not there is not compiled: a filter that knows the anatomy exactly has no code for nuisances.
+
+    Args:
+        condition: of the types of some of the part's arguments, which it takes by their names.
+        otherwise: the part elsewhere, with the same arguments; by default nothing is done.
+    """
+    asked = tuple(inspect.signature(condition).parameters)
+
+    def decorate(function: Function) -> Function:
+        names = tuple(inspect.signature(function).parameters)
+        elsewhere = otherwise or eval(f"lambda {', '.join(names)}: None")  # Numba compares the arguments' names
+
+        def part(*arguments: Any) -> Any:
+            raise NotImplementedError("only called by compiled kernels")
+
+        def choose(*types: Any) -> Any:
+            by_name = dict(zip(names, types, strict=True))
+            return function if condition(*(by_name[name] for name in asked)) else elsewhere
+
+        update_wrapper(part, function)
+        part.__dict__[MADE_OF] = tuple(each for each in (function, otherwise, condition) if each is not None)
+        numba.extending.overload(part, inline="always")(update_wrapper(choose, function))
+        return cast(Function, part)
+
+    return decorate
 
 
 WORLDS_AT_ONCE = 8  # that a thread takes: few enough to leave some to others where it is held up

@@ -9,9 +9,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 
-from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.functions import sin_cos
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY, split_body
@@ -56,19 +55,14 @@ def fill_angle_rate_derivatives(q, omega, by_angle):
     by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
 
 
+def _linearise_body(jaw, muscles, q, u, wrench, linear):
+    return linearise_body(jaw, muscles, q, u, wrench, linear)
+
+
+@where(lambda q: len(q) < N_BODY // 2, otherwise=_linearise_body)
 def linearise(jaw, muscles, q, u, wrench, linear):
     """``linearise_acceleration`` or ``linearise_body``, whichever is for as many coordinates."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(linearise, inline="always")
-def _choose_model(jaw, muscles, q, u, wrench, linear):
-    chosen = linearise_body if len(q) == N_BODY // 2 else linearise_acceleration
-
-    def call(jaw, muscles, q, u, wrench, linear):
-        return chosen(jaw, muscles, q, u, wrench, linear)
-
-    return call
+    return linearise_acceleration(jaw, muscles, q, u, wrench, linear)
 
 
 @njit_within
@@ -80,16 +74,11 @@ def linearised_rate(jaw, muscles, q, u, wrench, linear):
     return u[:-3] + angle_rates(pose, omega), acceleration
 
 
+def _split_body(state, linear):
+    return split_body(state)
+
+
+@where(lambda linear: linear.typeof("by_state").shape[1] < N_BODY, otherwise=_split_body)
 def motion_of(state, linear):
     """``state`` (10 or 12 numbers) as the tuples q and u of the model that ``linear`` is made for."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(motion_of, inline="always")
-def _choose_split(state, linear):
-    chosen = split_body if linear.typeof("by_state").shape[1] == N_BODY else split
-
-    def call(state, linear):
-        return chosen(state)
-
-    return call
+    return split(state)

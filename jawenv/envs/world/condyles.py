@@ -6,11 +6,9 @@ compiled either.
 
 from __future__ import annotations
 
-from numba.extending import overload
-
 from jawenv.device.motors import mouthpiece_motion
 from jawenv.envs.world.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
-from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.compiled import njit, where
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.kinematics import rotation, split
 
@@ -19,27 +17,16 @@ REST_OPENING_MAX = 0.035
 REST_SIDE_MAX = 0.005
 
 
-@njit_within
-def either_tick(device, world, scratch, settings):
-    """One tick of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
-    if world.truth.jaw.condyles == 2:
-        return bilateral_tick(device, world, scratch, settings)
+def _midline(device, world, scratch, settings):
     return midline_tick(device, world, scratch, settings)
 
 
+@where(lambda world: world.typeof("truth").typeof("body").shape[0], otherwise=_midline)
 def plant_tick(device, world, scratch, settings):
-    """``midline_tick``, or ``either_tick`` where the world has a body."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(plant_tick, inline="always")
-def _choose_tick(device, world, scratch, settings):
-    chosen = either_tick if world.typeof("truth").typeof("body").shape[0] else midline_tick
-
-    def call(device, world, scratch, settings):
-        return chosen(device, world, scratch, settings)
-
-    return call
+    """One tick: of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
+    if world.truth.jaw.condyles == 2:
+        return bilateral_tick(device, world, scratch, settings)
+    return midline_tick(device, world, scratch, settings)
 
 
 @njit
@@ -49,9 +36,13 @@ def true_motion(device, world, scratch, settings):
     return max(acted, end_motion(device, world, scratch, settings.control.servo))
 
 
-@njit
-def rest_on_two_condyles(truth, limits, scratch):
-    """Move the jaw from the midline model's rest to that on two condyles; False when it does not rest in reach.
+def _rest_on_one_point(truth, limits, scratch):
+    return True  # the midline model's rest is the plant's own
+
+
+@where(lambda truth: truth.typeof("body").shape[0], otherwise=_rest_on_one_point)
+def rest_on_condyles(truth, limits, scratch):
+    """Where a world has a body: move the jaw to its rest on two condyles; False when that is not in reach.
 
     The limits keep their widths, and are counted from the new pose of rest.
     """
@@ -68,24 +59,3 @@ def rest_on_two_condyles(truth, limits, scratch):
     limits.rest_condyle_side = q[1]
     limits.path[0] = place[0]
     return limits.rest_opening <= REST_OPENING_MAX and abs(limits.rest_side) <= REST_SIDE_MAX
-
-
-@njit_within
-def rest_on_one_point(truth, limits, scratch):
-    """The midline model's rest is the plant's own."""
-    return True
-
-
-def rest_on_condyles(truth, limits, scratch):
-    """``rest_on_one_point``, or ``rest_on_two_condyles`` where the world has a body."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(rest_on_condyles, inline="always")
-def _choose_rest(truth, limits, scratch):
-    chosen = rest_on_two_condyles if truth.typeof("body").shape[0] else rest_on_one_point
-
-    def call(truth, limits, scratch):
-        return chosen(truth, limits, scratch)
-
-    return call

@@ -13,7 +13,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numba.extending import overload
 
 from jawenv.filter.bound.joint_recursion import (
     filter_size,
@@ -27,7 +26,7 @@ from jawenv.filter.motion.regressors import middle_of
 from jawenv.filter.nuisances.changes import add_readings, middle_rates, nuisance_fields, set_wrenches
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.filter.readings.encoders import expect
-from jawenv.kernels.compiled import njit
+from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 
@@ -120,16 +119,10 @@ def read_bound(jaw, motion, covariance, used, settings, scratch):
     take_rows(covariance, settings.measurement_variance, used, recursion)
 
 
+@where(lambda scratch: scratch.typeof("wrench").shape[1])
 def move_by_nuisances(jaw, muscles, tick, settings, scratch):
     """What one sd of each nuisance does to the motion at the tick's end, into its columns of the derivative."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(move_by_nuisances, inline="always")
-def _choose_motion(jaw, muscles, tick, settings, scratch):
-    if scratch.typeof("wrench").shape[1] == 0:
-        return lambda jaw, muscles, tick, settings, scratch: None
-    return lambda jaw, muscles, tick, settings, scratch: add_columns(jaw, muscles, tick, settings, scratch)
+    add_columns(jaw, muscles, tick, settings, scratch)
 
 
 @njit
@@ -156,18 +149,8 @@ def add_columns(jaw, muscles, tick, settings, scratch):
                 total[i, first + j] += by_wrench[i, place + k] * scratch.wrench[k, j]
 
 
+@where(lambda scratch: scratch.typeof("wrench").shape[1])
 def read_by_nuisances(jaw, motion, used, settings, scratch):
     """What one sd of each nuisance adds to the readings, into its columns of their derivative."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(read_by_nuisances, inline="always")
-def _choose_readings(jaw, motion, used, settings, scratch):
-    if scratch.typeof("wrench").shape[1] == 0:
-        return lambda jaw, motion, used, settings, scratch: None
-
-    def call(jaw, motion, used, settings, scratch):
-        first = scratch.recursion.total.shape[0]
-        add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)
-
-    return call
+    first = scratch.recursion.total.shape[0]
+    add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

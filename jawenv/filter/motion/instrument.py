@@ -16,13 +16,11 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from numba.extending import overload
-
 from jawenv.filter.motion.disturbance import add_disturbance
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.motion.motion_step import move
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
-from jawenv.kernels.compiled import njit
+from jawenv.kernels.compiled import njit, where
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.kinematics import angle_rates
 
@@ -73,44 +71,34 @@ def hold_reading(jaw, belief, dt, scratch):
     belief.predicted[:] = instrument.motion
 
 
+def _has_nuisances(belief):
+    return belief.typeof("predicted").shape[0]
+
+
+def _coast(jaw, belief, dt, scratch):
+    coast(scratch.start_motion, dt, scratch.instrument.motion)
+
+
+@where(_has_nuisances, otherwise=_coast)
 def predict_from_past(jaw, belief, dt, scratch):
     """Into ``scratch.instrument`` what the past alone predicts of the tick: of the motion, or of the pose alone."""
-    raise NotImplementedError("only called by compiled kernels")
+    hold_reading(jaw, belief, dt, scratch)
 
 
-@overload(predict_from_past, inline="always")
-def _choose_prediction(jaw, belief, dt, scratch):
-    if belief.typeof("predicted").shape[0] == 0:
-        return lambda jaw, belief, dt, scratch: coast(scratch.start_motion, dt, scratch.instrument.motion)
-    return lambda jaw, belief, dt, scratch: hold_reading(jaw, belief, dt, scratch)
+def _along_the_motion(belief, scratch):
+    return scratch.step.total
 
 
+@where(_has_nuisances, otherwise=_along_the_motion)
 def jacobian_of_tick(belief, scratch):
     """[A, G] of the tick, along the predicted motion where more than the muscles is unknown."""
-    raise NotImplementedError("only called by compiled kernels")
+    return scratch.instrument.total
 
 
-@overload(jacobian_of_tick, inline="always")
-def _choose_jacobian(belief, scratch):
-    if belief.typeof("predicted").shape[0] == 0:
-        return lambda belief, scratch: scratch.step.total
-    return lambda belief, scratch: scratch.instrument.total
-
-
+@where(_has_nuisances)
 def set_rows_of_past(jaw, belief, used, scratch):
     """Where more than the muscles is unknown, the rows of the used readings at the predicted motion."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(set_rows_of_past, inline="always")
-def _choose_rows(jaw, belief, used, scratch):
-    if belief.typeof("predicted").shape[0] == 0:
-        return lambda jaw, belief, used, scratch: None
-
-    def call(jaw, belief, used, scratch):
-        expect(jaw, belief.predicted, scratch.rows, scratch.expected)
-        for i in range(N_MEASUREMENTS):
-            if not used[i]:
-                scratch.rows[i, :] = 0.0
-
-    return call
+    expect(jaw, belief.predicted, scratch.rows, scratch.expected)
+    for i in range(N_MEASUREMENTS):
+        if not used[i]:
+            scratch.rows[i, :] = 0.0

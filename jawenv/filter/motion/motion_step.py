@@ -17,10 +17,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 
 from jawenv.filter.motion.joint_step import between_samples, set_jacobian, stage_share, step_parts
-from jawenv.kernels.compiled import njit, njit_within
+from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
@@ -158,19 +157,11 @@ def body_step(jaw, motion, samples, dt, scratch):
         append_part(part == 0, scratch)
 
 
+def _body_step(jaw, motion, samples, dt, scratch):
+    body_step(jaw, motion, samples, dt, scratch)
+
+
+@where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise=_body_step)
 def move(jaw, motion, samples, dt, scratch):
-    """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for.
-
-    Chosen at compile time from the types, so that only one is compiled.
-    """
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(move, inline="always")
-def _choose_model(jaw, motion, samples, dt, scratch):
-    chosen = body_step if scratch.typeof("total").shape[0] == N_BODY else midline_step
-
-    def call(jaw, motion, samples, dt, scratch):
-        chosen(jaw, motion, samples, dt, scratch)
-
-    return call
+    """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
+    midline_step(jaw, motion, samples, dt, scratch)

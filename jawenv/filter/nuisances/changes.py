@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
@@ -30,7 +29,7 @@ from jawenv.filter.nuisances.without_cell import (
     set_motor_column,
 )
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
-from jawenv.kernels.compiled import njit
+from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
@@ -199,77 +198,42 @@ def middle_rates(before, after, dt):
     return u, rate
 
 
+def has_nuisances(belief):
+    """Whether more than the muscles is unknown, by the belief's type."""
+    return belief.typeof("nuisances").shape[0]
+
+
+@where(has_nuisances)
 def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
     """``set_wrenches`` where there are nuisances, compiled only then."""
-    raise NotImplementedError("only called by compiled kernels")
+    first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+    wrenches = scratch.line_wrench
+    last = belief.smoothed
+    reading = (last[0], last[1], last[2], last[3], last[4], last[5])
+    u, rate = middle_rates(scratch.start_motion, scratch.instrument.motion, settings.dt)
+    set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)
 
 
-@overload(set_nuisance_wrenches, inline="always")
-def _choose_wrenches(jaw, muscles, belief, pose, settings, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, muscles, belief, pose, settings, scratch: None
-
-    def call(jaw, muscles, belief, pose, settings, scratch):
-        first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-        wrenches = scratch.line_wrench
-        last = belief.smoothed
-        reading = (last[0], last[1], last[2], last[3], last[4], last[5])
-        u, rate = middle_rates(scratch.start_motion, scratch.instrument.motion, settings.dt)
-        set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)
-
-    return call
-
-
+@where(has_nuisances)
 def add_nuisance_readings(jaw, belief, nuisances, used, scratch):
     """``add_readings`` where there are nuisances, compiled only then."""
-    raise NotImplementedError("only called by compiled kernels")
+    first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+    add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
 
 
-@overload(add_nuisance_readings, inline="always")
-def _choose_readings(jaw, belief, nuisances, used, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, belief, nuisances, used, scratch: None
-
-    def call(jaw, belief, nuisances, used, scratch):
-        first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-        add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
-
-    return call
-
-
+@where(has_nuisances)
 def correct_samples(jaw, belief, settings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
-    raise NotImplementedError("only called by compiled kernels")
+    correct_offsets(belief, settings.nuisances, samples)
+    if has_motors(settings.nuisances):
+        correct_motors(jaw, belief, settings, samples, scratch)
 
 
-@overload(correct_samples, inline="always")
-def _choose_correction(jaw, belief, settings, samples, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, belief, settings, samples, scratch: None
-
-    def call(jaw, belief, settings, samples, scratch):
-        correct_offsets(belief, settings.nuisances, samples)
-        if has_motors(settings.nuisances):
-            correct_motors(jaw, belief, settings, samples, scratch)
-
-    return call
-
-
+@where(has_nuisances)
 def follow_friction(jaw, belief, settings, scratch):
     """The shares of the motors' friction at the end of a tick, from the motion; compiled where there are nuisances."""
-    raise NotImplementedError("only called by compiled kernels")
-
-
-@overload(follow_friction, inline="always")
-def _choose_friction(jaw, belief, settings, scratch):
-    if belief.typeof("nuisances").shape[0] == 0:
-        return lambda jaw, belief, settings, scratch: None
-
-    def call(jaw, belief, settings, scratch):
-        if has_motors(settings.nuisances):
-            move_friction(jaw, belief, settings, scratch.start_motion)
-
-    return call
+    if has_motors(settings.nuisances):
+        move_friction(jaw, belief, settings, scratch.start_motion)
 
 
 @njit
