@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 from eval.comparison.ranking import rank
-from eval.report import figures, svg
+from eval.report import figures, template
 from eval.report.page import render, write
 from tests.eval.studies import BOASTFUL, ENTRIES, GOOD, study
 
@@ -73,7 +73,6 @@ def test_the_report_shows_every_entry_in_every_section(page):
 
 
 def test_the_report_says_when_the_filter_lies(page):
-    assert "Overconfident, mean " in page
     assert '<span class="badge overconfident">overconfident</span>' in page
     assert "not ranked: sds are false: errors are" in page
 
@@ -133,7 +132,6 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
     one = type(whole)(rows, curves, strange)
     path = write(one, rank(one), tmp_path / "new" / "report.html")
     text = path.read_text()
-    assert "Patients: 1; there is no interval" in text
     assert "<script>alert" not in text
     assert text.rstrip().endswith("</html>")
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
@@ -141,7 +139,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_is_valid_svg_in_the_colours_of_the_page(made, name):
-    text = svg.inline(getattr(figures, name)(made, rank(made)), name, "a <label>")
+    text = template.picture(getattr(figures, name)(made, rank(made)), name, "a <label>")
     ET.fromstring(text)
     assert "currentColor" in text
     assert "<script" not in text
