@@ -218,7 +218,7 @@ def discomfort(ranking: Ranking) -> Chart:
 def motion(moved: dict[str, Any]) -> Chart:
     """Commands, motion and sds of the first patient over time."""
     frames = {name: np.array(values) for name, values in moved["frames"].items()}
-    parameters = [name.removeprefix("log_").replace("/", " of the ").replace("_", " ") for name in moved["parameters"]]
+    parameters = [words.parameter(name) for name in moved["parameters"]]
     strips: tuple[tuple[str, Sequence[str], Array], ...] = (
         ("commands, −1 to 1", moved["commands"], frames["command"]),
         ("motion, mm", ("opening", "side", "fore-aft"), frames["moved"]),

@@ -18,9 +18,10 @@ from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import EARLY_S, Results
-from eval.report import charts, films, first, panels, template
+from eval.report import charts, films, first, template
 from eval.report.learned import learned, learning_charts
 from eval.statistics import RESAMPLES
+from jawenv.anatomy.muscles import SIDES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 
 ASSETS = Path(__file__).parent / "assets"
@@ -50,7 +51,7 @@ def render(study: Results, ranking: Ranking) -> str:
     learning, learning_notes = learning_charts(study, ranking)
     learnt = learned(study, ranking)
     filmed = films.filmed(study, ranking, [row for each in learnt for row in (each.base, each.entry)])
-    titles = [panels.Panel.of(parameter).plain_title for parameter in ranking.parameters]
+    titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
         "entries": charts.entries(ranking),
         "charts": charts.all_charts(study, ranking) | learning,
@@ -85,7 +86,7 @@ def render(study: Results, ranking: Ranking) -> str:
         has_bound=charts.has_bound(ranking),
         muscles=[words.muscle(name) for name in ranking.parameters[::2]],
         parameter_titles=titles,
-        sided=panels.sided(ranking.parameters),
+        sided=any(name.endswith(SIDES) for name in ranking.parameters),
         shrinks=1.0 - math.exp(-1.0 / ranking.n_parameters),
         fibrosed_F_o_N=FIBROSED_F_O_N * whole_muscles_per_line(ranking.parameters),
         blocked_b=BLOCKED_B,
