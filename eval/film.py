@@ -21,7 +21,7 @@ from jawenv.ladder import model_of_env
 from jawenv.locks import alone
 from jawenv.playing.protocol import checked_decision
 from jawenv.progress import Progress
-from jawenv.rendering.pair import PairRenderer
+from jawenv.rendering.film import PairRenderer
 
 if TYPE_CHECKING:
     from eval.entries import Entry
@@ -166,7 +166,7 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
     scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
         with alone(path), atomic_write(path) as unfinished:
-            (_write_webp if path.suffix == ".webp" else _write_mp4)(unfinished, scaled, episodes[0].rate)
+            (_write_webp if path.suffix == ".webp" else write_mp4)(unfinished, scaled, episodes[0].rate)
     except OSError as error:
         raise InputError(f"video: {path} cannot be written: {error}") from error
     return "\n".join(episode.outcome for episode in episodes)
@@ -187,13 +187,21 @@ def _pairs(left: Episode, right: Episode) -> Iterator[NDArray[np.uint8]]:
         yield renderer.draw(shown[left], shown[right])
 
 
-def _write_mp4(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float) -> None:
+def write_mp4(path: Path, pictures: Iterable[NDArray[np.uint8]], rate: float, options: Sequence[str] = ()) -> None:
+    """Write pictures as they come.
+
+    Args:
+        path: of the film.
+        pictures: (height, width, 3), height and width even.
+        rate: pictures per second.
+        options: of ffmpeg.
+    """
     import imageio.v2 as imageio
 
     own = path.with_name(path.name + ".mp4")  # the writer goes by the ending
     try:
         writer: Any
-        with imageio.get_writer(own, fps=rate, macro_block_size=2) as writer:
+        with imageio.get_writer(own, fps=rate, macro_block_size=2, output_params=list(options)) as writer:
             for picture in pictures:
                 writer.append_data(picture)
         own.replace(path)

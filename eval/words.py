@@ -54,6 +54,11 @@ def muscle(parameter: str) -> str:
     return parameter.split("/", 1)[1].replace("_", " ")
 
 
+def parameter(name: str) -> str:
+    """`log_b/medial_pterygoid_left` as `b of medial pterygoid left`."""
+    return f"{name.split('/', 1)[0].removeprefix('log_')} of {muscle(name)}"
+
+
 def label(entry: str) -> str:
     """An entry's name for people: spaces for underscores."""
     return entry.replace("_", " ")

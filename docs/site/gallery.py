@@ -9,10 +9,12 @@ from __future__ import annotations
 import hashlib
 import re
 import sys
+from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from rich.console import Console
 
 ROOT = Path(__file__).parents[2]
@@ -20,6 +22,8 @@ sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
 
 from purposes import purpose  # noqa: E402
 
+from eval.report import drawing  # noqa: E402
+from eval.report.template import picture  # noqa: E402
 from jawenv.device.channels import CHANNELS  # noqa: E402
 from jawenv.files import atomic_write  # noqa: E402
 from jawenv.locks import alone  # noqa: E402
@@ -40,7 +44,8 @@ FIGURES = {
 """Heading of the table -> unit, and what the figure is."""
 FIRST = {"slow_opening": 0, "refined": 1}
 DRAWN_S = 30.0
-CHART = (480, 96)
+LINES = (("#185c8a", "-"), ("#7d4290", (0, (5, 2))), ("#8d4c1c", (0, (1, 1.5))), ("#236350", (0, (7, 2, 1, 2))))
+"""Colour and dashes of each of the channels."""
 
 
 def film_all(console: Console) -> None:
@@ -84,50 +89,36 @@ def page() -> str:
 
 def _record(name: str) -> None:
     """An episode's jaw from the side and from the front, as a film and its first picture."""
-    import imageio.v2 as imageio
     from PIL import Image
 
+    from eval.film import write_mp4
+
     place = _film(name)
-    pictures = [_jaw(picture) for picture in _pictures(name)]
+    pictures = list(_pictures(name))
     with atomic_write(place.with_suffix(".jpg")) as unfinished:
         Image.fromarray(pictures[len(pictures) // 4]).save(unfinished, "JPEG", quality=85)
     with atomic_write(place) as unfinished:
-        own = unfinished.with_suffix(".mp4")
-        imageio.mimwrite(own, pictures, fps=STEPS_PER_S * SPEED, macro_block_size=2, output_params=["-crf", "27"])
-        own.replace(unfinished)
+        write_mp4(unfinished, pictures, STEPS_PER_S * SPEED, ("-crf", "27"))
 
 
-def _pictures(name: str) -> list[np.ndarray]:
+def _pictures(name: str) -> Iterator[np.ndarray]:
     import gymnasium as gym
 
     import jawenv
+    from jawenv.envs.shown_world import build_scene
+    from jawenv.rendering.film import JawRenderer
 
-    env = gym.make(
-        "jawenv/Jaw-v2", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S, render_mode="rgb_array"
-    ).unwrapped
-    agent = jawenv.Player(name, control="targets", control_hz=STEPS_PER_S)
+    env = gym.make("jawenv/Jaw-v2", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S).unwrapped
+    agent, renderer = jawenv.Player(name, control="targets", control_hz=STEPS_PER_S), JawRenderer(WIDTH)
     observation, _ = env.reset(seed=0)
     agent.reset(1, 0)
-    pictures, done = [], False
+    done = False
     while not done:
-        pictures.append(env.render())
+        yield renderer.draw(build_scene(env.simulation))
         action, _ = agent.predict(observation)
         observation, _, terminated, truncated, _ = env.step(action)
         done = terminated or truncated
     env.close()
-    return pictures
-
-
-def _jaw(picture: np.ndarray) -> np.ndarray:
-    """The two views of the jaw."""
-    from PIL import Image
-
-    from jawenv.rendering.frame import CARDS
-
-    side, front = CARDS[:2]
-    cut = picture[side[1] : side[1] + side[3], side[0] : front[0] + front[2]]
-    height = 2 * round(WIDTH * cut.shape[0] / cut.shape[1] / 2)
-    return np.asarray(Image.fromarray(cut).resize((WIDTH, height), Image.Resampling.LANCZOS))
 
 
 def _film(name: str) -> Path:
@@ -166,23 +157,23 @@ def _figure(value: str, unit: str, meaning: str) -> str:
 
 def _chart(maneuver: Maneuver) -> str:
     """The targets over time, one line for each channel that moves."""
-    width, height = CHART
     times = np.linspace(0.0, DRAWN_S, 301)
     values, _ = maneuver.targets(times)
-    lines, names = [], []
-    for number, channel in enumerate(CHANNELS):
-        if np.ptp(values[:, number]) < 1e-9:
-            continue
-        x, y = width * times / DRAWN_S, height * (1.0 - values[:, number]) / 2.0
-        points = " ".join(f"{a:.0f},{b:.1f}" for a, b in zip(x, y, strict=True))
-        lines.append(f'<polyline class="{channel}" points="{points}"/>')
-        names.append(f'<span class="{channel}">{channel.replace("_", "-")}</span>')
-    drawn = f'<line x1="0" x2="{width}" y1="{height / 2:g}" y2="{height / 2:g}"/>' + "".join(lines)
+    names = []
+    with drawing.style():
+        figure = Figure(figsize=(6.6, 1.4))
+        axes = figure.add_axes((0, 0.02, 1, 0.96), xlim=(0, DRAWN_S), ylim=(-1.05, 1.05))
+        axes.set_axis_off()
+        axes.axhline(0.0, color=drawing.GRID, lw=1)
+        for channel, (colour, dash) in zip(CHANNELS, LINES, strict=True):
+            if np.ptp(values[:, CHANNELS.index(channel)]) > 1e-9:
+                axes.plot(times, values[:, CHANNELS.index(channel)], color=colour, ls=dash, lw=2)
+                names.append(f'<span class="{channel}">{channel.replace("_", "-")}</span>')
+    css = {drawing.GRID: "var(--jaw-line)"}
+    css |= {colour: f"var(--jaw-{channel})" for channel, (colour, _) in zip(CHANNELS, LINES, strict=True)}
+    drawn = picture(figure, maneuver.name, f"Targets of {maneuver.title} over {DRAWN_S:g} s", css)
     legend = " ".join(names) or "all targets stay at rest"
-    return (
-        f'<svg viewBox="0 -4 {width} {height + 8}" role="img" aria-label="Targets of {escape(maneuver.title)} over '
-        f'{DRAWN_S:g} s">{drawn}</svg><p class="legend">{legend}, {DRAWN_S:g} s</p>'
-    )
+    return f'{drawn}<p class="legend">{legend}, {DRAWN_S:g} s</p>'
 
 
 def _figures() -> dict[str, dict[str, str]]:

@@ -23,7 +23,7 @@ import landing  # noqa: E402
 import notebook_pages  # noqa: E402
 
 import jawenv  # noqa: E402
-from eval.report.terms import TERMS  # noqa: E402
+from eval.report.template import TERMS  # noqa: E402
 
 PAGES = {"README.md": "index.md"} | {
     name: name

@@ -158,9 +158,8 @@ def _present(
     table.show_adaptations(adaptations(study), console)
     found = gains(study, reference)
     gained.show(found, console)
-    if not console.is_terminal:
-        console.print("drawing the report")
-    with alone(output), console.status("drawing the report"):
+    console.print("drawing the report")
+    with alone(output):
         written = page.write(study, ranking, output / "report.html")
         if found:
             gained.write(found, output / "gains.md")

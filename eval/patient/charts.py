@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-import html
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from eval.patient.treatments import Treatment
+from eval.report import drawing, template
 
 Array = NDArray[np.float64]
 
-WIDTH, HEIGHT = 240.0, 96.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 236.0, 5.0, 80.0
+SIZE = (240.0, 96.0)  # of a chart, points
 SD_95 = 1.959964
+_LETTERS = 10.5  # points
 _POINTS = 160  # of a curve, at most
+_LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 5.0, 16.0  # margins, points
+_ESTIMATE, _BAND, _NORMAL, _NORMAL_RANGE, _TRUTH = "#23272e", "#9dbfe2", "#2b7a3f", "#e2f1e4", "#a3123f"
+_CSS = {
+    _ESTIMATE: "var(--estimate)",
+    _BAND: "var(--band)",
+    _NORMAL: "var(--normal)",
+    _NORMAL_RANGE: "var(--normal-back)",
+    _TRUTH: "var(--both)",
+}
 
 
 @dataclass(frozen=True)
@@ -36,11 +47,6 @@ class Axis:
     high: float
     ticks: tuple[float, ...]
     threshold: float
-
-    def y(self, log_value: Array) -> Array:
-        """Height in the picture of natural logs; what lies outside stands at the edge."""
-        share = (log_value - math.log(self.low)) / (math.log(self.high) - math.log(self.low))
-        return _BOTTOM - np.clip(share, 0.0, 1.0) * (_BOTTOM - _TOP)
 
 
 def moments(course: Sequence[Treatment]) -> Array:
@@ -64,39 +70,29 @@ def chart(course: Sequence[Treatment], parameter: int, axis: Axis, label: str, w
     mean = np.concatenate([each.mean[:, parameter] for each in course])
     sd = np.sqrt(np.concatenate([each.cov[:, parameter, parameter] for each in course]))
     chosen = np.unique(np.linspace(0, len(time) - 1, _POINTS).round().astype(int))
-    x = _LEFT + (_RIGHT - _LEFT) * time[chosen] / time[-1]
-    low, middle, high = (axis.y((mean + factor * sd)[chosen]) for factor in (-SD_95, 0.0, SD_95))
-    normal = float(axis.y(np.array(math.log(axis.threshold))))
-    parts = [
-        f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" class="chart" role="img" aria-label="{html.escape(label)}" '
-        'xmlns="http://www.w3.org/2000/svg">',
-        f'<rect class="normal-range" x="{_LEFT:g}" y="{normal:.1f}" width="{_RIGHT - _LEFT:g}" '
-        f'height="{_BOTTOM - normal:.1f}"/>',
-        *(_tick(axis, value) for value in axis.ticks),
-        f'<path class="band" d="M{_points(x, high)}L{_points(x[::-1], low[::-1])}Z"/>',
-        f'<text class="range" x="{_RIGHT - 3:g}" y="{_BOTTOM - 4:g}" text-anchor="end">normal</text>',
-        f'<path class="limit" d="M{_LEFT:g} {normal:.1f}H{_RIGHT:g}"/>',
-        f'<path class="estimate" d="M{_points(x, middle)}"/>',
-    ]
-    if with_truth:
-        truth = np.concatenate([np.full(len(each.time), each.truth[parameter]) for each in course])
-        parts.append(f'<path class="truth" d="M{_points(x, axis.y(truth[chosen]))}"/>')
-    begins, ends = ("0 s", f"{time[-1]:g} s") if len(course) == 1 else ("start", f"{len(course)} treatments")
-    foot = _BOTTOM + 12.0
-    parts += [
-        f'<text x="{_LEFT:g}" y="{foot:g}">{begins}</text>',
-        f'<text x="{_RIGHT:g}" y="{foot:g}" text-anchor="end">{ends}</text></svg>',
-    ]
-    return Markup("".join(parts))  # noqa: S704  (numbers, our own words, and an escaped label)
-
-
-def _tick(axis: Axis, value: float) -> str:
-    y = float(axis.y(np.array(math.log(value))))
-    return (
-        f'<path class="grid" d="M{_LEFT:g} {y:.1f}H{_RIGHT:g}"/>'
-        f'<text x="{_LEFT - 4:g}" y="{y + 3:.1f}" text-anchor="end">{value:g}</text>'
+    low, middle, high = (
+        np.clip(np.exp(mean + factor * sd)[chosen], axis.low, axis.high) for factor in (-SD_95, 0.0, SD_95)
     )
-
-
-def _points(x: Array, y: Array) -> str:
-    return "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
+    width, height = SIZE
+    with drawing.style():
+        figure = Figure(figsize=(width / 72, height / 72))
+        box = (_LEFT / width, _BOTTOM / height, 1 - (_LEFT + _RIGHT) / width, 1 - (_TOP + _BOTTOM) / height)
+        axes = figure.add_axes(box, xlim=(0.0, time[-1]), yscale="log", ylim=(axis.low, axis.high))
+        axes.axhspan(axis.low, axis.threshold, color=_NORMAL_RANGE, lw=0, zorder=0)
+        axes.fill_between(time[chosen], low, high, color=_BAND, alpha=0.75, lw=0)
+        axes.axhline(axis.threshold, color=_NORMAL, lw=1.2, ls=(0, (4, 2.5)))
+        axes.plot(time[chosen], middle, color=_ESTIMATE, lw=1.5)
+        if with_truth:
+            truth = np.concatenate([np.full(len(each.time), np.exp(each.truth[parameter])) for each in course])
+            axes.plot(time[chosen], np.clip(truth[chosen], axis.low, axis.high), color=_TRUTH, lw=1.2, ls=(0, (1.5, 2)))
+        said: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "size": _LETTERS}
+        axes.annotate("normal", (1, 0), (-3, 4), ha="right", color=_NORMAL, **said)
+        ends = ("0 s", f"{time[-1]:g} s") if len(course) == 1 else ("start", f"{len(course)} treatments")
+        for place, text in enumerate(ends):
+            axes.annotate(text, (place, 0), (0, -12), ha=("left", "right")[place], **said)
+        axes.set_yticks(axis.ticks, [f"{tick:g}" for tick in axis.ticks])
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.tick_params(length=0, labelbottom=False, labelsize=_LETTERS)
+        axes.grid(axis="x", visible=False)
+        axes.spines[:].set_visible(False)
+    return template.picture(figure, f"chart-{parameter}", label, _CSS)

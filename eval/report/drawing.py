@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from eval import words
@@ -21,8 +19,6 @@ BAND = "#8fbf8f"
 REFERENCE = "#8a9099"
 _TRAINED = ("#d6336c", "#a61e4d", "#f783ac")
 _OTHERS = ("#1f77c4", "#d55e00", "#009e73", "#7f6bd0", "#a67c00", "#2a93b0", "#8a6a4f", "#b0528a", "#7b8794")
-_LEGEND_COLUMNS = 3
-_DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (9, 2)))
 
 _STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -71,11 +67,6 @@ def colours(ranking: Ranking) -> dict[str, str]:
     return {row.entry: next(trained if row.trained else others) for row in ranking.rows}
 
 
-def dashes(ranking: Ranking) -> dict[str, Any]:
-    """A line style per entry, which tells those apart that share a colour."""
-    return {entry: _DASHES[before % len(_DASHES)] for entry, before in repeats(ranking).items()}
-
-
 def repeats(ranking: Ranking) -> dict[str, int]:
     """How many entries before each have its colour."""
     seen: dict[str, int] = {}
@@ -111,20 +102,3 @@ def entries_down(axes: Axes, ranking: Ranking, labelled: bool = True) -> None:
         for tick, row in zip(axes.get_yticklabels(), ranking.rows, strict=True):
             tick.set_color(colours(ranking)[row.entry] if row.trained else INK)
             tick.set_fontweight("bold" if row.trained else "normal")
-
-
-def legend_height(ranking: Ranking) -> float:
-    """Inches that `legend_above` takes."""
-    return 0.2 + 0.2 * math.ceil(len(ranking.rows) / _LEGEND_COLUMNS)
-
-
-def legend_above(figure: Figure, ranking: Ranking) -> None:
-    """One legend of all entries above the axes."""
-    from matplotlib.lines import Line2D
-
-    colour, dash, name = colours(ranking), dashes(ranking), names(ranking)
-    handles = [Line2D([], [], color=colour[e], linestyle=dash[e], linewidth=2.2, label=name[e]) for e in colour]
-    where: Literal["outside upper left", "upper left"] = (
-        "outside upper left" if figure.get_layout_engine() else "upper left"
-    )
-    figure.legend(handles=handles, loc=where, ncols=_LEGEND_COLUMNS, handlelength=2.4)

@@ -1,4 +1,4 @@
-"""What a newcomer sees first: the answer, whether it can be believed, three bars per entry, and two films."""
+"""What a newcomer sees first: the answer, whether it can be believed, and three bars per entry."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.rollout import DEFAULT_ENV
 
 N_BEST = 5
-BESIDE = "slow_opening"
-"""Whose film stands beside that of the best: what is played in practice."""
 NEARLY_KNOWN = 0.1
 """The coarser of the two targets of the worst sd that the answer names."""
 LEAST_SURE = 0.1
@@ -44,14 +42,6 @@ class Bars:
     comfortable: Bar
 
 
-@dataclass(frozen=True)
-class Belief:
-    """Whether the sds of the best entry can be believed, and why."""
-
-    yes: bool
-    because: str
-
-
 def firsts(ranking: Ranking) -> tuple[Row, ...]:
     """The best five, and all entries that do not come with the project, in the order of the rows."""
     best = ranking.rows[:N_BEST]
@@ -64,25 +54,26 @@ def rest(ranking: Ranking) -> tuple[Row, ...]:
     return tuple(row for row in ranking.rows if row not in shown)
 
 
-def films(study: Results, ranking: Ranking) -> tuple[tuple[str, Row], ...]:
-    """The best entry whose motion was kept, else the first, and ``BESIDE``; with words before the names."""
-    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    best = ranking.best if ranking.best in kept else None
-    shown = [row for row in kept if row is (best or kept[0]) or row.entry == BESIDE]
-    return tuple(("The best: " if row is best else "", row) for row in shown)
-
-
 def answer(ranking: Ranking) -> str:
-    """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence."""
-    number, patients = ranking.n_parameters, _counted(ranking.patients, "patient")
+    """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence.
+
+    Before it what acted on the truth and the filter did not know, if anything.
+    """
+    effects = ", ".join(f"{name} = {value:g}" for name, value in ranking.effects.items())
+    said = f"with {effects}, which the filter does not know: {_answer(ranking)}" if effects else _answer(ranking)
+    return said[0].upper() + said[1:]
+
+
+def _answer(ranking: Ranking) -> str:
+    number, patients = ranking.n_parameters, f"{ranking.patients} patient{'' if ranking.patients == 1 else 's'}"
+    best = ranking.best
     if not ranking.believed:
         return f"No maneuver identifies the {number} parameters of these {patients}: the stated precision is false."
     if not ranking.ranked:
         return f"No maneuver can be ranked on these {patients}: the table below says why."
-    best = ranking.best
     if best is None:
-        first = words.label(ranking.ranked[0].entry)
-        return f"No maneuver is best on these {patients}: {first} is ahead, but its stated errors cannot be believed."
+        ahead = words.label(ranking.ranked[0].entry)
+        return f"No maneuver is best on these {patients}: {ahead} is ahead, but its stated errors cannot be believed."
     said = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
@@ -90,37 +81,15 @@ def answer(ranking: Ranking) -> str:
 
 
 def assumption(study: Results) -> str:
-    """What the answer takes for granted of anatomy, device and disturbance, in sentences for everyone."""
-    lasting = "that last" if _lasts(study) else "that do not last"
-    if _within_sds(study):
-        said = (
-            f"This holds for a jaw whose anatomy and device are known only roughly, with small disturbances {lasting}."
-        )
-    else:
-        said = f"This holds for a jaw whose anatomy is known exactly, with small disturbances {lasting}."
-        if study.env == DEFAULT_ENV:
-            said += " Where a scan alone shows the anatomy, all is known several times less precisely."
-    without = study.about.get("settings", {}).get("force_sensor", "cell") != "cell"
-    return said + (" The device has no load cell." if without else "")
-
-
-def told(study: Results) -> str:
-    """The same for an expert, and the command that assumes less."""
-    disturbance = "a disturbance with memory" if _lasts(study) else "a white disturbance"
-    if _within_sds(study):
-        return f"The filter is told anatomy and device within sds, and {disturbance}."
-    less = "; --env JawImaged tells it both within the sds of a scan" if study.env == DEFAULT_ENV else ""
-    return f"The filter is told anatomy and device exactly, and {disturbance}{less}."
-
-
-def _within_sds(study: Results) -> bool:
-    return study.env == KNOWN_WITHIN_SDS or bool(study.about.get("settings", {}).get("knowledge"))
-
-
-def _lasts(study: Results) -> bool:
-    """Whether the disturbance that the filter knows of has memory."""
-    device = study.about.get("settings", {}).get("device", {})
-    return study.env == KNOWN_WITHIN_SDS or device.get("unmodelled_time_s", 0.0) > 0.0
+    """What the answer takes for granted of anatomy and disturbance, in a sentence or two."""
+    settings = study.about.get("settings", {})
+    imaged = study.env == KNOWN_WITHIN_SDS
+    known = "only roughly, as a scan shows it" if imaged or settings.get("knowledge") else "exactly"
+    lasts = imaged or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
+    lasting = "that last" if lasts else "that do not last"
+    said = f"This holds for a jaw whose anatomy is known {known}, with small disturbances {lasting}."
+    less = " Where a scan alone shows the anatomy, all is known several times less precisely."
+    return said + (less if known == "exactly" and study.env == DEFAULT_ENV else "")
 
 
 def _reached(row: Row, target: float) -> str:
@@ -132,23 +101,16 @@ def _reached(row: Row, target: float) -> str:
     return f"{to} only in {words.percent(share, 0)} % of all" if share else f"{to} in none"
 
 
-def belief(ranking: Ranking) -> Belief:
-    """Whether the stated precision of the best entry can be believed: its NEES against the band, and its alarm."""
+def belief(ranking: Ranking) -> tuple[bool, str]:
+    """Whether the stated precision of the best entry can be believed, and its NEES, the band, and its alarm."""
     row = ranking.best or (ranking.ranked or ranking.rows)[0]
     low, high = ranking.band
-    kind = ranking.calibration(row)
-    honest = f"honest sds give {words.number(low)} to {words.number(high)}"
-    found = f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, {honest}"
-    reasons = {
-        "honest": found,
-        "cautious": f"{found}: the errors are smaller than stated",
-        "overconfident": f"{found}: the errors are larger than stated",
-    }
-    alarm = f"the alarm rings in {words.percent(row.rings.value, 0)} % of the episodes"
-    rings = row.rings.value > LARGEST_RINGING
-    if rings:
-        alarm += f", allowed {words.percent(LARGEST_RINGING, 0)} %"
-    return Belief(ranking.believes(row), f"{reasons[kind]}; {alarm}.")
+    because = (
+        f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, honest sds give {words.number(low)} "
+        f"to {words.number(high)}; the alarm rings in {words.percent(row.rings.value, 0)} % of the episodes, allowed "
+        f"are {words.percent(LARGEST_RINGING, 0)} %."
+    )
+    return ranking.believes(row), because
 
 
 def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:
@@ -180,7 +142,3 @@ def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[Row]) -> list[tu
 
 def _within(share: float) -> float:
     return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,4 +1,4 @@
-"""What a training has changed: a trained correction beside the maneuver that it corrects, on the same patients."""
+"""What a training has changed: a trained correction beside the maneuver that it corrects, and its learning curves."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ import numpy as np
 from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import Results
+from eval.report import charts
 from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError
 
-SEEN = 0.05
-"""Of the comfortable excursion: a target that moves by less is as good as still."""
-_WIDER, _MIDDLE = 1.15, (5, 95)
+_MIDDLE = (5, 95)
 
 
 @dataclass(frozen=True)
@@ -30,21 +29,6 @@ class Change:
     before: tuple[float, float]
     after: tuple[float, float]
 
-    @property
-    def said(self) -> str:
-        """What has changed, in words."""
-        first, then = (0.5 * (high - low) for low, high in (self.before, self.after))
-        if max(first, then) < SEEN:
-            return "still, as before"
-        if first < SEEN:
-            return f"new: ± {then:.2f}"
-        if then < SEEN:
-            return "no longer used"
-        wider = then / first
-        said = "as wide" if 1.0 / _WIDER < wider < _WIDER else f"{wider:.1f} times as wide"
-        moved = 0.5 * (sum(self.after) - sum(self.before))
-        return said if abs(moved) < SEEN else f"{said}, on average {abs(moved):.2f} {'more' if moved > 0 else 'less'}"
-
 
 @dataclass(frozen=True)
 class Learned:
@@ -53,7 +37,6 @@ class Learned:
     Attributes:
         entry: row of the trained entry.
         base: row of the maneuver.
-        untrained: the best ranked row that is neither trained nor ``base``.
         steps: environment steps of the training.
         early: mean difference of the natural log of the worst sd after ``EARLY_S``; below 0 the entry is better.
         end: the same at the end.
@@ -62,7 +45,6 @@ class Learned:
 
     entry: Row
     base: Row
-    untrained: Row | None
     steps: int
     early: Interval
     end: Interval
@@ -78,22 +60,10 @@ class Learned:
         return f"{entry} began as {base}. In half of the patients that {known}, {entry} {said[1]}."
 
     @property
-    def verdict(self) -> str:
-        """What learning did, and what it did not."""
-        base = words.label(self.base.entry)
-        when, gain = (f"After {EARLY_S:g} s", self.early) if self.early.known else ("At the end", self.end)
-        low, value, high = (f"{100.0 * np.exp(end):.0f}" for end in (gain.low, gain.value, gain.high))
-        found = f"{when}, the worst sd is {value} % ({low} … {high}) of that of {base} on the same patient"
-        if not gain.known or gain.low <= 0.0 <= gain.high:
-            return f"{found}: that learning changed anything is not shown."
-        if gain.low > 0.0:
-            return f"{found}: learning made it worse."
-        said = f"{found}: that is what learning did."
-        if self.untrained is None:
-            return said
-        ahead = self.untrained.worst_sd_median.value < self.entry.worst_sd_median.value
-        other = words.label(self.untrained.entry).capitalize()
-        return f"{said} {other}, which no training made, is {'still ahead of it' if ahead else 'behind it'}."
+    def gain(self) -> tuple[str, Interval]:
+        """When, and the worst sd as a share of that of the base on the same patient."""
+        when, log = (f"after {EARLY_S:g} s", self.early) if self.early.known else ("at the end", self.end)
+        return when, Interval(*(math.exp(end) for end in (log.value, log.low, log.high)))
 
 
 def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
@@ -105,12 +75,10 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
         if corrected is None or corrected[0] not in rows:
             continue
         entry, base = rows[each["label"]], rows[corrected[0]]
-        untrained = [row for row in ranking.ranked if not row.trained and row is not base]
         found.append(
             Learned(
                 entry,
                 base,
-                untrained[0] if untrained else None,
                 corrected[1],
                 _difference(study, entry, base, "early_worst_sd"),
                 _difference(study, entry, base, "worst_sd"),
@@ -152,3 +120,74 @@ def _changes(before: dict[str, Any] | None, after: dict[str, Any] | None, about:
         Change(name, (one[0], one[1]), (two[0], two[1]))
         for name, one, two in zip(after["commands"], first, then, strict=True)
     )
+
+
+def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
+    """A chart of each panel of ``training.run.plot`` over environment steps, and what could not be read of the runs."""
+    trained = [each for each in study.about.get("entries", []) if each.get("trained")]
+    if not trained:
+        return {}, []
+    from training.run.plot import PANELS
+
+    tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
+    looks = charts.entries(ranking)
+    found = {}
+    for column, label, factor in PANELS if tables else ():
+        traces = []
+        for i, table in tables.items():
+            rows = [row for row in table if column in row]
+            traces.append(
+                {
+                    "x": [row["steps"] for row in rows],
+                    "y": [factor * row[column] for row in rows],
+                    "mode": "lines+markers",
+                    "name": looks[i]["name"],
+                    "meta": i,
+                    "line": {"color": looks[i]["colour"], "dash": looks[i]["dash"], "width": 2},
+                    "error_y": _errors(rows, column, factor, looks[i]["colour"]),
+                    "hovertemplate": f"{looks[i]['name']}<br>%{{y:.3g}} after %{{x:,}} steps<extra></extra>",
+                }
+            )
+        layout = {
+            "xaxis": {"title": "environment steps"},
+            "yaxis": {"title": label, "rangemode": "tozero"},
+            "height": 300,
+            "hovermode": "closest",
+        }
+        found[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
+    return found, notes
+
+
+def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: str) -> dict[str, Any]:
+    """Bars of the interval of each evaluation, where the run kept it."""
+    low, high = f"{column}_low", f"{column}_high"
+    if not all({low, high} <= set(row) for row in rows):
+        return {"visible": False}
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [factor * (row[high] - row[column]) for row in rows],
+        "arrayminus": [factor * (row[column] - row[low]) for row in rows],
+        "color": colour,
+        "thickness": 1,
+        "width": 3,
+    }
+
+
+def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
+    """Evaluations by the number of the row, of the runs that are still where they were."""
+    from training.run.evaluation_table import read_evaluations
+    from training.run.folder import RunFolder
+
+    found, notes = {}, []
+    for i, row in enumerate(ranking.rows):
+        if row.entry not in specs or not Path(specs[row.entry]).is_dir():
+            continue
+        try:
+            table = read_evaluations(RunFolder(Path(specs[row.entry])))
+        except InputError as error:
+            notes.append(str(error))
+            continue
+        if table:
+            found[i] = table
+    return found, notes

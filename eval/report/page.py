@@ -18,13 +18,11 @@ from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import Results
-from eval.report import charts, first, panels, template, verdict
-from eval.report.learned import learned
-from eval.report.learning import learning_charts
-from eval.report.playback import legend, playback
-from eval.report.terms import TERMS
+from eval.report import charts, films, first, template
+from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
 from eval.statistics import RESAMPLES
+from jawenv.anatomy.muscles import SIDES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 
 ASSETS = Path(__file__).parent / "assets"
@@ -51,18 +49,19 @@ def render(study: Results, ranking: Ranking) -> str:
         study: results of all entries.
         ranking: of the same study.
     """
-    moving = playback(study, ranking)
     learning, learning_notes = learning_charts(study, ranking)
-    if moving is not None:
-        moving["end_s"] = max(motion["frames"]["time_s"][-1] for motion in moving["motions"].values())
-    titles = [panels.Panel.of(parameter).plain_title for parameter in ranking.parameters]
+    learnt = learned(study, ranking)
+    filmed = films.filmed(study, ranking, [row for each in learnt for row in (each.base, each.entry)])
+    titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
         "entries": charts.entries(ranking),
         "charts": charts.all_charts(study, ranking) | learning,
         "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
         "curves": charts.curves(study, ranking),
         "sd_range": charts.sd_range(study),
-        "playback": moving,
+        "films": films.films(study, filmed),
+        "speed": films.SPEED,
+        "motions": {row.entry: charts.motion(study.motions[row.entry]) for row in filmed},
     }
     return template.render(
         "report.html.j2",
@@ -74,23 +73,21 @@ def render(study: Results, ranking: Ranking) -> str:
         about=study.about,
         answer=first.answer(ranking),
         assumption=first.assumption(study),
-        told=first.told(study),
         belief=first.belief(ranking),
         bars=first.all_bars(ranking, _episode_s(study), first.firsts(ranking)),
         bars_of_rest=first.all_bars(ranking, _episode_s(study), first.rest(ranking)),
         rest=first.rest(ranking),
-        films=first.films(study, ranking),
-        legend=legend(),
+        beside=films.beside(study, ranking),
+        filmed=filmed,
+        longest_s=films.LONGEST_S,
+        speed=films.SPEED,
+        knowledge=films.colours(),
         least_sure=first.LEAST_SURE,
-        terms=TERMS,
-        headline=verdict.headline(ranking),
-        remarks=verdict.remarks(ranking),
-        effects=verdict.effects(ranking),
-        bound_caption=verdict.bound_caption(ranking),
+        terms=template.TERMS,
         has_bound=charts.has_bound(ranking),
         muscles=[words.muscle(name) for name in ranking.parameters[::2]],
         parameter_titles=titles,
-        sided=panels.sided(ranking.parameters),
+        sided=any(name.endswith(SIDES) for name in ranking.parameters),
         shrinks=1.0 - math.exp(-1.0 / ranking.n_parameters),
         fibrosed_F_o_N=FIBROSED_F_O_N * whole_muscles_per_line(ranking.parameters),
         blocked_b=BLOCKED_B,
@@ -98,14 +95,10 @@ def render(study: Results, ranking: Ranking) -> str:
         resamples=RESAMPLES,
         limits=_limits(study),
         use=_use_of_limits(study, ranking),
-        playback=moving is not None,
-        playback_order=list(moving["motions"]) if moving else [],
-        commands=list(next(iter(moving["motions"].values()))["commands"]) if moving else [],
-        end_s=moving["end_s"] if moving else 0.0,
         learning=list(learning),
         learning_entries=_entries_in(learning, data["entries"]),
         learning_notes=learning_notes,
-        learned=learned(study, ranking),
+        learned=learnt,
         played=_played(study),
         data=_embedded(data),
         plotly=Markup((ASSETS / "plotly-basic.min.js").read_text(encoding="utf-8")),  # noqa: S704  (ours)

@@ -11,7 +11,7 @@ from rich.text import Text
 from eval import words
 from eval.comparison.adaptation import Adaptation
 from eval.comparison.ranking import KNOWN, Ranking, Row
-from eval.report import first, verdict
+from eval.report import first
 from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
@@ -39,18 +39,15 @@ def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
 
 def show_verdict(ranking: Ranking, learnt: Sequence[Learned], console: Console) -> None:
     """Print which entry is best, whether that can be believed, and what trained entries have learned."""
-    believed = first.belief(ranking)
-    answer = first.answer(ranking)
-    console.print(Text(answer[0].upper() + answer[1:], style="bold"), soft_wrap=True)
-    console.print(
-        Text(f"Can it be believed? {'Yes' if believed.yes else 'No'}, because {believed.because}"), soft_wrap=True
-    )
+    believed, because = first.belief(ranking)
+    console.print(Text(first.answer(ranking), style="bold"), soft_wrap=True)
+    console.print(Text(f"Can it be believed? {'Yes' if believed else 'No'}, because {because}"), soft_wrap=True)
     for each in learnt:
         console.print(Text(f"What was learned? {each.sooner}"), soft_wrap=True)
 
 
 def _show_all(ranking: Ranking, console: Console) -> None:
-    console.print(Text(verdict.headline(ranking)))
+    console.print(Text(first.answer(ranking)))
     for table in (_speed(ranking), _precision(ranking), _trust(ranking)):
         console.print(table)
     for row in ranking.others:

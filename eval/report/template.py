@@ -1,7 +1,11 @@
-"""HTML files out of templates; they need no network and no other file."""
+"""HTML files out of templates, which need no network and no other file, and what stands in them: figures and terms."""
 
 from __future__ import annotations
 
+import html
+import io
+import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +14,37 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from eval import words
-from eval.report import svg, terms
+from eval.report import drawing
 from jawenv.files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
+TERMS = {
+    "NEES": (
+        "Normalised estimation error squared: the squared error in units of what the filter states, summed over the "
+        "parameters. On average it is their number if the filter is honest; more means too sure."
+    ),
+    "nats": "The unit of information: one more nat, and all sds together have shrunk by a factor of e = 2.72.",
+    "sd": "Standard deviation that the filter states: it is probably within so much of the truth.",
+    "sds": "Standard deviations that the filter states: it is probably within so much of the truth.",
+    "RMSE": "Root mean square error: the typical distance of the estimates from the truth.",
+    "bound": "Posterior Cramér–Rao bound: the least error that any unbiased estimator could reach with that maneuver.",
+    "misfit": "How badly the readings fit the model that the filter believes in; where it is large, the alarm rings.",
+    "alarm": "It rings where the misfit is large: then nothing that the filter knows of explains the readings.",
+}
+_COLOURS = {
+    drawing.INK: "currentColor",
+    drawing.GRID: "var(--grid)",
+    drawing.REFERENCE: "var(--muted)",
+    "stroke: #ffffff": "stroke: var(--page)",
+}
+_NAME = re.compile(r'(\bid="|url\(#|href="#)')
+_PATH = re.compile(r'\bd="[^"]*"')
+_LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}")
+# What the page says once, or nobody refers to: metadata, a style for all of the page, names of groups, fonts.
+_NOT_WANTED = re.compile(
+    r'<metadata>.*?</metadata>|<style.*?</style>|(?<=<g) id="[^"]*"| font-family: [^;"]*;|^\s+',
+    re.DOTALL | re.MULTILINE,
+)
 
 
 def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
@@ -29,13 +60,22 @@ def render(name: str, folder: Path = TEMPLATES, **values: Any) -> str:
         "number": words.number,
         "percent": words.percent,
         "interval": words.interval,
+        "with_interval": words.with_interval,
         "label": words.label,
         "raw": words.raw,
-        "term": terms.term,
-        "explained": terms.explained,
+        "term": term,
         "in_percent": lambda estimate: words.scaled(estimate, 100.0),
     }
     return environment.get_template(name).render(**values)
+
+
+def term(word: str) -> Markup:
+    """A term as an element that explains it under the pointer.
+
+    Raises:
+        KeyError: a word that is not among ``TERMS``.
+    """
+    return Markup('<abbr title="{}">{}</abbr>').format(TERMS[word], word)
 
 
 def write(page: str, path: Path) -> Path:
@@ -49,6 +89,32 @@ def write(page: str, path: Path) -> Path:
     return path
 
 
-def picture(figure: Figure, name: str, label: str) -> Markup:
-    """A figure as part of a page, see `eval.report.svg.inline`."""
-    return Markup(svg.inline(figure, name, label))  # noqa: S704  (our own figure, ids and label are escaped)
+def picture(figure: Figure, name: str, label: str, colours: Mapping[str, str] | None = None) -> Markup:
+    """A matplotlib figure as an <svg> element of class `figure`, in the page's font and colours.
+
+    Args:
+        figure: drawn in `eval.report.drawing.style`.
+        name: unique on the page; every id inside begins with it.
+        label: what a screen reader says.
+        colours: drawn colour -> CSS, besides those of `eval.report.drawing`.
+    """
+    with drawing.style():
+        written = io.StringIO()
+        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
+    text = written.getvalue()
+    opening = re.search(r'<svg[^>]*viewBox="([^"]*)"[^>]*>', text, re.DOTALL)
+    assert opening is not None, "matplotlib writes an <svg> with a viewBox"
+    body = _NOT_WANTED.sub("", text[opening.end() :])
+    body = _PATH.sub(lambda path: _LONG_NUMBER.sub(_shorter, path.group()).replace("\n", ""), body)
+    body = _NAME.sub(rf"\g<1>{name}-", body)
+    for colour, css in (_COLOURS | dict(colours or {})).items():
+        body = body.replace(colour, css)
+    return Markup(  # noqa: S704  (our own figure; the label is escaped)
+        f'<svg viewBox="{opening.group(1)}" role="img" aria-label="{html.escape(label)}" class="figure" '
+        f'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{body}'
+    )
+
+
+def _shorter(number: re.Match[str]) -> str:
+    """A coordinate to a tenth of a point, which is less than a pixel."""
+    return f"{float(number.group()):.1f}"

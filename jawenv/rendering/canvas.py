@@ -26,14 +26,14 @@ Box = tuple[float, float, float, float]
 
 
 class Canvas:
-    """One picture. Positions and lengths are design units: 1280 by 720, scaled to fit and centred."""
+    """One picture. Positions and lengths are design units, scaled to fit and centred."""
 
-    def __init__(self, size: tuple[int, int]) -> None:
-        """Make an empty picture of `size` pixels."""
+    def __init__(self, size: tuple[int, int], design: tuple[int, int] = DESIGN_SIZE) -> None:
+        """Make an empty picture of `size` pixels, `design` units wide and high."""
         pygame.font.init()
         self.size = size
-        self._scale = min(size[0] / DESIGN_SIZE[0], size[1] / DESIGN_SIZE[1])
-        self._shift = np.array([(size[i] - self._scale * DESIGN_SIZE[i]) / 2 for i in (0, 1)])
+        self._scale = min(size[0] / design[0], size[1] / design[1])
+        self._shift = np.array([(size[i] - self._scale * design[i]) / 2 for i in (0, 1)])
         self._zoom = self._scale * SUPERSAMPLE
         self._offset = self._shift * SUPERSAMPLE
         self._surface = pygame.Surface((size[0] * SUPERSAMPLE, size[1] * SUPERSAMPLE), depth=32)
@@ -60,6 +60,11 @@ class Canvas:
         pygame.transform.smoothscale(self._surface, self.size, self._result)
         self._result.blits(self._texts)
         return self._result
+
+    def pixels(self) -> NDArray[np.uint8]:
+        """Return the picture at its final size as a new array (height, width, 3)."""
+        flat = np.frombuffer(pygame.image.tobytes(self.finish(), "RGB"), dtype=np.uint8)
+        return flat.reshape(self.size[1], self.size[0], 3).copy()
 
     def clip(self, box: Box | None) -> None:
         """Draw shapes inside `box` only; None lifts the limit."""

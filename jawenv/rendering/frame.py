@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import pygame
-
 from jawenv.rendering import palette
 from jawenv.rendering.camera import front_camera, side_camera
 from jawenv.rendering.canvas import Box, Canvas
-from jawenv.rendering.legends import draw_colour_legend, draw_width_legend
+from jawenv.rendering.muscles import draw_colour_legend, draw_width_legend
 from jawenv.rendering.palette import FAINT_INK, INK, SOFT_INK
-from jawenv.rendering.panels import draw_comfort, draw_figures
+from jawenv.rendering.panels import draw_comfort, draw_figures, draw_trace, draw_trace_legend
 from jawenv.rendering.posterior import draw_posterior, draw_posterior_background
 from jawenv.rendering.scene import Moment, Scene
-from jawenv.rendering.skull import draw_front_background, draw_side_background
-from jawenv.rendering.trace import draw_trace, draw_trace_legend
-from jawenv.rendering.views import draw_front, draw_side
+from jawenv.rendering.views import draw_front, draw_front_background, draw_side, draw_side_background
 
 _SIDE: Box = (14, 54, 386, 456)
 _FRONT: Box = (412, 54, 386, 456)
@@ -36,8 +32,8 @@ class Frame:
         self._canvas: Canvas | None = None
         self._kind: tuple[object, ...] = ()
 
-    def draw(self, scene: Scene, trace: list[Moment]) -> pygame.Surface:
-        """Draw one scene; the surface is reused by the next call."""
+    def draw(self, scene: Scene, trace: list[Moment]) -> Canvas:
+        """Draw one scene; the canvas is reused by the next call."""
         canvas = self._prepare(scene)
         canvas.text(scene.title, (18, 30), 19, INK, bold=True, fit=1040)
         draw_side(canvas, side_camera(_view(_SIDE), scene.planar), _view(_SIDE), scene)
@@ -46,7 +42,7 @@ class Frame:
         draw_comfort(canvas, _COMFORT, scene)
         draw_trace(canvas, _TRACE, scene, trace)
         draw_figures(canvas, _FIGURES, scene)
-        return canvas.finish()
+        return canvas
 
     def _prepare(self, scene: Scene) -> Canvas:
         prior = (scene.prior_mean.tobytes(), scene.prior_sd.tobytes())

@@ -1,26 +1,36 @@
-"""How a muscle looks: a spindle, as wide as its tension asks, in the colour of what is known about it."""
+"""How a muscle looks: a spindle, as wide as its tension asks, in the colour of what is known; names and legends."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.rendering import palette
-from jawenv.rendering.palette import Colour
+from jawenv.rendering.camera import Camera
+from jawenv.rendering.palette import FAINT_INK, SOFT_INK, Colour
 from jawenv.rendering.scene import Scene
 
 if TYPE_CHECKING:
-    from jawenv.rendering.canvas import Canvas
+    from jawenv.rendering.canvas import Box, Canvas
 
 Array = NDArray[np.float64]
-
 
 SLACK, PER_ROOT_N, WIDEST = 3.0, 2.1, 17.0  # widths, design units: without tension, per root of a N, at most
 _HIGH_MM = 15.0  # lines from above this height run under the cheekbone's arch
 _INNER_MM = (1.0, 30.0)  # lines from between these distances to the midplane run inside the ramus
+_SHORT = {"anterior": "ant.", "posterior": "post.", "medial": "med."}
+_SIZE = 11.5
+_LINE = 13.5
+_ABOVE = (0.105, 0.195)  # heights of the names of high muscles, as shares of the view
+_BELOW = (0.665, 0.96)  # between these stand the names of the others
+_FEW_BELOW = (0.79, 0.92)
+LABELLED_SD = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+LABELLED_TENSION_N = (1.0, 5.0, 20.0)
+_PIECES = 80
 
 
 def split_name(muscle: str) -> tuple[str, str]:
@@ -121,3 +131,83 @@ def draw_muscle(
             canvas.line((middle + across * (lane * width / 2) * profile)[2:-2], fibre, 0.7)
     for point in (start, end):
         canvas.circle((float(point[0]), float(point[1])), max(2.2, 0.26 * width), rim)
+
+
+@dataclass
+class _Name:
+    """A muscle's name: its words, the places on its lines that leaders point at, and its rank among the names."""
+
+    words: list[str]
+    targets: list[tuple[float, float]]
+    rank: float
+
+
+def draw_names(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> None:
+    """Name the muscles of the near side in the free space behind the jaw."""
+    high: dict[str, _Name] = {}
+    low: dict[str, _Name] = {}
+    left, bottom = box[0] + 16, box[1] + box[3]
+    for i, name in enumerate(scene.muscle_names):
+        if side_of(scene, i) == "left":
+            continue
+        origin, insertion = scene.muscle_origin_m[i], scene.muscle_insertion_m[i]
+        closed = (insertion - scene.contact_m) @ scene.rotation
+        names = high if layer_of(scene, i) == "high" else low
+        target = camera.project(1000 * (origin + (insertion - origin) * (0.2 if names is high else 0.97)))
+        # Ranked in the closed jaw, so that no names change places while it moves; leaders then hardly cross.
+        x, y = camera.project(1000 * closed)
+        rank = -camera.project(1000 * origin)[0] if names is high else (x - left) / (bottom - y)
+        label = names.setdefault(name, _Name(_words(name), [], float(rank)))
+        label.targets.append((float(target[0]), float(target[1])))
+    low_shares = np.linspace(*_BELOW, len(low)) if len(low) > 2 else np.array(_FEW_BELOW)[: len(low)]
+    for shares, names in ((_ABOVE, high), (low_shares, low)):
+        ranked = sorted(names.values(), key=lambda name: name.rank)
+        _draw_column(canvas, (left, box[1]), [share * box[3] for share in shares[: len(ranked)]], ranked)
+
+
+def _draw_column(canvas: Canvas, corner: tuple[float, float], heights: list[float], names: list[_Name]) -> None:
+    """Set names below each other and draw a leader to each of their lines, clear of the other names."""
+    rows = []
+    for height, name in zip(heights, names, strict=False):
+        for line, word in enumerate(name.words):
+            y = corner[1] + height + _LINE * (line - (len(name.words) - 1) / 2)
+            rows.append((name, line, y, canvas.text(word, (corner[0], y), _SIZE, palette.SOFT_INK)))
+    edge = corner[0] + max((row[3] for row in rows), default=0.0) + 5
+    for name, line, y, width in rows:
+        if line == 0:
+            for target in name.targets:
+                points = [(corner[0] + width + 4, y), (max(edge, corner[0] + width + 5), y), target]
+                canvas.line(points, palette.SOFT_INK, 0.8)
+
+
+def _words(name: str) -> list[str]:
+    if name in ("left", "right"):
+        return [f"{name} side's", "muscles"]
+    words = split_name(name)[0].split("_")
+    return words if len(words) < 3 else [" ".join(_SHORT.get(word, word) for word in words[:-1]), words[-1]]
+
+
+def draw_colour_legend(canvas: Canvas, at: tuple[float, float], right: float) -> None:
+    """The scale of knowledge, from ``at`` to the right edge."""
+    x, y = at
+    canvas.text("Muscle colour: sd", (x, y), 10.5, SOFT_INK)
+    left = x + 112
+    span = math.log(palette.UNKNOWN_SD / palette.KNOWN_SD)
+    width = (right - left) / _PIECES
+    for i in range(_PIECES):
+        sd = palette.UNKNOWN_SD * math.exp(-span * (i + 0.5) / _PIECES)
+        canvas.rect((left + i * width, y - 5, width + 0.6, 8), palette.knowledge(sd))
+    for sd in LABELLED_SD:
+        place = left + math.log(palette.UNKNOWN_SD / sd) / span * (right - left)
+        canvas.line([(place, y - 5), (place, y + 5)], palette.CARD if 0.01 < sd < 0.5 else palette.BORDER, 1.0)
+        canvas.text(f"{100 * sd:.0f} %", (place, y + 12), 10, SOFT_INK, anchor="centre")
+
+
+def draw_width_legend(canvas: Canvas, at: tuple[float, float]) -> None:
+    """Muscles of some tensions, in a row that begins at ``at``."""
+    x, y = at
+    canvas.text("Muscle width: tension", (x, y), 10.5, SOFT_INK)
+    for i, tension in enumerate(LABELLED_TENSION_N):
+        left = x + 134 + i * 78
+        draw_muscle(canvas, np.array([left, y]), np.array([left + 34.0, y]), muscle_width(tension), FAINT_INK)
+        canvas.text(f"{tension:g} N", (left + 42, y), 10.5, SOFT_INK)

@@ -15,6 +15,7 @@ from jawenv.rendering.scene import Moment, Scene
 if TYPE_CHECKING:
     import pygame
 
+    from jawenv.rendering.canvas import Canvas
     from jawenv.rendering.frame import Frame
 
 Mode = Literal["rgb_array", "human"]
@@ -70,11 +71,7 @@ class Renderer:
         Returns:
             A new array (height, width, 3).
         """
-        surface = self._picture(scene)
-        import pygame
-
-        pixels = np.frombuffer(pygame.image.tobytes(surface, "RGB"), dtype=np.uint8)
-        return pixels.reshape(self.size[1], self.size[0], 3).copy()
+        return self._picture(scene).pixels()
 
     def show(self, scene: Scene) -> None:
         """Show a scene in the window, wait for the next picture's turn and see to the window's events.
@@ -84,7 +81,7 @@ class Renderer:
         """
         if self._dismissed:
             return
-        surface = self._picture(scene)
+        surface = self._picture(scene).finish()
         import pygame
 
         window = self._open()
@@ -108,7 +105,7 @@ class Renderer:
         self._dismissed = False
         self._trace.clear()
 
-    def _picture(self, scene: Scene) -> pygame.Surface:
+    def _picture(self, scene: Scene) -> Canvas:
         if self._frame is None:
             os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
             with needs("render_mode", "pygame", "render"):

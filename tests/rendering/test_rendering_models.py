@@ -9,7 +9,7 @@ from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.ladder import MODELS
 from jawenv.rendering import Renderer, palette
 from jawenv.rendering.frame import CARDS
-from jawenv.rendering.posterior_layout import lay_out
+from jawenv.rendering.posterior import lay_out
 from tests.rendering import jaw_scenes as scenes
 
 models = pytest.mark.parametrize("model", MODELS)

@@ -39,8 +39,7 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     return {
       ...given,
       height: given.height + top - LEAST_MARGIN_PX,
-      xaxis: axis(given.xaxis, width / 9),
-      yaxis: axis(given.yaxis, 60),
+      ...Object.fromEntries(Object.entries(given).filter(([name]) => /^[xy]axis/.test(name)).map(([name, each]) => [name, axis(each, name[0] === "x" ? width / 9 : 60)])),
       title: { text: given.heading ?? "", font: { size: 12.5 }, x: 0, xref: "paper", y: 0.97, yanchor: "top" },
       margin: { l: 8, r: room, t: top, b: 8 },
       paper_bgcolor: "rgba(0,0,0,0)",
@@ -211,6 +210,7 @@ const report = { data: JSON.parse(document.getElementById("data").textContent), 
     for (const button of document.querySelectorAll(".entries .all")) button.textContent = report.hidden.size ? `Show all ${report.data.entries.length}` : "Show the best only";
   }
 
+  report.draw = draw;
   for (const [id, chart] of Object.entries(report.data.charts)) report.charts.set(id, chart);
   const focus = document.getElementById("focus");
   panels("");

@@ -1,54 +1,45 @@
 "use strict";
-// Films beside each other, in step, once through; still until asked where a reader wants no motion.
-for (const section of document.querySelectorAll(".films")) {
-  const SPEED = 2;
-  const KNOWN = 0.05;
-  const START_S = 3; // shown until the film plays: by then a jaw is open
-  const { motions, end_s: end } = report.data.playback;
-  const play = section.querySelector(".films-play");
-  const clock = section.querySelector(".films-clock");
-  const films = [...section.querySelectorAll("figure")].map((box) => ({ box, motion: motions[box.dataset.entry] }));
-  let [now, playing, last] = [Math.min(START_S, end), false, 0];
-  let begun = matchMedia("(prefers-reduced-motion: reduce)").matches;
+// Films of the first patient: those of a group play in step, from when they first come into view, and pause when they
+// leave it; still until asked where a reader wants no motion. A line in the chart below a film marks its time.
+(() => {
+  const STILL_S = 2; // shown where nothing moves: by then a jaw is open
+  const APART_S = 0.1;
+  const { films, motions, speed } = report.data;
+  const addresses = {};
 
-  function draw() {
-    for (const { box, motion } of films) {
-      const frame = jaw.frameAt(motion, now);
-      for (const canvas of box.querySelectorAll("canvas")) jaw.draw(canvas, canvas.dataset.view, motion, frame);
-      const known = frame.sd.filter((sd) => sd <= KNOWN).length;
-      box.querySelector(".now").textContent = `${known} of ${frame.sd.length} parameters known to ${100 * KNOWN}\u00a0%, the worst to ${(100 * Math.max(...frame.sd)).toFixed(1)}\u00a0%`;
+  function address(entry) {
+    const bytes = () => Uint8Array.from(atob(films[entry]), (letter) => letter.charCodeAt(0));
+    return (addresses[entry] ??= URL.createObjectURL(new Blob([bytes()], { type: "video/mp4" })));
+  }
+
+  for (const group of document.querySelectorAll(".films")) {
+    const shown = [...group.querySelectorAll("video")];
+    const others = (film) => shown.filter((other) => other !== film);
+    const play = (film) => film.play().catch(() => {});
+    let begun = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    for (const film of shown) {
+      if (film.dataset.entry) film.src = address(film.dataset.entry);
+      if (begun) film.addEventListener("loadeddata", () => { film.currentTime = STILL_S; }, { once: true });
+      film.addEventListener("play", () => others(film).forEach(play));
+      film.addEventListener("pause", () => { if (!film.ended) others(film).forEach((other) => other.pause()); });
+      film.addEventListener("ratechange", () => others(film).forEach((other) => { other.playbackRate = film.playbackRate; }));
+      film.addEventListener("seeked", () => others(film).forEach((other) => { if (Math.abs(other.currentTime - film.currentTime) > APART_S) other.currentTime = film.currentTime; }));
     }
-    clock.textContent = `${now.toFixed(1)} s of ${end} s`;
+    new IntersectionObserver(([seen]) => {
+      if (!seen.isIntersecting) shown.forEach((film) => film.pause());
+      else if (!begun) { begun = true; shown.forEach(play); }
+    }).observe(group);
   }
 
-  function step(at) {
-    if (!playing) return;
-    if (at - last > 36) {
-      now = Math.min(now + (Math.min(at - last, 250) / 1000) * SPEED, end);
-      last = at;
-      if (now >= end) set(false);
-      draw();
-    }
-    requestAnimationFrame(step);
+  for (const stage of document.querySelectorAll(".stage")) {
+    const [select, film, box] = ["select", "video", ".chart"].map((part) => stage.querySelector(part));
+    const choose = () => {
+      film.src = address(select.value);
+      report.charts.set(box.id, motions[select.value]);
+      report.draw(box.id);
+    };
+    film.addEventListener("timeupdate", () => Plotly.relayout(box, { "shapes[0].x0": speed * film.currentTime, "shapes[0].x1": speed * film.currentTime }));
+    select.addEventListener("change", choose);
+    choose();
   }
-
-  function set(on) {
-    playing = on;
-    play.textContent = on ? "Pause" : "Play";
-    if (!on) return;
-    begun = true;
-    if (now >= end) now = 0;
-    last = performance.now();
-    requestAnimationFrame(step);
-  }
-
-  play.addEventListener("click", () => set(!playing));
-  new ResizeObserver(draw).observe(section);
-  // Begins when it first comes into view, and pauses when it leaves it.
-  new IntersectionObserver(([seen]) => {
-    if (!seen.isIntersecting) set(false);
-    else if (!begun) { now = 0; set(true); }
-  }).observe(section);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  draw();
-}
+})();

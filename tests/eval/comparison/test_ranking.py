@@ -7,7 +7,7 @@ from rich.console import Console
 from eval import words
 from eval.comparison.admission import Admission
 from eval.comparison.ranking import CLAIRVOYANT, KNOWN, rank
-from eval.report import table, verdict
+from eval.report import first, table
 from eval.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band
@@ -78,7 +78,6 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
     assert last.excluded == (
         "the alarm rings in 7.5 % of the episodes, allowed 5 %: their readings do not fit the model"
     )
-    assert "good one (7.5 %); do not trust" in " ".join(verdict.remarks(ranking))
     console = Console(file=io.StringIO(), width=120)
     table.show(ranking, console, details=True)
     assert "c  good one is not ranked: the alarm rings in 7.5 %" in console.file.getvalue()
@@ -87,7 +86,6 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
 def test_few_may_ring(made):
     ranking = rank(ringing(made, GOOD, 2))
     assert ranking.ranked[0].entry == GOOD
-    assert "alarm" not in " ".join(verdict.remarks(ranking))
 
 
 def test_who_sees_the_truth_is_a_yardstick(made):
@@ -111,9 +109,7 @@ def test_false_sds_identify_nothing(made):
     ranking = rank(misled(made, 12.0))
     assert not ranking.ranked
     assert not ranking.believed
-    assert verdict.headline(ranking).startswith(
-        "With creep_share = 0.3, which the filter does not know: No maneuver id"
-    )
+    assert first.answer(ranking).startswith("With creep_share = 0.3, which the filter does not know: No maneuver id")
     assert all("sds are false" in row.excluded for row in ranking.rows)
 
 
@@ -148,17 +144,6 @@ def test_an_unknown_reference_is_named(made):
 def test_calibration_is_judged_by_the_band(ranking):
     kinds = {row.entry: ranking.calibration(row) for row in ranking.rows}
     assert kinds == {GOOD: "honest", TRAINED: "honest", BOASTFUL: "overconfident", IDLE: "honest"}
-
-
-def test_the_verdict_says_who_wins_who_lies_and_who_hurts(ranking):
-    assert verdict.headline(ranking).startswith("Good one is the best maneuver: ")
-    told = " ".join(verdict.remarks(ranking))
-    assert "Not ranked: ppo-seed0, discomfort 6 s per 30 s, allowed 0.1." in told
-    assert "boastful (" in told
-
-
-def test_few_patients_are_said_to_be_few():
-    assert "Patients: 5; " in " ".join(verdict.remarks(rank(study(patients=5))))
 
 
 def test_the_terminal_shows_calibration_beside_every_sd(ranking):

@@ -1,4 +1,4 @@
-"""The report in a browser: what is drawn, sorted, hidden, played back and pressed."""
+"""The report in a browser: what is drawn, sorted, hidden, filmed and pressed."""
 
 import pandas as pd
 import pytest
@@ -43,10 +43,6 @@ def names(page):
     return page.eval_on_selector_all("#ranking-table td.text .name", "cells => cells.map(c => c.textContent.trim())")
 
 
-def time_s(page):
-    return float(page.input_value("#time-slider"))
-
-
 def test_it_is_drawn_without_a_complaint_or_the_network(path, both):
     assert both.complaints == []
     assert [url for url in both.requests if not url.startswith(("data:", "blob:"))] == [path.as_uri()]
@@ -83,16 +79,20 @@ def test_a_table_is_saved_in_the_units_of_its_headings(page, tmp_path):
     assert table["worst of the 12 sd, % median"].between(1.0, 100.0).all()
 
 
-def test_the_films_play_pause_and_stop_where_nobody_looks(path):
+def test_the_films_stay_still_where_a_reader_wants_no_motion_and_play_in_step_until_nobody_looks(path):
+    times = "films => films.map(film => film.currentTime)"
     with opened(path) as page:
         page.emulate_media(reduced_motion="reduce")
         page.reload()
-        assert page.inner_text("#films .films-play") == "Play", "still where a reader wants no motion"
-        before = page.locator("#films canvas").first.evaluate(PIXELS)
-        page.click("#films .films-play")
-        page.wait_for_function(f"({PIXELS})(document.querySelector('#films canvas')) !== {before}")
+        page.wait_for_function("[...document.querySelectorAll('#films video')].every(film => film.readyState > 1)")
+        assert page.evaluate("[...document.querySelectorAll('#films video')].every(film => film.paused)")
+        page.evaluate("document.querySelector('#films video').currentTime = 0.2")
+        page.wait_for_timeout(300)
+        assert page.eval_on_selector_all("#films video", times) == [0.2, 0.2]
+        page.evaluate("document.querySelector('#films video').play()")
+        page.wait_for_function("[...document.querySelectorAll('#films video')].every(film => film.currentTime > 0.4)")
         page.evaluate("document.getElementById('settings').scrollIntoView()")
-        page.wait_for_function("document.querySelector('#films .films-play').textContent === 'Play'")
+        page.wait_for_function("[...document.querySelectorAll('#films video')].every(film => film.paused)")
         assert page.complaints == []
 
 
@@ -215,34 +215,14 @@ def test_one_entry_is_shown_with_its_spread_and_its_bound(page):
     page.select_option("#focus", "")
 
 
-PIXELS = """canvas => {
-    const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-    let sum = 0;
-    for (let i = 0; i < data.length; i += 4) sum = (31 * sum + data[i] + 7 * data[i + 3]) % 1000003;
-    return sum;
-}"""
-
-
-def test_the_jaw_moves_by_slider_keys_and_play(page):
-    views = page.locator("#player .views canvas")
-    assert views.count() == 4
-    page.locator("#time-slider").fill("0")
-    still = [view.evaluate(PIXELS) for view in views.all()]
-    assert len(set(still)) > 1
-    page.locator("#time-slider").fill("2")
-    assert all(a != view.evaluate(PIXELS) for a, view in zip(still, views.all(), strict=True))
-    assert "Opening" in page.locator("#player .now").first.inner_text()
-    page.locator("#player").focus()
-    page.keyboard.press("ArrowLeft")
-    assert time_s(page) == pytest.approx(1.8)
-    page.keyboard.press("Space")
-    page.wait_for_function("Number(document.getElementById('time-slider').value) > 2.1")
-    page.keyboard.press("Space")
-    assert page.inner_text("#play") == "Play"
-    stopped = time_s(page)
-    page.wait_for_timeout(200)
-    assert time_s(page) == stopped
-    page.locator(".stage select").nth(1).select_option("slow_opening")
+def test_another_film_is_chosen_and_the_line_in_its_chart_follows(page):
+    stage = page.locator(".stage").nth(1)
+    stage.locator("select").select_option("opening_with_swings")
+    stage.locator("video").evaluate("film => { film.pause(); film.currentTime = 1.0; }")
+    page.wait_for_function("Math.abs(document.getElementById('motion-1').layout.shapes[0].x0 - 1.5) < 0.1")
+    assert page.locator("#motion-1 .scatterlayer .trace").count() == 4 + 3 + 12
+    first, second = page.locator(".stage video").all()
+    assert first.get_attribute("src") != second.get_attribute("src")
     assert page.complaints == []
 
 

@@ -1,0 +1,128 @@
+"""Films of how entries move the first patient, drawn by the renderer from the motions that were kept."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from eval.comparison.ranking import Ranking, Row
+from eval.comparison.results import Results
+from eval.film import write_mp4
+from jawenv.anatomy import default_mandible
+from jawenv.ladder import Model, model_of_env
+from jawenv.progress import Progress
+from jawenv.rendering import Scene, palette
+from jawenv.rendering.film import JawRenderer
+
+BESIDE = "slow_opening"
+"""Whose film stands beside that of the best: what is played in practice."""
+ENOUGH, MOST = 4, 6
+"""So many entries are filmed, and more only where trainings are compared with what they began as."""
+LONGEST_S, PICTURES_PER_S, SPEED = 12.0, 8, 1.5
+"""What is filmed of an episode, s; pictures for each of these; how much quicker the film is."""
+QUALITY = ("-crf", "32", "-preset", "slow")
+_SMOOTH = ("contact", "turn", "moved")
+
+
+def beside(study: Results, ranking: Ranking) -> list[Row]:
+    """The best entry whose motion was kept, else the first, and ``BESIDE``."""
+    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
+    best = ranking.best if ranking.best in kept else kept[0] if kept else None
+    return [row for row in kept if row is best or row.entry == BESIDE]
+
+
+def filmed(study: Results, ranking: Ranking, wanted: Sequence[Row]) -> list[Row]:
+    """The entries of `beside`, those that are wanted, and the next best where there is time for more."""
+    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
+    asked = list(dict.fromkeys(row.entry for row in (*beside(study, ranking), *wanted) if row in kept))[:MOST]
+    others = [row.entry for row in kept if row.entry not in asked]
+    shown = {*asked, *others[: max(ENOUGH - len(asked), 0)]}
+    return [row for row in kept if row.entry in shown]
+
+
+def films(study: Results, rows: Sequence[Row]) -> dict[str, str]:
+    """An mp4 in base64 of every row, by its label; progress is shown on the error stream."""
+    if not rows:
+        return {}
+    model, made = model_of_env(study.env), {}
+    with Progress(len(rows), "films", Console(stderr=True)) as progress:
+        progress.say(f"filming {len(rows)} entries")
+        for row in rows:
+            made[row.entry] = _film(study.motions[row.entry], model)
+            progress.advance_to(len(made))
+    return made
+
+
+def _film(motion: dict[str, Any], model: Model) -> str:
+    renderer = JawRenderer()
+    pictures = (renderer.draw(scene) for scene in scenes(motion, model))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        write_mp4(path, pictures, PICTURES_PER_S * SPEED, QUALITY)
+        return base64.b64encode(path.read_bytes()).decode()
+
+
+def scenes(motion: dict[str, Any], model: Model) -> Iterator[Scene]:
+    """Scenes between the frames of a motion: its path by cubic splines, all else linear.
+
+    Args:
+        motion: see `eval.comparison.motion`.
+        model: in which it was played.
+    """
+    from scipy.interpolate import make_interp_spline
+    from scipy.spatial.transform import Rotation
+
+    frames = {name: np.array(values) for name, values in motion["frames"].items() if name != "command"}
+    known_s = frames.pop("time_s")
+    times = np.arange(known_s[0], min(known_s[-1], LONGEST_S) + 1e-9, 1.0 / PICTURES_PER_S)
+    degree = min(3, len(known_s) - 1)
+    at = {
+        name: make_interp_spline(known_s, values, degree if name in _SMOOTH else min(1, degree))(times)
+        for name, values in frames.items()
+    }
+    turns, number = Rotation.from_rotvec(at["turn"]).as_matrix(), len(motion["parameters"])
+    origin, insertion, held = (1e-3 * np.array(motion[name]) for name in ("origin", "insertion", "mouthpiece"))
+    for i, (time_s, turn, contact) in enumerate(zip(times, turns, 1e-3 * at["contact"], strict=True)):
+        yield Scene(
+            muscle_names=tuple(motion["muscles"]),
+            muscle_origin_m=origin,
+            muscle_insertion_m=contact + insertion @ turn.T,
+            muscle_tension_N=np.maximum(at["tension"][i], 0.0),
+            contact_m=contact,
+            rotation=turn,
+            plant=model.plant,
+            slides=model.free[0],
+            condyle_half_width_m=default_mandible().condyle_half_width_m,
+            fossa_drop_m=1e-3 * motion["path"][0],
+            fossa_frequency=1e3 * motion["path"][1],
+            mouthpiece_m=contact + turn @ held,
+            mouthpiece_force_N=at["force"][i],
+            parameter_names=tuple(motion["parameters"]),
+            belief_mean=np.zeros(number),
+            belief_cov=np.diag(np.square(at["sd"][i])),
+            prior_mean=np.zeros(number),
+            prior_sd=frames["sd"][0],
+            truth=None,
+            comfort={},
+            comfort_hard={},
+            governor=0.0,
+            time_s=float(time_s),
+            episode_s=float(known_s[-1]) or 1.0,
+            opening_mm=float(at["moved"][i, 0]),
+            opening_limits_mm=np.zeros(2),
+            excursion_mm=at["moved"][i, 1:],
+            excursion_soft_mm=np.zeros(2),
+            information_nats=0.0,
+            title="",
+        )
+
+
+def colours() -> str:
+    """The scale of knowledge from unknown to known, as a gradient of CSS."""
+    return f"linear-gradient(to right, {', '.join(f'rgb{colour}' for colour in palette.KNOWLEDGE)})"
