@@ -22,18 +22,15 @@ import pandas as pd
 from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from agents import registry
-from agents.card import policy_names
+from agents.card import card_of, policy_names
 from agents.excitation import EXCITATIONS
 from agents.own import names_own
 from agents.planners import PLANNERS
-from agents.policies import config_of_run
-from agents.residual import BASE_FILE
 from eval.benchmark.run import Cell
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
 from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
-from jawenv.playing.maneuvers import Maneuver
+from jawenv.files import InputModel, Number, atomic_write, read_model
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
@@ -251,22 +248,18 @@ def _copied(spec: str, folder: Path, number: int) -> str:
         What the copy is loaded by, from the folder on.
     """
     given, files = Path(spec).resolve(), registry.files_of(spec)
-    config = config_of_run(given)
-    root = given if given.is_dir() else given.parent if config is None else config.parent.resolve()
+    run = card_of(given)
+    root = given if given.is_dir() else given.parent if run is None else run[0].resolve()
     place = PurePosixPath(AGENTS, str(number), root.name or "root")
     for file in (each.resolve() for each in files):
-        lies_within = file.is_relative_to(root)
-        target = folder / place / (file.relative_to(root).as_posix() if lies_within else BASE_FILE)
+        target = folder / place / file.relative_to(root).as_posix()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"output {folder}: {error.strerror}") from None
-        if lies_within:
-            content = read_bytes(file)
-            with atomic_write(target) as unfinished:
-                unfinished.write_bytes(content)
-        else:  # the maneuver that a run corrects, as a run's folder holds it
-            write_json(target, Maneuver.load(file))
+        content = read_bytes(file)
+        with atomic_write(target) as unfinished:
+            unfinished.write_bytes(content)
     return str(place if given == root else place / given.relative_to(root).as_posix())
 
 

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from agents.card import card_of
+from agents.evaluations import read_evaluations
 from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import EARLY_S, Results
@@ -121,18 +123,12 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
 
 def _corrected(folder: Path) -> tuple[str, int] | None:
     """The maneuver that a run's policy corrects, and the run's steps so far."""
-    from training.run.config import TrainingConfig
-    from training.run.evaluation_table import read_evaluations
-    from training.run.folder import RunFolder
-
-    run = RunFolder(folder)
-    if not run.exists():
-        return None
     try:
-        config, table = TrainingConfig.load(run.config_file), read_evaluations(run)
+        card, table = card_of(folder), read_evaluations(folder)
     except InputError:
         return None
-    return None if config.residual is None or not table else (config.residual.maneuver, int(table[-1]["steps"]))
+    residual = None if card is None else card[1].residual
+    return None if residual is None or not table else (residual.maneuver.name, int(table[-1]["steps"]))
 
 
 def _difference(study: Results, entry: Row, base: Row, column: str) -> Interval:

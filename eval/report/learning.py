@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from agents.evaluations import CURVES, read_evaluations
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
 from eval.report import charts
@@ -12,16 +13,14 @@ from jawenv.errors import InputError
 
 
 def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
-    """A chart of each panel of ``training.run.plot`` over environment steps, and what could not be read of the runs."""
+    """A chart of each of ``agents.evaluations.CURVES`` over steps, and what could not be read of the runs."""
     trained = [each for each in study.about.get("entries", []) if each.get("trained")]
     if not trained:
         return {}, []
-    from training.run.plot import PANELS
-
     tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
     looks = charts.entries(ranking)
     found = {}
-    for column, label, factor in PANELS if tables else ():
+    for column, label, factor in CURVES if tables else ():
         traces = []
         for i, table in tables.items():
             rows = [row for row in table if column in row]
@@ -65,15 +64,12 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
     """Evaluations by the number of the row, of the runs that are still where they were."""
-    from training.run.evaluation_table import read_evaluations
-    from training.run.folder import RunFolder
-
     found, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():
             continue
         try:
-            table = read_evaluations(RunFolder(Path(specs[row.entry])))
+            table = read_evaluations(Path(specs[row.entry]))
         except InputError as error:
             notes.append(str(error))
             continue

@@ -1,18 +1,21 @@
 """The command: what it writes, what it keeps, and what it refuses."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from agents.registry import world_of
 from eval.benchmark import submission
 from eval.benchmark.run import cells_of, parts_of_cell
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.cli import main
 from jawenv.errors import InputError
+from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
 from tests.eval.runs import save_run
 
@@ -90,14 +93,18 @@ def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
 
 
 def test_a_runs_files_are_copied_so_that_they_load(tmp_path):
-    run = save_run(tmp_path / "my_run", CIRCLES)
+    run = save_run(tmp_path / "my_run", Maneuver.load(CIRCLES))
     jaw = tasks_named(["jaw-exact"])
-    cells = cells_of([str(run), str(run / "checkpoints" / "step_1.zip")], jaw)
-    kept = submission.keep_agents(cells, tmp_path / "out")
+    cells = cells_of([str(run)], jaw)
+    checkpoint = replace(cells[0], agent="checkpoint", spec=str(run / "checkpoints" / "step_1.zip"))
+    kept = submission.keep_agents([*cells, checkpoint], tmp_path / "out")
     assert [each.copy_at for each in kept] == ["agents/0/my_run", "agents/1/my_run/checkpoints/step_1.zip"]
-    loaded = cells_of([str(tmp_path / "out" / each.copy_at) for each in kept], jaw)
+    loaded = cells_of([str(tmp_path / "out" / kept[0].copy_at)], jaw)
     assert [cell.agent for cell in loaded] == [cell.agent for cell in cells]
-    assert submission.fingerprint_of(str(tmp_path / "out" / kept[0].copy_at)) == kept[0].fingerprint
+    for each, spec in zip(kept, (run, checkpoint.spec), strict=True):
+        copied = str(tmp_path / "out" / each.copy_at)
+        assert submission.fingerprint_of(copied) == each.fingerprint == submission.fingerprint_of(str(spec))
+        assert world_of(copied) == world_of(run)
 
 
 def test_agents_of_one_name_are_told_apart(tmp_path):
