@@ -1,9 +1,12 @@
-"""The model card of an exported policy: what it is, where it fits, how it was made, and what it reached.
+"""The model card of a policy: what it is, where it fits, how it was made, and what it reached.
 
 ::
 
     FOLDER/card.json            this card
            policy.safetensors   the weights: layers.0.weight (outputs, inputs), layers.0.bias (outputs), layers.1...
+           README.md            of an exported policy: the card for readers
+
+A training run's folder has the first two from its first evaluation on: its best policy.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import Field, JsonValue, model_validator
 
 from jawenv.controls import Control
-from jawenv.envs.configuration import Sensors
+from jawenv.envs.configuration import Configuration, Sensors
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, read_mapping, validate
 from jawenv.playing.maneuvers import Maneuver
@@ -52,28 +55,52 @@ class Environment(InputModel):
     episode_s: PositiveNumber
     others: dict[str, JsonValue] = {}
 
+    @classmethod
+    def of(cls, world: Configuration) -> Self:
+        """Where a policy was trained, with the content of the files that the world was given."""
+        stated = ("control", "control_hz", "sensors", "reward", "episode_s")
+        others = world.arguments
+        cohort = others.pop("cohort")
+        others = {name: value for name, value in others.items() if name not in stated}
+        fields: dict[str, Any] = {name: getattr(world, name) for name in stated}
+        return cls(id=world.env_id, cohort=cohort, others=others, **fields)
+
+    def world(self) -> Configuration:
+        """The same as a description of a world to be played.
+
+        Raises:
+            InputError: an environment or an argument that this jawenv does not know.
+        """
+        return Configuration.from_mapping({"env": self.id, **self.kwargs()})
+
     def kwargs(self) -> dict[str, Any]:
         """Arguments for `gymnasium.make`."""
         return self.model_dump(exclude={"id", "others"}) | self.others
 
 
 class Architecture(InputModel):
-    """The network that acts, a multilayer perceptron.
+    """The network that acts, a multilayer perceptron, with or without a memory before it.
 
     Attributes:
         layers: sizes from the observation to the action; the hidden ones lie between.
         activation: after every layer but the last.
         squash: how the last layer's output gets into [-1, 1].
+        lstm_units: of an LSTM between the observation and the first layer; None without.
     """
 
     layers: Annotated[tuple[PositiveInt, ...], Field(min_length=2)]
     activation: Literal["tanh", "relu", "elu"]
     squash: Literal["tanh", "clip"]
+    lstm_units: PositiveInt | None = None
 
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """Shapes of the weights by their names."""
+        """Shapes of the weights by their names; an LSTM's gates are in PyTorch's order."""
         shapes: dict[str, tuple[int, ...]] = {}
-        for i, (inputs, outputs) in enumerate(zip(self.layers, self.layers[1:], strict=False)):
+        sizes, units = self.layers, self.lstm_units
+        if units is not None:
+            shapes = {"lstm.input": (4 * units, sizes[0]), "lstm.hidden": (4 * units, units), "lstm.bias": (4 * units,)}
+            sizes = (units, *sizes[1:])
+        for i, (inputs, outputs) in enumerate(zip(sizes, sizes[1:], strict=False)):
             shapes |= {f"layers.{i}.weight": (outputs, inputs), f"layers.{i}.bias": (outputs,)}
         return shapes
 
@@ -125,7 +152,7 @@ class Result(InputModel):
 
 
 class ModelCard(InputModel):
-    """All that is known of an exported policy.
+    """All that is known of a policy.
 
     Attributes:
         format_version: of card and weights.
@@ -138,12 +165,12 @@ class ModelCard(InputModel):
         steps: of the environment that the policy had learned from.
         residual: the maneuver that it corrects, if it does.
         results: what it reached.
-        jawenv_version: that exported it.
+        jawenv_version: that wrote it.
         config_sha256: of the run's config.yaml, as JSON without spaces and with sorted keys.
         weights_sha256: of the file of weights.
         licence: under which the weights are given.
-        date: of the export.
-        commands: that made it, from the training to the export.
+        date: when it was written.
+        commands: that made it, from the training on.
     """
 
     format_version: Literal[1] = FORMAT_VERSION
@@ -189,20 +216,38 @@ def policy_names() -> tuple[str, ...]:
     return tuple(sorted(path.parent.name for path in SHIPPED.glob(f"*/{CARD}")))
 
 
-def exported_place(spec: str | Path) -> Path | None:
-    """Where the exported policy is that a name or path stands for; None if it stands for none.
+def policy_folder(spec: str | Path) -> Path | None:
+    """Folder of the policy that a name, a folder or a card stands for; None if it stands for none.
 
-    A path is an exported policy's if it is its folder, whole or not, or its card.
+    A folder with card or weights is a policy's, whole or not.
     """
-    path = Path(spec)
     if str(spec) in policy_names():
         return SHIPPED / str(spec)
-    exported = path.name == CARD or (path / CARD).exists() or (path / WEIGHTS).exists()
-    return path if exported else None
+    path = Path(spec)
+    if path.name == CARD:
+        return path.parent
+    return path if (path / CARD).exists() or (path / WEIGHTS).exists() else None
+
+
+def card_of(spec: str | Path) -> tuple[Path, ModelCard] | None:
+    """Folder and card of a policy, or of the run that a checkpoint lies in; None if there is no card.
+
+    Args:
+        spec: as of `policy_folder`, or a checkpoint in a run's folder or its ``checkpoints``.
+
+    Raises:
+        InputError: the card is damaged.
+    """
+    folder = policy_folder(spec)
+    if folder is None and Path(spec).is_file():
+        lies_in = Path(spec).resolve().parent
+        runs = (lies_in.parent,) if lies_in.name == "checkpoints" else (lies_in,)
+        folder = next((run for run in runs if (run / CARD).exists()), None)
+    return None if folder is None else (folder, read_card(folder))
 
 
 def read_card(path: Path) -> ModelCard:
-    """Read the card of an exported policy.
+    """Read the card of a policy.
 
     Args:
         path: its folder, or the card itself.

@@ -1,41 +1,126 @@
-"""Trained stable-baselines3 policies as agents."""
+"""Trained policies as agents: a card and plain weights, played in NumPy; or a checkpoint of stable-baselines3.
 
-from collections.abc import Mapping
+Weights and card can run no code. A checkpoint is a pickle, which can: it is read only where the caller trusts it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.checkpoints import check_checkpoint, names_policy, policy_of_weights, unpickled_policy
+from agents.card import CARD, WEIGHTS, Architecture, ModelCard, card_of, policy_folder, read_card
 from agents.following import decision_hz
-from agents.residual import N_FEATURES, BaseTargets, Residual, ResidualPolicy
+from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.controls import Control
+from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
-from jawenv.files import read_mapping, validate
-from jawenv.playing.agents import BatchAgent, check_size
-from jawenv.playing.protocol import Action, Mask, Observation, State
+from jawenv.extras import needs
+from jawenv.files import atomic_write, write_json
+from jawenv.ladder import DEFAULT_ENV, model_of_env
+from jawenv.playing.agents import BatchAgent, Memory, Remembering, check_size
+from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
+from jawenv.reading import open_file, read_bytes
 
 if TYPE_CHECKING:
     from stable_baselines3.common.policies import BasePolicy
 
-MODELS_OF_A_RUN = ("best_model.zip", "final_model.zip")
+LARGEST_WEIGHTS = 256 * 2**20
+"""Bytes."""
+ENTRIES = ("data", "policy.pth")
+"""What a checkpoint holds at least."""
+
+
+def elu(x: Array) -> Array:
+    """Exponential linear unit."""
+    return np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
+
+
+def sigmoid(x: Array) -> Array:
+    """Logistic function, without overflow."""
+    return 0.5 * (1.0 + np.tanh(0.5 * x))
+
+
+ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
+    {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0), "elu": elu}
+)
+
+
+class PlainPolicy(BatchAgent):
+    """A multilayer perceptron that acts as its policy does without chance.
+
+    Args:
+        name: what tables call it.
+        card: what it is.
+        weights: its parameters, by the names and with the shapes of `Architecture.shapes`.
+
+    Attributes:
+        name: what tables call it.
+        card: what it is; ``card.environment`` says where it plays.
+        control: of its actions; "targets" if they correct a maneuver.
+    """
+
+    def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
+        self.name, self.card = name, card
+        self.control: Control = card.environment.control if card.residual is None else "targets"
+        # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
+        self._weights = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
+        self._activation = ACTIVATIONS[card.architecture.activation]
+
+    def _answer(
+        self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, State]:
+        check_size(rows, self.card.observation_size, self.name)
+        return self._act(rows.astype(np.float64)), None
+
+    def _act(self, values: Array) -> Action:
+        """Actions (N, 4) for what the first layer sees (N, inputs)."""
+        last = len(self.card.architecture.layers) - 2
+        for i in range(last + 1):
+            values = values @ self._weights[f"layers.{i}.weight"].T + self._weights[f"layers.{i}.bias"]
+            values = self._activation(values) if i < last else values
+        squashed = np.tanh(values) if self.card.architecture.squash == "tanh" else np.clip(values, -1.0, 1.0)
+        return squashed.astype(np.float32)
+
+
+class RecurrentPlainPolicy(Remembering, PlainPolicy):
+    """The same behind an LSTM (Hochreiter & Schmidhuber 1997, Neural Computation 9:1735)."""
+
+    def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
+        super().__init__(name, card, weights)
+        units = card.architecture.lstm_units
+        self._remembered = (np.dtype((np.float64, (units,))),) * 2  # what the LSTM puts out, and its cells
+
+    def _decide(
+        self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
+    ) -> tuple[Action, Memory]:
+        check_size(rows, self.card.observation_size, self.name)
+        (hidden, cell), weights = memory.of_worlds, self._weights
+        gates = rows.astype(np.float64) @ weights["lstm.input"].T + hidden @ weights["lstm.hidden"].T
+        enter, forget, new, leave = np.split(gates + weights["lstm.bias"], 4, axis=1)
+        cell = sigmoid(forget) * cell + sigmoid(enter) * np.tanh(new)
+        hidden = sigmoid(leave) * np.tanh(cell)
+        return self._act(hidden), Memory((hidden, cell))
 
 
 class TrainedPolicy(BatchAgent):
     """A policy out of a stable-baselines3 checkpoint, whichever of its algorithms trained it.
 
     Attributes:
-        name: the run's folder, and the checkpoint within it unless it is the best or final model.
-        control: control mode of its actions; None where no run's configuration says it.
+        name: the checkpoint and its folder.
+        control: control mode of its actions; None where no run's card says it.
         path: the checkpoint.
         observation_size: how many values the policy wants to see.
         policy: stable-baselines3's own.
     """
 
-    def __init__(self, path: Path, policy: "BasePolicy", control: Control | None = None) -> None:
-        whole_run = path.name in MODELS_OF_A_RUN
-        folder = path.resolve().parent.name
-        self.name = folder if whole_run else f"{folder}/{path.stem}"
+    def __init__(self, path: Path, policy: BasePolicy, control: Control | None = None) -> None:
+        self.name = f"{path.resolve().parent.name}/{path.stem}"
         self.control = control
         self.path = path
         self.observation_size = int(np.prod(policy.observation_space.shape or (0,)))
@@ -59,127 +144,170 @@ class TrainedPolicy(BatchAgent):
         return action, self._state
 
 
-def load_policy(
-    path: str | Path, *, observation_size: int | None = None, trust: bool = False
-) -> TrainedPolicy | ResidualPolicy:
-    """Load a run folder (its best model, else its final one) or a checkpoint file.
+def load_policy(path: str | Path, *, env_id: str | None = None, trust: bool = False) -> Agent:
+    """Load a policy by its folder (a run's, or an exported policy's), its card, or a checkpoint (.zip).
 
-    A checkpoint in a run's folder is rebuilt from its weights and the run's config.yaml, and comes with the maneuver
-    that it corrects, if it does. One without that file is a pickle that can run code.
+    Neither needs a policy PyTorch nor can it run code, but for a checkpoint. One that lies in a run's folder comes with
+    the maneuver that the run corrects.
 
     Args:
-        path: run folder or .zip.
-        observation_size: of the environment it shall play, to be checked.
-        trust: whether a checkpoint without a configuration may be unpickled.
+        path: folder, card or checkpoint.
+        env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
+        trust: whether a checkpoint may be unpickled.
 
     Raises:
-        InputError: no such file, not a stable-baselines3 checkpoint, one that needs trust, or a policy for another
-            observation or action.
+        InputError: a card or weights that are missing, damaged or do not fit each other, no checkpoint, one that is
+            not trusted, or a policy of another environment.
     """
-    checkpoint = _checkpoint(Path(path))
-    config_file = config_of_run(checkpoint)
-    config = {} if config_file is None else read_mapping(config_file)
-    if names_policy(config):
-        policy = policy_of_weights(checkpoint, config, str(config_file))
-    elif trust:
-        policy = unpickled_policy(checkpoint)
-    else:
+    path = Path(path)
+    folder = policy_folder(path)
+    return _of_checkpoint(path, env_id or DEFAULT_ENV, trust) if folder is None else _of_card(folder, env_id)
+
+
+def write_policy(folder: Path, weights: bytes, card: ModelCard) -> None:
+    """Write weights and card, in place of older ones.
+
+    The older card goes first and the new one comes last: without its card a folder is no policy.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    (folder / CARD).unlink(missing_ok=True)
+    with atomic_write(folder / WEIGHTS) as unfinished:
+        unfinished.write_bytes(weights)
+    write_json(folder / CARD, card)
+
+
+def read_weights(folder: Path, card: ModelCard) -> bytes:
+    """The file of weights that a card belongs to.
+
+    Raises:
+        InputError: no such file, or that of another card.
+    """
+    path = folder / WEIGHTS
+    if not path.exists():
+        raise InputError(f"{path}: no such file, but a card without its weights is no policy")
+    content = read_bytes(path, LARGEST_WEIGHTS)
+    found = hashlib.sha256(content).hexdigest()
+    if found != card.weights_sha256:
+        raise InputError(f"{path}: sha256 is {found}, the card's weights_sha256 is {card.weights_sha256}")
+    return content
+
+
+def _of_card(folder: Path, env_id: str | None) -> Agent:
+    card = read_card(folder)
+    trained_in = model_of_env(card.environment.id)
+    if env_id is not None and model_of_env(env_id) != trained_in:
+        played_in = model_of_env(env_id).env_id
+        raise InputError(f"{folder}: the policy was trained in {trained_in.env_id}, not in {played_in}")
+    _check_size(folder, card.observation_size, card, trained_in.env_id)
+    weights = _checked(folder / WEIGHTS, card.architecture, read_weights(folder, card))
+    kind = PlainPolicy if card.architecture.lstm_units is None else RecurrentPlainPolicy
+    return _on_maneuver(kind(folder.resolve().name, card, weights), folder, card)
+
+
+def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
+    _check_checkpoint(path)
+    if not trust:
         raise InputError(
-            f"{checkpoint}: no config.yaml beside it names its algorithm, so it would be unpickled: that can run code; "
-            "allowed if you trust its origin: --trust (in Python trust=True)"
+            f"{path}: a checkpoint is unpickled, which can run code; allowed if you trust its origin: --trust (in "
+            "Python trust=True)"
         )
+    policy = _unpickled(path)
     shape = policy.action_space.shape
     if shape != (4,):
-        raise InputError(f"{checkpoint}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
-    trained = TrainedPolicy(checkpoint, policy, _env_kwargs(config).get("control"))
-    base = None if config_file is None else _base_targets(config, config_file)
-    agent = trained if base is None else _on_base(trained, base)
-    if observation_size is not None and agent.observation_size != observation_size:
+        raise InputError(f"{path}: the policy's actions have shape {shape}, jawenv's environments take (4,)")
+    run = card_of(path)
+    card = None if run is None else run[1]
+    trained = TrainedPolicy(path, policy, None if card is None else card.environment.control)
+    _check_size(path, trained.observation_size, card, env_id)
+    return trained if card is None else _on_maneuver(trained, path, card)
+
+
+def _check_size(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
+    """Make sure that a policy sees what an environment gives, with the targets of the maneuver that it corrects."""
+    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names))
+    seen += 0 if card is None or card.residual is None else N_FEATURES
+    if size != seen:
+        raise InputError(f"{path}: the policy was trained on observations of {size} values, {env_id} gives {seen}")
+
+
+def _on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
+    """The policy itself, or with the maneuver that it corrects."""
+    if card.residual is None:
+        return policy
+    base = BaseTargets(card.residual.maneuver, card.residual.scale, decision_hz(card.environment.kwargs()))
+    return ResidualPolicy(policy, base, path, card.observation_size - N_FEATURES)
+
+
+def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:
+    """The weights in a file, of the shapes of an architecture."""
+    with needs("a policy", "safetensors", "train"):
+        from safetensors import SafetensorError
+        from safetensors.numpy import load
+    try:
+        weights = load(content)
+    except (SafetensorError, KeyError, ValueError, TypeError, AttributeError) as error:
+        raise InputError(f"{path}: damaged safetensors: {' '.join(str(error).split())[:120]}") from None
+    shapes = architecture.shapes()
+    if set(weights) != set(shapes):
+        odd = sorted(set(weights) ^ set(shapes))
+        raise InputError(f"{path}: {odd[0]} is in the weights or in the card's architecture, but not in both")
+    for name, shape in shapes.items():
+        values = weights[name]
+        if values.shape != shape or values.dtype != np.float32:
+            raise InputError(
+                f"{path}: {name} has shape {values.shape} and type {values.dtype}, "
+                f"the card's architecture asks for {shape} and float32"
+            )
+        if not np.isfinite(values).all():
+            raise InputError(f"{path}: {name} holds a value that is not finite")
+    return weights
+
+
+def _check_checkpoint(path: Path) -> None:
+    """Make sure that a file is a checkpoint whose policy sees observations as they are.
+
+    One that was trained behind stable-baselines3's `VecNormalize` would be played on what it has never seen.
+    """
+    if path.is_dir():
         raise InputError(
-            f"{checkpoint}: the policy was trained on observations of {agent.observation_size} values, "
-            f"the environment gives {observation_size}"
+            f"{path}: holds no policy; allowed: a folder with {CARD}, which a run has once it was evaluated"
         )
-    return agent
-
-
-def config_of_run(path: Path) -> Path | None:
-    """The configuration of a run, given by its folder or a checkpoint in it; None if there is none."""
-    if path.is_dir():
-        folders = [path]
-    elif path.exists():
-        folder = path.resolve().parent
-        folders = [folder, folder.parent] if folder.name == "checkpoints" else [folder]
-    else:
-        folders = []
-    return next((folder / "config.yaml" for folder in folders if (folder / "config.yaml").exists()), None)
-
-
-def files_of_run(path: Path) -> tuple[Path, ...]:
-    """The files that decide what `load_policy` makes of a path: checkpoint, configuration, and the maneuver corrected.
-
-    Raises:
-        InputError: no run or checkpoint, or a damaged configuration.
-    """
-    checkpoint = _checkpoint(path)
-    config_file = config_of_run(checkpoint)
-    if config_file is None:
-        return (checkpoint,)
-    residual = _residual(read_mapping(config_file), config_file)
-    maneuver = None if residual is None else residual.maneuver_file(config_file.parent)
-    return (checkpoint, config_file, *(() if maneuver is None else (maneuver,)))
-
-
-def _on_base(trained: TrainedPolicy, base: BaseTargets) -> ResidualPolicy:
-    return ResidualPolicy(trained, base, trained.path, trained.observation_size - N_FEATURES)
-
-
-def _env_kwargs(config: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of the environment that a run's configuration names."""
-    env = config.get("env")
-    kwargs = env.get("kwargs") if isinstance(env, dict) else None
-    return kwargs if isinstance(kwargs, dict) else {}
-
-
-def _residual(config: Mapping[str, Any], config_file: Path) -> Residual | None:
-    """What the policies of a run correct; None if they correct nothing."""
-    if config.get("residual") is None:
-        return None
-    return validate(Residual, config["residual"], f"{config_file}: residual")
-
-
-def _base_targets(config: Mapping[str, Any], config_file: Path) -> BaseTargets | None:
-    """The maneuver that the policies of a run correct, None if they correct none."""
-    residual = _residual(config, config_file)
-    if residual is None:
-        return None
-    hz = decision_hz(_env_kwargs(config))
-    return BaseTargets(residual.load_maneuver(config_file.parent), residual.scale, hz)
-
-
-def _checkpoint(path: Path) -> Path:
-    """The checkpoint file that a path stands for, known to be a zip with a checkpoint's entries."""
-    if path.is_dir():
-        models = [path / name for name in MODELS_OF_A_RUN if (path / name).exists()]
-        if not models:
-            raise InputError(f"{path}: not a training run, it holds neither {' nor '.join(MODELS_OF_A_RUN)}")
-        path = models[0]
-    elif not path.exists():
-        raise InputError(f"{path}: no such file or folder")
-    check_checkpoint(path)
-    _refuse_normalised(path)
-    return path
-
-
-def _refuse_normalised(checkpoint: Path) -> None:
-    """A policy that was trained behind stable-baselines3's `VecNormalize` would be played on what it has never seen.
-
-    Raises:
-        InputError: its statistics lie beside the checkpoint, or in a folder there.
-    """
-    folder = checkpoint.parent
-    statistics = [file for pattern in ("*normalize*.pkl", "*/*normalize*.pkl") for file in folder.glob(pattern)]
+    with open_file(path) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                whole = set(ENTRIES) <= set(archive.namelist())
+        except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile):
+            whole = False
+    if not whole:
+        raise InputError(f"{path}: not a stable-baselines3 checkpoint (a .zip that holds {', '.join(ENTRIES)})")
+    patterns = ("*normalize*.pkl", "*/*normalize*.pkl")
+    statistics = [file for pattern in patterns for file in path.parent.glob(pattern)]
     if statistics:
         raise InputError(
-            f"{checkpoint}: its observations were normalised (by {statistics[0].relative_to(folder)}), which is not "
+            f"{path}: its observations were normalised (by {statistics[0].relative_to(path.parent)}), which is not "
             "applied; allowed: a policy without VecNormalize, or an agent of your own that normalises first"
         )
+
+
+def _unpickled(path: Path) -> BasePolicy:
+    """Rebuild a policy from what a checkpoint pickles about it: this can run code."""
+    from stable_baselines3.common.policies import BasePolicy
+    from stable_baselines3.common.save_util import load_from_zip_file
+
+    try:
+        data, parameters, _ = load_from_zip_file(path, device="cpu")
+        assert data is not None
+        kwargs = dict(data["policy_kwargs"])
+        if data.get("use_sde"):
+            kwargs["use_sde"] = True
+        # A learning rate is asked for by every policy's constructor; a policy that only acts never uses it.
+        policy = data["policy_class"](data["observation_space"], data["action_space"], lambda _: 0.0, **kwargs)
+        policy.load_state_dict(parameters["policy"])
+    except Exception as error:  # a damaged pickle or state can raise anything
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InputError(f"{path}: damaged stable-baselines3 checkpoint: {reason}") from error
+    assert isinstance(policy, BasePolicy)
+    policy.set_training_mode(False)
+    return policy

@@ -3,20 +3,18 @@
 import os
 from pathlib import Path
 
-from agents.card import CARD, WEIGHTS, exported_place, policy_names, read_card
+from agents.card import CARD, WEIGHTS, card_of, policy_folder, policy_names
 from agents.controller import ControlledAgent
 from agents.excitation import EXCITATIONS
-from agents.exported import load_exported
 from agents.following import TargetsLaw
 from agents.own import load_own, names_own, source_of
 from agents.planners import PLANNERS
-from agents.policies import config_of_run, files_of_run, load_policy
+from agents.policies import load_policy
 from agents.replay import Replay
 from agents.residual import ResidualPolicy
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, meant, shown
-from jawenv.files import read_mapping
+from jawenv.errors import InputError, meant
 from jawenv.ladder import model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
@@ -46,13 +44,13 @@ def load_agent(
 
     Args:
         spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), an
-            excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), a training
-            run's folder, a stable-baselines3 checkpoint, an exported policy's folder, or a class or function of one's
+            excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), the folder
+            of a training run or an exported policy, a stable-baselines3 checkpoint, or a class or function of one's
             own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
-        trust: whether a checkpoint that lies in no run's folder may be unpickled, which can run code.
+        trust: whether a checkpoint may be unpickled, which can run code.
 
     Raises:
         InputError: an unknown name or environment, or a file that is not what it should be; one line that says so.
@@ -64,19 +62,13 @@ def load_agent(
         return PLANNERS[str(spec)].planner(control)
     if str(spec) in names():
         return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
-    if (place := exported_place(spec)) is not None:
-        exported = load_exported(place, env_id=model.env_id)
-        return _in_control(exported, control, control_hz)
-    if path.suffix in SUFFIXES:
+    is_policy = policy_folder(spec) is not None
+    if path.suffix in SUFFIXES and not is_policy:
         return Player(Maneuver.load(path), control=control, control_hz=control_hz)
     if path.suffix == ".npz":
         return _in_control(Replay.load(path), control, control_hz)
-    if path.exists() or path.suffix == ".zip":
-        from jawenv.envs.observation import observation_size
-
-        size = observation_size(len(model.muscles.parameter_names))
-        policy = load_policy(path, observation_size=size, trust=trust)
-        return _in_control(policy, control, control_hz)
+    if is_policy or path.exists() or path.suffix == ".zip":
+        return _in_control(load_policy(path, env_id=model.env_id, trust=trust), control, control_hz)
     if names_own(str(spec)):
         own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
         control_of(own, {"control": control})
@@ -85,26 +77,18 @@ def load_agent(
 
 
 def world_of(spec: str | Path) -> Configuration | None:
-    """What a run or an exported policy was trained on; None if the spec is none of them.
-
-    A checkpoint of a run counts as the run.
+    """What a policy was trained on; None if the spec is none. A checkpoint of a run counts as the run.
 
     Raises:
-        InputError: a run's configuration, or a policy's card, is damaged.
+        InputError: the policy's card is damaged.
     """
-    if (place := exported_place(spec)) is not None:
-        trained_in = read_card(place).environment
-        return Configuration.from_mapping({"env": trained_in.id, **trained_in.kwargs()})
-    file = config_of_run(Path(spec))
-    if file is None:
+    found = card_of(spec)
+    if found is None:
         return None
-    env = read_mapping(file).get("env", {})
-    if not isinstance(env, dict) or not isinstance(env.get("kwargs", {}), dict):
-        raise InputError(f"{file}: env is {shown(env)}; allowed: a mapping with id and kwargs")
     try:
-        return Configuration.from_mapping({"env": env.get("id", DEFAULT_ENV), **env.get("kwargs", {})})
+        return found[1].environment.world()
     except InputError as error:
-        raise InputError(f"{file}: env: {error}") from None
+        raise InputError(f"{found[0] / CARD}: environment: {error}") from None
 
 
 def files_of(spec: str | Path) -> tuple[Path, ...]:
@@ -113,18 +97,18 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
     Of an agent of one's own that is its module, but not what that imports.
 
     Raises:
-        InputError: what `load_agent` refuses about a run.
+        InputError: a damaged card, or no module of one's own.
     """
     path = Path(spec)
     if str(spec) in (*EXCITATIONS, *PLANNERS, *names()):
         return ()
-    if (place := exported_place(spec)) is not None:
-        folder = place if place.is_dir() else place.parent
+    if (folder := policy_folder(spec)) is not None:
         return (folder / CARD, folder / WEIGHTS)
     if path.suffix in (*SUFFIXES, ".npz"):
         return (path,)
     if path.exists():
-        return files_of_run(path)
+        run = card_of(path)
+        return (path,) if run is None else (path, run[0] / CARD)
     own = source_of(str(spec))
     return () if own is None else (own,)
 

@@ -6,54 +6,22 @@ In the other control modes the targets are followed (`agents.following`).
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from agents.controller import ControlledAgent
 from agents.following import DECISION_HZ
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.files import InputModel, Number
 from jawenv.playing.agents import Memory, check_size
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.maneuvers.player import action_of, goals_of
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS
-BASE_FILE = "base_maneuver.json"
-"""Copy of the maneuver in a run's folder: what it was when the policy was trained on it."""
-
-
-class Residual(InputModel):
-    """What a policy corrects, and how far.
-
-    Attributes:
-        maneuver: name of one that comes with jawenv, or a maneuver file.
-        scale: what an action of 1 adds to the maneuver's target, as a fraction of the patient's comfort.
-    """
-
-    maneuver: Annotated[str, Field(min_length=1)]
-    scale: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.5
-
-    def load_maneuver(self, folder: Path | None = None) -> Maneuver:
-        """The maneuver; where a run's folder holds a copy of it, that one.
-
-        Raises:
-            InputError: no such maneuver, or a damaged file.
-        """
-        file = self.maneuver_file(folder)
-        return Maneuver.named(self.maneuver) if file is None else Maneuver.load(file)
-
-    def maneuver_file(self, folder: Path | None = None) -> Path | None:
-        """The file that `load_maneuver` reads; None for a maneuver that comes with jawenv."""
-        if folder is not None and (folder / BASE_FILE).exists():
-            return folder / BASE_FILE
-        return Path(self.maneuver) if Path(self.maneuver).suffix in SUFFIXES else None
 
 
 class BaseTargets:
@@ -129,7 +97,7 @@ class ResidualPolicy(ControlledAgent):
     Args:
         policy: the trained policy, which sees the environment's observation and `BaseTargets.features`.
         base: the maneuver.
-        path: the policy's checkpoint.
+        path: where the policy lies.
         observation_size: of the environment.
 
     Attributes:

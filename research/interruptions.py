@@ -39,9 +39,10 @@ metrics: [worst_sd]
 pairs: [[hold_still, slow_opening]]
 """
 SMALL = ["--horizon-s", "4", "--patients", "2"]
+GENERATIONS = ["--population", "4", "--generations", "6"]
 COMMANDS = {
     "design": ["training", "design", "--output", "mine.yaml", *SMALL, "--candidates", "16", "--rounds", "2"],
-    "optimise": ["training", "optimise", "--output", "mine.yaml", *SMALL, "--population", "4", "--generations", "6"],
+    "optimise": ["training", "optimise", "--refine", "chirp", "--output", "mine.yaml", *SMALL, *GENERATIONS],
     "distill": [
         "training",
         "distill",
@@ -58,7 +59,7 @@ COMMANDS = {
     "study": ["eval", "study", "s.yaml", "--output", "out", "--workers", "2"],
     "export": ["training", "export", "run", "--output", "shared"],
 }
-TIMES = {"repeat.json", "env.json"}
+TIMES = {"repeat.json", "mine.search.pkl"}
 """Files that say when a command ran."""
 
 

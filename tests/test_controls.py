@@ -25,7 +25,13 @@ SHORT = {"episode_s": 1.0, "track_bound": False}
 
 
 def test_one_default_for_all() -> None:
-    assert Configuration().control == Settings().world.control == Design().control == DEFAULT_CONTROL == "targets"
+    assert (
+        Configuration().control
+        == Settings().world.control
+        == Design(refine="chirp").control
+        == DEFAULT_CONTROL
+        == "targets"
+    )
     assert gym.make("jawenv/Jaw-v2").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert gym.make_vec("jawenv/Jaw-v2").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert jawenv.Player("hold_still").control == load_agent("hold_still").control == DEFAULT_CONTROL  # type: ignore[attr-defined]

@@ -13,7 +13,6 @@ import agents
 import jawenv
 from agents.following import TargetsLaw, decision_hz
 from agents.planners import PLANNERS
-from agents.residual import Residual
 from eval.comparison.admission import Admission
 from eval.entries import load_entries
 from eval.patient.treatments import Course
@@ -37,8 +36,8 @@ from jawenv.metrics import diagnose, nees, time_to
 from jawenv.playing.rollout import information_bound, play
 from jawenv.playing.singles import SingleWorlds
 from jawenv.rendering import Renderer
-from training.run.config import TrainingConfig
-from training.run.several import parse_seeds
+from training.run.config import Residual, TrainingConfig
+from training.run.train import parse_seeds
 from training.search.optimise import Design
 from training.search.sequential import SequentialDesign
 
@@ -200,7 +199,7 @@ COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),
     *(("seeds", lambda s=s: parse_seeds(s)) for s in ("", "a", "1-", "-1", "2-1", "0-5000", "1;2", "1.5")),
     *(
-        (f"{field} {words}", lambda field=field, value=value: Design(**{field: value}))
+        (f"{field} {words}", lambda field=field, value=value: Design(**{"refine": "chirp", field: value}))
         for field, value, words in (
             ("criterion", "E", "worst"),
             ("over", "all", "mean"),
@@ -209,11 +208,10 @@ COMMANDS = [
             ("sigma", 2.0, "1"),
             ("control", "thought", "allowed"),
             ("cohort", "knees", "knees"),
-            ("then", "refined", "allowed"),
         )
     ),
     ("nothing.yaml file", lambda: Design(refine="nothing.yaml")),
-    ("episode_s -1 allowed", lambda: Design(horizon_s=-1.0)),
+    ("episode_s -1 allowed", lambda: Design(refine="chirp", horizon_s=-1.0)),
     *(
         (f"{field} {words}", lambda field=field, value=value: SequentialDesign(**{field: value}))
         for field, value, words in (

@@ -14,10 +14,7 @@ from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from training import options
-from training.options import configured
-from training.search.design_command import design
-from training.search.distill_command import distill
-from training.search.optimise_command import optimise
+from training.search.commands import design, distill, optimise
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
@@ -45,12 +42,12 @@ def train(
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
-    The run folder holds best_model.zip (by evaluation on a validation cohort), final_model.zip, checkpoints,
+    The run folder holds the best policy (by evaluation on a validation cohort) as weights and a card, checkpoints,
     evaluations.csv, a TensorBoard log, and all that is needed to repeat the run. Options given here win over
     the settings file.
     """
-    from training.run import several
     from training.run import train as training
+    from training.run.config import asked_for
     from training.run.folder import RunFolder
 
     console = Console(highlight=False, markup=False)
@@ -73,16 +70,22 @@ def train(
         return training.resume(RunFolder(resume), console, steps)
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    wanted, stem = configured(config, world.pop("env", None), residual_on)
-    wanted = wanted.changed(steps=steps, seed=seed, n_envs=n_envs, device=device)
-    wanted = wanted.with_env_kwargs(**world, reward=reward)
-    if target_discomfort is not None:
-        wanted = wanted.within_discomfort(target_discomfort)
+    wanted, stem = asked_for(
+        config,
+        world | {"reward": reward},
+        residual_on=residual_on,
+        target_discomfort=target_discomfort,
+        steps=steps,
+        seed=seed,
+        n_envs=n_envs,
+        device=device,
+    )
     if seeds is not None:
         for name, value in {"seed": seed, **flags}.items():
             if value not in (None, False):
                 raise InputError(f"--{name} cannot be combined with --seeds, which begins or continues each run")
-        return several.train_seeds(wanted, several.parse_seeds(seeds), output or Path("runs") / stem, console)
+        stem_path = output or Path("runs") / stem
+        return training.train_seeds(wanted, training.parse_seeds(seeds), stem_path, console)
     run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
     if continue_ and run.exists():
         run.check_settings(wanted)
@@ -111,12 +114,13 @@ def tune(
     output: options.Output = None,
 ) -> int:
     """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
+    from training.run.config import asked_for
     from training.run.tune import search
 
-    wanted, stem = configured(config, env, residual_on)
+    wanted, stem = asked_for(config, {"env": env}, residual_on=residual_on, steps=steps)
     name = study or stem
     folder = output or Path("runs") / f"tune-{name}"
-    return search(wanted.changed(steps=steps), name, trials, storage, folder, Console(highlight=False, markup=False))
+    return search(wanted, name, trials, storage, folder, Console(highlight=False, markup=False))
 
 
 @app.command("export")

@@ -1,16 +1,11 @@
-"""Options that commands have in common, and the configuration that they ask for."""
+"""Options that commands have in common."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-from jawenv.errors import InputError
-
-if TYPE_CHECKING:
-    from training.run.config import TrainingConfig
 
 Config = Annotated[
     str | None,
@@ -64,24 +59,3 @@ Storage = Annotated[
     typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
 ]
 Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
-
-
-def configured(config: str | None, env: str | None, residual_on: str | None) -> tuple[TrainingConfig, str]:
-    """The configuration that a command line asks for, and the stem of its runs' names.
-
-    Raises:
-        InputError: none is named, or it is not what it should be.
-    """
-    from jawenv.ladder import env_id_of, title_of_env
-    from training.run.config import TrainingConfig, config_file
-
-    if config is None:
-        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
-    source = config_file(config)
-    wanted, stem = TrainingConfig.load(source), source.stem
-    if env is not None:
-        env_id = env_id_of(env)
-        wanted, stem = wanted.in_env(env_id), f"{stem}-{title_of_env(env_id)}"
-    if residual_on is not None:
-        wanted = wanted.on_maneuver(residual_on)
-    return wanted, stem

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Self
 
@@ -22,18 +22,15 @@ import pandas as pd
 from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from agents import registry
-from agents.card import policy_names
+from agents.card import card_of, policy_names
 from agents.excitation import EXCITATIONS
 from agents.own import names_own
 from agents.planners import PLANNERS
-from agents.policies import config_of_run
-from agents.residual import BASE_FILE
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
 from eval.kept.cells import Cell
 from jawenv.errors import InputError, shown
-from jawenv.files import InputModel, Number, atomic_write, read_model, write_json
-from jawenv.playing.maneuvers import Maneuver
+from jawenv.files import InputModel, Number, atomic_write, read_model
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
@@ -189,23 +186,22 @@ def json_of(about: dict[str, Any]) -> dict[str, Any]:
     return plain
 
 
-def keep_agents(cells: Iterable[Cell], folder: Path) -> tuple[SubmittedAgent, ...]:
+def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent, ...]:
     """Copy the files of every agent that does not come with jawenv into the folder.
 
     A module of one's own is not copied: whoever checks the submission has it importable.
 
     Args:
-        cells: what was played.
+        agents: what each is loaded by, by their labels.
         folder: of the submission; what its ``agents`` held before goes.
 
     Raises:
         InputError: a file cannot be read or written.
     """
-    agents = dict.fromkeys((str(cell.levels["agent"]), cell.load().spec) for cell in cells)
     if (folder / AGENTS).exists():
         shutil.rmtree(folder / AGENTS)
     kept = []
-    for number, (agent, spec) in enumerate(agents):
+    for number, (agent, spec) in enumerate(agents.items()):
         copies = _comes_with_jawenv(spec) or names_own(spec)
         copy_at = None if copies else _copied(spec, folder, number)
         held = spec if copy_at is None else str(folder / copy_at)
@@ -251,22 +247,18 @@ def _copied(spec: str, folder: Path, number: int) -> str:
         What the copy is loaded by, from the folder on.
     """
     given, files = Path(spec).resolve(), registry.files_of(spec)
-    config = config_of_run(given)
-    root = given if given.is_dir() else given.parent if config is None else config.parent.resolve()
+    run = card_of(given)
+    root = given if given.is_dir() else given.parent if run is None else run[0].resolve()
     place = PurePosixPath(AGENTS, str(number), root.name or "root")
     for file in (each.resolve() for each in files):
-        lies_within = file.is_relative_to(root)
-        target = folder / place / (file.relative_to(root).as_posix() if lies_within else BASE_FILE)
+        target = folder / place / file.relative_to(root).as_posix()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"output {folder}: {error.strerror}") from None
-        if lies_within:
-            content = read_bytes(file)
-            with atomic_write(target) as unfinished:
-                unfinished.write_bytes(content)
-        else:  # the maneuver that a run corrects, as a run's folder holds it
-            write_json(target, Maneuver.load(file))
+        content = read_bytes(file)
+        with atomic_write(target) as unfinished:
+            unfinished.write_bytes(content)
     return str(place if given == root else place / given.relative_to(root).as_posix())
 
 

@@ -96,7 +96,7 @@ def _play(
     rows = play_cells(cells, output, run)
     about = made_with(typed())
     with alone(output):
-        kept = submission.keep_agents(cells, output)
+        kept = submission.keep_agents({str(cell.levels["agent"]): cell.load().spec for cell in cells}, output)
         write_table(rows, output / submission.PATIENTS, about)
         write_text(output / submission.PAGE, tables.markdown(rows, about))
         write_json(output / submission.FILE, submission.make(cells, rows, kept, about))

@@ -23,7 +23,7 @@ Fresh = Annotated[bool, typer.Option("--fresh", help="Compute again what the fol
 Details = Annotated[bool, typer.Option("--details", help="Print all entries, and all tables of them.")]
 Trust = Annotated[
     bool,
-    typer.Option("--trust", help="Unpickle checkpoints that lie in no run's folder: they can run code as they load."),
+    typer.Option("--trust", help="Unpickle checkpoints (.zip): they can run code as they load."),
 ]
 Reference = Annotated[
     str | None, typer.Option(help="Entry that the others are compared with; the best by default.", metavar="NAME")

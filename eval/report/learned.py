@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from agents.card import card_of
+from agents.evaluations import CURVES, read_evaluations
 from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, Row
 from eval.comparison.results import Results
@@ -90,18 +92,12 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
 
 def _corrected(folder: Path) -> tuple[str, int] | None:
     """The maneuver that a run's policy corrects, and the run's steps so far."""
-    from training.run.config import TrainingConfig
-    from training.run.evaluation_table import read_evaluations
-    from training.run.folder import RunFolder
-
-    run = RunFolder(folder)
-    if not run.exists():
-        return None
     try:
-        config, table = TrainingConfig.load(run.config_file), read_evaluations(run)
+        card, table = card_of(folder), read_evaluations(folder)
     except InputError:
         return None
-    return None if config.residual is None or not table else (config.residual.maneuver, int(table[-1]["steps"]))
+    residual = None if card is None else card[1].residual
+    return None if residual is None or not table else (residual.maneuver.name, int(table[-1]["steps"]))
 
 
 def _difference(study: Results, entry: Row, base: Row, column: str) -> Interval:
@@ -123,16 +119,14 @@ def _changes(before: dict[str, Any] | None, after: dict[str, Any] | None, about:
 
 
 def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
-    """A chart of each panel of ``training.run.plot`` over environment steps, and what could not be read of the runs."""
+    """A chart of each of ``agents.evaluations.CURVES`` over steps, and what could not be read of the runs."""
     trained = [each for each in study.about.get("entries", []) if each.get("trained")]
     if not trained:
         return {}, []
-    from training.run.plot import PANELS
-
     tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
     looks = charts.entries(ranking)
     found = {}
-    for column, label, factor in PANELS if tables else ():
+    for column, label, factor in CURVES if tables else ():
         traces = []
         for i, table in tables.items():
             rows = [row for row in table if column in row]
@@ -176,15 +170,12 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
     """Evaluations by the number of the row, of the runs that are still where they were."""
-    from training.run.evaluation_table import read_evaluations
-    from training.run.folder import RunFolder
-
     found, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():
             continue
         try:
-            table = read_evaluations(RunFolder(Path(specs[row.entry])))
+            table = read_evaluations(Path(specs[row.entry]))
         except InputError as error:
             notes.append(str(error))
             continue

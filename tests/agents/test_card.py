@@ -4,12 +4,14 @@ import json
 from pathlib import Path
 
 import pytest
-from exported_folder import fields
 
-from agents.card import CARD, ModelCard, exported_place, read_card
+import jawenv
+from agents.card import CARD, Environment, ModelCard, card_of, policy_folder, read_card
+from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.files import validate, write_json
 from jawenv.playing.maneuvers import Maneuver
+from tests.plain_policies import fields
 
 RESULT = {"cohort": "trismus", "patients": 64, "seeds": [500, 563], "metric": "nats", "low": 44.4, "high": 46.5}
 
@@ -32,22 +34,14 @@ def test_a_written_card_is_read_back(tmp_path: Path) -> None:
     assert json.loads((tmp_path / CARD).read_text())["residual"]["maneuver"]["channels"]["opening"]
 
 
-def test_the_environment_can_be_made_of_its_arguments() -> None:
-    from jawenv.envs.configuration import configure
-
-    environment = validate(ModelCard, fields(), "card").environment.model_copy(update={"others": {"track_bound": True}})
-    made = configure(environment.kwargs())
-    assert (made.control, made.control_hz, made.episode_s, made.track_bound) == ("trajectory", 10.0, 12.0, True)
-
-
-def test_shapes_of_the_weights_follow_the_layers() -> None:
-    card = validate(ModelCard, fields(), "card")
-    assert card.architecture.shapes() == {
-        "layers.0.weight": (5, card.observation_size),
-        "layers.0.bias": (5,),
-        "layers.1.weight": (4, 5),
-        "layers.1.bias": (4,),
-    }
+def test_the_world_of_a_training_is_told_whole_and_read_back(tmp_path: Path) -> None:
+    (tmp_path / "own.json").write_text(json.dumps(jawenv.cohort("trismus").to_dict() | {"name": "mine"}))
+    changes = {"cohort": str(tmp_path / "own.json"), "knowledge": "imaged", "device": {"cell_force_N": 0.2}}
+    world = configure({"control": "trajectory", "control_hz": 10.0, "episode_s": 12.0, **changes})
+    told = Environment.of(world)
+    assert told.cohort["name"] == "mine"  # type: ignore[index, call-overload]
+    assert json.loads(told.model_dump_json())["others"]["device"] == {"cell_force_N": 0.2}
+    assert told.world() == world == configure(told.kwargs())
 
 
 def test_an_unknown_format_is_named_before_its_fields(tmp_path: Path) -> None:
@@ -74,8 +68,8 @@ def test_mistakes_get_one_line_that_names_them(tmp_path: Path, changed: dict, me
 
 
 def test_half_a_policy_counts_as_one_to_be_named(tmp_path: Path) -> None:
-    assert exported_place(tmp_path) is None
+    assert policy_folder(tmp_path) is None and card_of(tmp_path) is None
     (tmp_path / "policy.safetensors").write_bytes(b"")
-    assert exported_place(tmp_path) == tmp_path
+    assert policy_folder(tmp_path) == tmp_path
     with pytest.raises(InputError):
-        read_card(tmp_path)
+        card_of(tmp_path)

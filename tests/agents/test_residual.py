@@ -2,27 +2,16 @@
 
 from pathlib import Path
 
-import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium import spaces
-from stable_baselines3 import PPO
 
-import agents
-from agents.controller import ControlledAgent
-from agents.policies import load_policy
-from agents.residual import BASE_FILE, N_FEATURES, BaseTargets, ResidualPolicy
+from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.files import write_json
 from jawenv.playing.maneuvers import Maneuver, Player
-from jawenv.playing.protocol import Agent
 
 NAME = "opening_with_swings_and_fore_aft"
 BASE = BaseTargets(Maneuver.named(NAME), scale=0.5)
-CONFIG = "algorithm: ppo\nppo: {network: {activation: tanh}}\n" + (
-    f"residual: {{maneuver: {NAME}, scale: 0.25}}\nenv: {{kwargs: {{control: targets}}}}\n"
-)
 
 
 class Constant:
@@ -42,7 +31,7 @@ class Constant:
 
 
 def agent(value: float = 0.0) -> ResidualPolicy:
-    return ResidualPolicy(Constant(value), BASE, Path("best_model.zip"), OBSERVATION_SIZE)
+    return ResidualPolicy(Constant(value), BASE, Path("run"), OBSERVATION_SIZE)
 
 
 def observations(worlds: int) -> np.ndarray:
@@ -116,39 +105,3 @@ def test_wrong_sizes_are_named() -> None:
     policy.predict(observations(2))
     with pytest.raises(InputError):
         policy.predict(observations(3))
-
-
-class Seen(gym.Env):
-    observation_space = spaces.Box(-10.0, 10.0, (OBSERVATION_SIZE + N_FEATURES,), np.float32)
-    action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
-
-
-@pytest.fixture
-def run(tmp_path: Path) -> Path:
-    (tmp_path / "checkpoints").mkdir()
-    model = PPO("MlpPolicy", Seen(), device="cpu", policy_kwargs={"net_arch": [8]}, seed=1)
-    model.save(tmp_path / "best_model.zip")
-    model.save(tmp_path / "checkpoints" / "step_1.zip")
-    (tmp_path / "config.yaml").write_text(CONFIG)
-    return tmp_path
-
-
-@pytest.mark.parametrize("file", ["", "best_model.zip", "checkpoints/step_1.zip"])
-def test_a_run_brings_its_maneuver(run: Path, file: str) -> None:
-    loaded = agents.load_agent(run / file, control="targets")
-    assert isinstance(loaded, ResidualPolicy) and isinstance(loaded, Agent)
-    assert loaded.base.scale == 0.25 and loaded.base.maneuver.name == NAME
-    assert loaded.predict(observations(2))[0].shape == (2, 4)
-
-
-def test_the_copy_in_the_run_wins_over_the_name(run: Path) -> None:
-    write_json(run / BASE_FILE, Maneuver.named("slow_opening"))
-    loaded = load_policy(run)
-    assert isinstance(loaded, ResidualPolicy) and loaded.base.maneuver == Maneuver.named("slow_opening")
-
-
-def test_in_another_control_its_targets_are_followed(run: Path) -> None:
-    loaded = agents.load_agent(run, control="force")
-    assert isinstance(loaded, ControlledAgent) and isinstance(loaded.agent, ResidualPolicy)
-    with pytest.raises(InputError):
-        agents.load_agent(run, control="force", control_hz=12.0)

@@ -5,7 +5,7 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from agents.card import SHIPPED, exported_place, policy_names, read_card
+from agents.card import SHIPPED, policy_folder, policy_names, read_card
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.seeds import REPORTS
@@ -13,7 +13,7 @@ from jawenv.seeds import REPORTS
 
 def test_they_have_names() -> None:
     assert policy_names() == ("distilled_one_sided", "ppo_force", "ppo_imaged", "ppo_one_sided", "ppo_trismus")
-    assert exported_place("ppo_trismus") == SHIPPED / "ppo_trismus"
+    assert policy_folder("ppo_trismus") == SHIPPED / "ppo_trismus"
     with pytest.raises(InputError):
         load_agent("ppo_nobody")
 

@@ -20,6 +20,7 @@ from jawenv.laboratory.recordings.files import save_record
 from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
 from training.search.distill import Labels
+from training.search.sequential import SequentialDesign, write_plans
 
 ANATOMY = """[mandible]
 mass_kg = 0.25
@@ -38,7 +39,7 @@ left = {F_o_N = 2.0, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 right = {F_o_N = 0.3, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 """
 DISTILLATION = "planner: receding_horizon\nrounds: 3\npatients: 4\nepochs: 2\nlearning_rate: 1e-3\nweight_decay: 0.1\n"
-SEARCH = "# {'seed': 1}\n" + "".join(f"{k} {0.1 * k} {-1.5e-3 * k}\n" for k in range(40))
+DESIGN = SequentialDesign()
 EVALUATIONS = "steps,return,worst_sd\n" + "".join(f"{1000 * k},{0.5 * k},{0.2 / (k + 1):.6g}\n" for k in range(30))
 RESULTS = """results:
 - {cohort: trismus, patients: 64, seeds: [500, 563], metric: worst sd in %, median: 2.3, low: 2.1, high: 2.6}
@@ -104,6 +105,11 @@ def labels(folder: Path) -> None:
     Labels(rng.normal(size=(9, 30)), rng.uniform(-1, 1, (9, 4))).save(folder / "a.npz")
 
 
+def plans(folder: Path) -> None:
+    """The plans of a design that was stopped."""
+    write_plans(folder / "a.npz", DESIGN, np.random.default_rng(0).uniform(0, 1, (3, 2, 4)))
+
+
 def treatment(folder: Path) -> None:
     """A treatment at five times."""
     rng = np.random.default_rng(0)
@@ -120,13 +126,12 @@ class _Blank(gym.Env):
     action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
 
 
-def run(folder: Path) -> None:
-    """The folder of a training run: a checkpoint and its configuration."""
+def checkpoint(folder: Path) -> None:
+    """A checkpoint that a run goes on from."""
     from stable_baselines3 import PPO
 
     kwargs = {"net_arch": [8, 8]}
-    PPO("MlpPolicy", _Blank(), seed=1, device="cpu", policy_kwargs=kwargs).save(folder / "final_model.zip")
-    (folder / "config.yaml").write_text("algorithm: ppo\nppo: {network: {activation: tanh}}\n", encoding="utf-8")
+    PPO("MlpPolicy", _Blank(), seed=1, device="cpu", policy_kwargs=kwargs).save(folder / "step_1.zip")
 
 
 def actions_of(agent: Any, size: int = jawenv.envs.observation.OBSERVATION_SIZE) -> bytes:

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.card import SHIPPED, ResultsFile, read_card
-from agents.checkpoints import read_data
-from agents.exported import load_exported
+from agents.evaluations import read_evaluations
 from agents.policies import load_policy
 from agents.replay import Replay
 from eval.kept.tables import read_table
@@ -27,10 +26,9 @@ from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
 from jawenv.reality.options import Reality
 from tests.damaged_files import contents
 from training.run.config import TrainingConfig
-from training.run.evaluation_table import read_evaluations
-from training.run.folder import RunFolder
+from training.run.folder import read_counts
 from training.search.distill import Distillation, Labels
-from training.search.log import SearchLog
+from training.search.sequential import read_plans
 
 CONFIGS = Path(__file__).parents[2] / "training" / "configs"
 
@@ -111,13 +109,12 @@ def _labels(folder: Path) -> Any:
     return labels.observation.tobytes(), labels.residual.tobytes()
 
 
+def _plans(folder: Path) -> Any:
+    return read_plans(folder / "a.npz", contents.DESIGN, (2, 4)).tobytes()
+
+
 def _policy(folder: Path) -> Any:
-    agent = load_policy(folder)
-    return contents.actions_of(agent, agent.observation_size), repr(read_data(folder / "final_model.zip"))
-
-
-def _exported(folder: Path) -> Any:
-    return contents.actions_of(load_exported(folder))
+    return contents.actions_of(load_policy(folder))
 
 
 def _shipped_policy(folder: Path) -> None:
@@ -125,8 +122,8 @@ def _shipped_policy(folder: Path) -> None:
 
 
 _NPZ = ("a.npz", contents.replay, _replay)
-_CHECKPOINT = ("final_model.zip", contents.run, _policy)
-_WEIGHTS = ("policy.safetensors", _shipped_policy, _exported)
+_CHECKPOINT = ("step_1.zip", contents.checkpoint, lambda folder: repr(read_counts(folder / "step_1.zip")))
+_WEIGHTS = ("policy.safetensors", _shipped_policy, _policy)
 
 FORMATS = (
     _copied("maneuver", MANEUVERS / "refined.yaml", Maneuver.load),
@@ -138,13 +135,10 @@ FORMATS = (
     _copied("study", shipped_studies()["ladder"], lambda path: read_study(str(path))),
     _copied("training configuration", CONFIGS / "ppo.yaml", TrainingConfig.load),
     _text("distillation", "a.yaml", contents.DISTILLATION, lambda path: read_model(path, Distillation)),
-    _text("search log", "a.txt", contents.SEARCH, lambda path: SearchLog(path, {"seed": 1}, 3).rows()),
-    _text(
-        "evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(RunFolder(path.parent))
-    ),
+    _text("evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(path.parent)),
     _text("results for a card", "a.yaml", contents.RESULTS, lambda path: read_model(path, ResultsFile)),
     Format("card", "card.json", _shipped_policy, lambda folder: repr(read_card(folder))),
-    Format("exported policy", *_WEIGHTS, has_checksums=True),
+    Format("policy", *_WEIGHTS, has_checksums=True),
     Format("weights with their hash", *_WEIGHTS, put=_with_hash),
     Format("recording in CSV", "a.csv", contents.recording, lambda folder: _record(folder / "a.csv")),
     Format("recording", "a.parquet", contents.recording, lambda folder: _record(folder / "a.parquet"), True),
@@ -152,9 +146,9 @@ FORMATS = (
     Format("recorded actions", *_NPZ, has_checksums=True),
     Format("recorded actions, anew", *_NPZ, **_member("actions.npy")),
     Format("labels", "a.npz", contents.labels, _labels, has_checksums=True),
+    Format("plans", "a.npz", contents.plans, _plans, has_checksums=True),
     Format("treatment", "a.npz", contents.treatment, lambda folder: repr(load_treatment(folder / "a.npz")), True),
     Format("checkpoint", *_CHECKPOINT, has_checksums=True),
-    Format("checkpoint's weights, anew", *_CHECKPOINT, **_member("policy.pth")),
     Format("checkpoint's settings, anew", *_CHECKPOINT, **_member("data")),
 )
 """All kinds."""

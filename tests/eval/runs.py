@@ -12,6 +12,8 @@ import numpy as np
 
 from agents.residual import N_FEATURES
 from jawenv.envs.observation import OBSERVATION_SIZE
+from jawenv.playing.maneuvers import Maneuver
+from tests.plain_policies import write_corrector
 
 
 class Blank(gym.Env):
@@ -28,15 +30,11 @@ def save_checkpoint(path: Path, seed: int = 1) -> Path:
     return path
 
 
-def save_run(folder: Path, maneuver: str = "slow_opening") -> Path:
+def save_run(folder: Path, maneuver: str | Maneuver = "slow_opening", **world: object) -> Path:
     """The folder of a run in targets control that corrects a maneuver."""
-    from training.run.config import TrainingConfig
-
-    (folder / "checkpoints").mkdir(parents=True)
-    save_checkpoint(folder / "best_model.zip")
+    write_corrector(folder, maneuver, **world)
+    (folder / "checkpoints").mkdir()
     save_checkpoint(folder / "checkpoints" / "step_1.zip")
-    residual = {"maneuver": maneuver, "scale": 0.3}
-    TrainingConfig(env={"kwargs": {"control": "targets"}}, residual=residual).save(folder / "config.yaml")
     return folder
 
 

@@ -20,7 +20,6 @@ from jawenv.errors import InputError
 from jawenv.files import write_json
 from jawenv.ladder import model_of_env
 from tests.eval.runs import save_run
-from training.run.config import TrainingConfig
 
 OWN = """
 import numpy as np
@@ -117,9 +116,7 @@ def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_
 def test_a_note_says_what_of_the_world_was_another_in_training(
     tmp_path: Path, trained: dict[str, Any], asked: dict[str, Any], noted: bool
 ) -> None:
-    folder = save_run(tmp_path / "run")
-    config = TrainingConfig.load(folder / "config.yaml")
-    config.with_env_kwargs(**trained).save(folder / "config.yaml")
+    folder = save_run(tmp_path / "run", **trained)
     (entry,) = load_entries([str(folder)], Settings.of(**asked).world)
     (name,) = trained or asked
     assert (f"trained with another {name}" in entry.note) == noted

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from agents.card import CARD
 from eval.cli import main
 from jawenv.playing.rollout import DEFAULT_ENV
 from tests.eval.runs import make_it_run_code, save_checkpoint, save_run
@@ -34,7 +35,7 @@ def test_commands_unpickle_nothing_without_trust(
     arguments = [command, str(spec), option, str(tmp_path / output)]
     assert main(arguments) == 2
     told = capsys.readouterr().err
-    assert told.startswith("error: ") and "got.zip: no config.yaml beside it" in told and "--trust" in told
+    assert told.startswith("error: ") and "got.zip" in told and "--trust" in told
     assert told.count("\n") == 1 and not (tmp_path / "ran").exists()
     assert main([*arguments, "--trust"]) == 2  # what ran made no policy
     assert "damaged stable-baselines3 checkpoint" in capsys.readouterr().err and (tmp_path / "ran").exists()
@@ -46,7 +47,7 @@ def test_a_strangers_run_is_compared_and_runs_no_code(
     trust: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = save_run(tmp_path / "run")
-    make_it_run_code(run / "best_model.zip", tmp_path / "ran")
+    make_it_run_code(run / "checkpoints" / "step_1.zip", tmp_path / "ran")
     settings = ["--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
     assert main(["compare", str(run), *settings, *trust]) == 0
     assert "run: done" in capsys.readouterr().out and not (tmp_path / "ran").exists()
@@ -56,8 +57,8 @@ def test_an_environment_of_a_run_that_names_a_module_imports_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = save_run(tmp_path / "run")
-    text = (run / "config.yaml").read_text()
+    text = (run / CARD).read_text()
     assert DEFAULT_ENV in text
-    (run / "config.yaml").write_text(text.replace(DEFAULT_ENV, "antigravity:Jaw-v1"))
+    (run / CARD).write_text(text.replace(DEFAULT_ENV, "antigravity:Jaw-v1"))
     assert main(["compare", str(run), "--output", str(tmp_path / "out")]) == 2
     assert "antigravity" not in sys.modules and "allowed: jawenv/Jaw" in capsys.readouterr().err

@@ -6,7 +6,7 @@ from eval.benchmark.tasks import TASKS
 from eval.settings import Settings
 from jawenv.seeds import BENCHMARK, FILTER_TUNING, REPORTS, TRAINING, TUNING, VALIDATION
 from training.run.config import DEFAULT_CONFIG, TrainingConfig
-from training.run.train import world_seed
+from training.run.worlds import world_seed
 
 
 def within(seeds: range, purpose: range) -> bool:

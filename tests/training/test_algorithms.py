@@ -1,21 +1,32 @@
-"""Each algorithm: what a section makes of it, and that its runs go on after a stop."""
+"""Each algorithm: what a section makes of it, its policy as plain weights, and that its runs go on after a stop."""
 
 from pathlib import Path
 
+import gymnasium as gym
 import numpy as np
 import pytest
 import torch
+from gymnasium import spaces
 from point_env import PointVectorEnv
+from rich.console import Console
+from safetensors.numpy import save
 from stable_baselines3 import SAC
+from stable_baselines3.common.vec_env import DummyVecEnv
 
+from agents.card import ModelCard
+from agents.evaluations import read_evaluations
+from agents.policies import PlainPolicy, RecurrentPlainPolicy
+from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.files import validate
+from jawenv.progress import Progress
+from tests.plain_policies import fields
 from training.cli import main
-from training.run.algorithms import ALGORITHMS, make_model
-from training.run.callbacks import FallingNoise
+from training.run.algorithms import ALGORITHMS, make_model, plain_policy
+from training.run.callbacks import Interrupt, Upkeep
 from training.run.config import TrainingConfig
-from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
-from training.run.vec_env import NativeVecEnv
+from training.run.worlds import NativeVecEnv
 
 COMMON = """
 steps: 320
@@ -43,69 +54,86 @@ def config(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     return path
 
 
-def worlds() -> NativeVecEnv:
-    return NativeVecEnv(PointVectorEnv(8, "same_step"))
-
-
 def test_a_run_is_trained_evaluated_and_resumed(config: Path, tmp_path: Path) -> None:
     run = RunFolder(tmp_path / "run")
-    assert main(["train", str(config), "--output", str(run.path)]) == 0
     algorithm = ALGORITHMS[TrainingConfig.load(config).algorithm]
-    first = algorithm.load(run.final_model, device="cpu")
+    assert main(["train", str(config), "--output", str(run.path)]) == 0
+    checkpoint = run.latest_checkpoint()
+    assert checkpoint is not None
+    first = algorithm.load(checkpoint, device="cpu")
     assert first.num_timesteps == 320 and first._n_updates > 0
-    assert main(["train", "--resume", str(run.path), "--steps", "640"]) == 0
-    second = algorithm.load(run.final_model, device="cpu")
-    assert second.num_timesteps == 640 and second._n_updates > first._n_updates
-    rows = read_evaluations(run)
-    assert [row["steps"] for row in rows] == [0, 160, 320, 480, 640]
+    if algorithm is SAC:  # its coefficient of entropy was learned, and goes on where it was
+        assert first.log_ent_coef is not None and first.log_ent_coef.item() != pytest.approx(np.log(0.05), abs=1e-6)
+        # So many random actions first that nothing is learned: what is saved again is what was read.
+        run.open().changed(sac={"learning_starts": 1000}).save(run.config_file)
+    assert main(["train", "--resume", str(run.path), "--steps", "480"]) == 0
+    checkpoint = run.latest_checkpoint()
+    assert checkpoint is not None
+    second = algorithm.load(checkpoint, device="cpu")
+    assert second.num_timesteps == 480
+    if algorithm is SAC:
+        assert torch.equal(first.log_ent_coef, second.log_ent_coef)
+    else:
+        assert second._n_updates > first._n_updates
+    rows = read_evaluations(run.path)
+    assert [row["steps"] for row in rows] == [0, 160, 320, 480]
     assert all(row["return"] != row["return_sampled"] for row in rows)
 
 
-def test_sections_reach_the_model(config: Path) -> None:
-    wanted = TrainingConfig.load(config)
-    model = make_model(wanted, worlds())
-    assert type(model) is ALGORITHMS[wanted.algorithm]
-    assert model.gamma == wanted.section.gamma and model.batch_size == wanted.section.batch_size  # type: ignore[attr-defined]
+class Blank(gym.Env):
+    """Has the spaces of the jaw; nobody steps it."""
+
+    observation_space = spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
+    action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
 
 
-def test_entropy_coefficient_goes_on_where_it_was(tmp_path: Path) -> None:
-    path, run = tmp_path / "sac.yaml", RunFolder(tmp_path / "run")
-    path.write_text(f"algorithm: sac\n{COMMON}sac: {OFF_POLICY}\n")
-    assert main(["train", str(path), "--output", str(run.path)]) == 0
-    before = SAC.load(run.final_model).log_ent_coef
-    assert before is not None and before.item() != pytest.approx(np.log(0.05), abs=1e-6)
-    # So many random actions first that nothing is learned: what is saved again is what was read.
-    config = TrainingConfig.load(run.config_file)
-    config.changed(sac=config.sac.model_dump() | {"learning_starts": 1000}).save(run.config_file)
-    assert main(["train", "--resume", str(run.path), "--steps", "400"]) == 0
-    after = SAC.load(run.final_model).log_ent_coef
-    assert after is not None and torch.equal(before, after)
+@pytest.mark.parametrize("hidden", [(8, 6), ()])
+@pytest.mark.parametrize(("algorithm", "activation"), [*((name, "relu") for name in SECTIONS), ("ppo", "elu")])
+def test_plain_weights_act_as_the_model(algorithm: str, activation: str, hidden: tuple[int, ...]) -> None:
+    units = {"policy": hidden} if "ppo" in algorithm else {"units": hidden}
+    section = {"batch_size": 64, "network": {**units, "activation": activation}}
+    wanted = TrainingConfig(**{"algorithm": algorithm, algorithm: section})
+    model = make_model(wanted, DummyVecEnv([Blank]))
+    assert type(model) is ALGORITHMS[algorithm] and model.gamma == wanted.section.gamma  # type: ignore[attr-defined]
+    architecture, weights = plain_policy(model, wanted)
+    assert architecture.layers == (OBSERVATION_SIZE, *hidden, 4)
+    card = validate(ModelCard, fields(save(weights), architecture=architecture), "card")
+    kind = PlainPolicy if architecture.lstm_units is None else RecurrentPlainPolicy
+    plain, stream = kind("plain", card, weights), np.random.default_rng(0)
+    state = memory = None
+    for step in range(4):
+        seen = stream.normal(size=(20, OBSERVATION_SIZE)).astype(np.float32)
+        starts = np.arange(20) % 4 == step
+        action, memory = model.predict(seen, memory, starts, deterministic=True)
+        answer, state = plain.predict(seen, state, starts)
+        np.testing.assert_allclose(answer, action, rtol=1e-4, atol=1e-6)
+        assert np.abs(action).max() > 1e-4
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
-def test_small_first_actions(algorithm: str, tmp_path: Path) -> None:
-    (tmp_path / "c.yaml").write_text(f"algorithm: {algorithm}\n{COMMON}{algorithm}: {{batch_size: 64}}\n")
-    config = TrainingConfig.load(tmp_path / "c.yaml")
+def test_small_first_actions(algorithm: str) -> None:
     seen = np.random.default_rng(0).uniform(-1, 1, (50, 3)).astype(np.float32)
     sizes = []
     for scale in (1.0, 0.1):
         section = {"batch_size": 64, "network": {"initial_action_scale": scale}}
-        model = make_model(config.changed(**{algorithm: section}), worlds())
+        model = make_model(
+            TrainingConfig(**{"algorithm": algorithm, algorithm: section}), NativeVecEnv(PointVectorEnv(8, "same_step"))
+        )
         sizes.append(np.abs(model.predict(seen, deterministic=True)[0]).max())
     assert 0.0 < sizes[1] < 0.2 * sizes[0]
 
 
 def test_noise_falls_linearly_and_is_not_learned(tmp_path: Path) -> None:
-    network = "network: {policy: [8], value: [8], initial_log_std: -1.0, final_log_std: -2.0}"
-    (tmp_path / "c.yaml").write_text(f"{COMMON}ppo: {{n_steps: 20, batch_size: 80, {network}}}\n")
-    config = TrainingConfig.load(tmp_path / "c.yaml")
-    model = make_model(config, worlds())
-    model.learn(320, FallingNoise(config.ppo.network, 640))
+    network = {"policy": [8], "value": [8], "initial_log_std": -1.0, "final_log_std": -2.0}
+    config = TrainingConfig(steps=640, n_envs=8, ppo={"n_steps": 20, "batch_size": 80, "network": network})
+    model = make_model(config, NativeVecEnv(PointVectorEnv(8, "same_step")))
+    progress = Progress(640, "steps", Console(quiet=True))
+    model.learn(320, Upkeep(config, RunFolder(tmp_path), Interrupt(), progress))
     log_std = model.policy.log_std
     assert log_std.tolist() == pytest.approx([-1.25] * 2)  # as set at the last rollout's start, 160 of 640 steps
     assert not log_std.requires_grad
 
 
-def test_unknown_device_is_named() -> None:
+def test_unknown_device_is_refused() -> None:
     with pytest.raises(InputError):
-        make_model(TrainingConfig(device="abacus"), worlds())
+        make_model(TrainingConfig(device="abacus"), NativeVecEnv(PointVectorEnv(8, "same_step")))

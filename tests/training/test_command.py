@@ -5,9 +5,10 @@ import json
 import os
 import shutil
 import signal
-import subprocess
-import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,14 @@ import torch
 from point_env import TINY_CONFIG
 from stable_baselines3 import PPO
 
+from jawenv.locks import alone
 from tests.eval.runs import make_it_run_code
 from training.cli import main
 from training.run.callbacks import Interrupt
-from training.run.train import world_seed
-
-ROOT = Path(__file__).parents[2]
+from training.run.config import TrainingConfig
+from training.run.folder import RunFolder
+from training.run.train import parse_seeds
+from training.run.worlds import world_seed
 
 
 def train(*arguments: object) -> int:
@@ -33,8 +36,13 @@ def evaluations(run: Path) -> list[dict[str, float]]:
         return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
-def weights(model: Path) -> dict[str, torch.Tensor]:
-    return PPO.load(model, device="cpu").policy.state_dict()
+def latest(run: Path) -> Path:
+    """Its latest checkpoint."""
+    return max((run / "checkpoints").iterdir())
+
+
+def weights(run: Path) -> dict[str, torch.Tensor]:
+    return PPO.load(latest(run), device="cpu").policy.state_dict()
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +64,6 @@ def test_run_folder_holds_what_is_needed_to_repeat_it(finished: Path) -> None:
     assert repeat["versions"]["gymnasium"]
     assert repeat["seeds"] == {"training": 3, "validation": [30000, 30003]}
     assert repeat["sessions"][0]["world_seed"] == world_seed(3, 0) >= 2**31
-    assert json.loads((finished / "env.json").read_text())["id"] == "Point-v0"
     assert not list(finished.rglob("*.unfinished"))
 
 
@@ -65,12 +72,10 @@ def test_policy_gets_better_and_the_best_is_kept(finished: Path) -> None:
     assert [row["steps"] for row in rows] == [0, 512, 1024]
     assert rows[-1]["return"] > rows[0]["return"] + 0.3
     assert rows[-1]["information_true"] == pytest.approx(0.5 * rows[-1]["information_claimed"], rel=1e-4)
-    best = max(rows, key=lambda row: row["return"])
-    same = weights(finished / "best_model.zip")
-    assert best["steps"] == 1024
-    assert all(torch.equal(same[key], value) for key, value in weights(finished / "final_model.zip").items())
-    observation = np.array([0.8, 0.0, 0.0], np.float32)
-    action, _ = PPO.load(finished / "best_model.zip").predict(observation, deterministic=True)
+    assert max(rows, key=lambda row: row["return"])["steps"] == 1024
+    best = PPO.load(finished / "best_model.zip", device="cpu")  # in jawenv's own environments weights and a card
+    assert all(torch.equal(best.policy.state_dict()[key], value) for key, value in weights(finished).items())
+    action, _ = best.predict(np.array([0.8, 0.0, 0.0], np.float32), deterministic=True)
     assert action[0] < 0.0  # towards the origin
 
 
@@ -85,42 +90,41 @@ def test_tensorboard_holds_the_figures(finished: Path) -> None:
     assert {"rollout/ep_rew_mean", "evaluation/return", "evaluation/return_sampled", "time/fps"} <= tags
 
 
-def test_equal_seeds_give_equal_policies(tiny_config: Path, tmp_path: Path) -> None:
-    for name, seed in (("a", 3), ("b", 3), ("c", 4)):
-        run = tmp_path / name
-        assert train(tiny_config, "--output", run, "--seed", seed, "--steps", 512) == 0
-    a, b, c = (weights(tmp_path / name / "final_model.zip") for name in "abc")
-    assert all(torch.equal(a[key], b[key]) for key in a)
-    assert not all(torch.equal(a[key], c[key]) for key in a)
-    assert evaluations(tmp_path / "a") == evaluations(tmp_path / "b")
+def test_equal_seeds_give_equal_policies(finished: Path, tmp_path: Path) -> None:
+    for seed in (3, 4):
+        assert train(finished.parent / "tiny.yaml", "--output", tmp_path / str(seed), "--seed", seed) == 0
+    first, again, other = weights(finished), weights(tmp_path / "3"), weights(tmp_path / "4")
+    assert all(torch.equal(first[key], again[key]) for key in first)
+    assert not all(torch.equal(first[key], other[key]) for key in first)
+    assert evaluations(finished) == evaluations(tmp_path / "3")
 
 
-def test_run_is_not_replaced_silently(tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = tmp_path / "run"
-    assert train(tiny_config, "--output", run, "--steps", 256) == 0
-    capsys.readouterr()
-    assert train(tiny_config, "--output", run) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("error: ") and "--resume" in error and "--overwrite" in error
-    assert train(tiny_config, "--output", run, "--steps", 512, "--overwrite") == 0
-    assert evaluations(run)[-1]["steps"] == 512
-    other = tmp_path / "other"
+def test_a_run_is_not_replaced_unasked(finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run, other = tmp_path / "run", tmp_path / "other"
+    shutil.copytree(finished, run)
     other.mkdir()
     (other / "thesis.txt").write_text("not a run")
-    assert train(tiny_config, "--output", other, "--overwrite") == 2
+    tiny = finished.parent / "tiny.yaml"
+    for command in (["--output", run], ["--output", other, "--overwrite"]):
+        assert train(tiny, *command, "--steps", 256) == 2
+        assert capsys.readouterr().err.count("\n") == 1
     assert (other / "thesis.txt").exists()
+    assert train(tiny, "--output", run, "--steps", 256, "--overwrite") == 0
+    assert evaluations(run)[-1]["steps"] == 256
 
 
 def test_resume_goes_on_from_model_optimiser_and_steps(
     tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = tmp_path / "run"
-    assert train(tiny_config, "--output", run, "--steps", 512) == 0
-    before = PPO.load(run / "final_model.zip")
-    assert train("--resume", run) == 0
-    assert "nothing to do" in capsys.readouterr().out
-    assert train("--resume", run, "--steps", 1024) == 0
-    after = PPO.load(run / "final_model.zip")
+    command = [tiny_config, "--output", run, "--continue", "--steps"]
+    assert train(*command, 512) == 0
+    before = PPO.load(latest(run))
+    for again in (["--resume", run], [*command, 512]):
+        assert train(*again) == 0
+        assert "nothing to do" in capsys.readouterr().out
+    assert train(*command, 1024) == 0
+    after = PPO.load(latest(run))
     assert after.num_timesteps == 1024
     assert after._n_updates == 2 * before._n_updates
     moments = after.policy.optimizer.state_dict()["state"][0]
@@ -129,6 +133,8 @@ def test_resume_goes_on_from_model_optimiser_and_steps(
     sessions = json.loads((run / "repeat.json").read_text())["sessions"]
     assert [session["from_step"] for session in sessions] == [0, 512]
     assert sessions[0]["world_seed"] != sessions[1]["world_seed"]
+    assert train(*command, 2048, "--seed", 9) == 2
+    assert "(seed)" in capsys.readouterr().err
 
 
 def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
@@ -139,18 +145,15 @@ def test_resume_unpickles_nothing(finished: Path, tmp_path: Path) -> None:
     assert evaluations(run)[-1]["steps"] == 1280 and not (tmp_path / "ran").exists()
 
 
-def test_continue_starts_or_goes_on_but_never_mixes_settings(
-    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_best_policy_that_was_lost_is_kept_anew(finished: Path, tmp_path: Path) -> None:
+    """As of a run that was killed while it wrote a better one."""
     run = tmp_path / "run"
-    command = [tiny_config, "--output", run, "--continue", "--steps"]
-    assert train(*command, 256) == 0
-    assert train(*command, 512) == 0
-    assert [row["steps"] for row in evaluations(run)] == [0, 256, 512]
-    assert train(*command, 512) == 0
-    assert "nothing to do" in capsys.readouterr().out
-    assert train(*command, 1024, "--seed", 9) == 2
-    assert "has other settings (seed)" in capsys.readouterr().err
+    shutil.copytree(finished, run)
+    (run / "best_model.zip").unlink()
+    with (run / "evaluations.csv").open("a") as file:
+        file.write("1024,1e9" + ",0" * (len(evaluations(finished)[0]) - 2) + "\n")
+    assert train("--resume", run, "--steps", 1280) == 0
+    assert (run / "best_model.zip").exists()
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip", None], ids=["empty", "text", "cut"])
@@ -164,38 +167,31 @@ def test_damaged_checkpoint_is_named(
     assert train("--resume", run, "--steps", 2048) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "step_0000001024.zip is damaged" in error
-    checkpoint.unlink()
-    assert train("--resume", run, "--steps", 1024) == 0
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--steps", "0"], "command line: steps = 0 must be greater than 0"),
-        (["--steps", "many"], "Invalid value for '--steps'"),
-        (["--n-envs", "3"], "must be a multiple of ppo.batch_size"),
-        (["--seed", "-1"], "command line: seed = -1"),
-        (["nowhere.yaml"], "nowhere.yaml: no such file"),
-        (["nowhere"], "configuration 'nowhere': unknown; allowed: demo, distilled, plain_ppo, ppo, recurrent_ppo, "),
-        (["--resume", "runs/a", "sac"], "CONFIG cannot be combined with --resume"),
-        (["--resume", "runs/a", "--seeds", "1"], "--seeds cannot be combined with --resume"),
-        (["--seeds", "0-2", "--seed", "1"], "--seed cannot be combined with --seeds"),
-        (["--seeds", "3-1"], "seeds '3-1': 3-1 must be a range upwards"),
-        (["--seeds", "a"], "seeds 'a': allowed are numbers and ranges such as 0-4 or 0,1,2"),
-        (["--target-discomfort", "-1"], "comfort.target_discomfort_s = -1.0 must be greater than 0"),
-        (["--control", "thought", "--residual-on", "chirp"], "{'control': 'thought'}"),
-        (["sac", "--residual-on", "wiggle"], "maneuver 'wiggle': unknown; allowed: chirp"),
-        (["--device", "abacus"], "device 'abacus' cannot be used"),
-        (["--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
-        (["--resume", "runs/a", "--knowledge", "imaged"], "--knowledge cannot be combined with --resume"),
-        (["--resume", "nowhere"], "nowhere holds no run"),
-        (
-            ["--env", "knee"],
-            "env is 'knee'; allowed: jawenv/JawHinge-v2, jawenv/JawSagittal-v2, jawenv/JawSides-v2",
-        ),
-        (["--resume", "runs/a", "--env", "sides"], "--env cannot be combined with --resume"),
-        (["--resume", "runs/a", "--seed", "1"], "--seed cannot be combined with --resume"),
-        (["--colour", "red"], "No such option: --colour"),
+        (["--steps", "0"], "steps = 0"),
+        (["--steps", "many"], "--steps"),
+        (["--n-envs", "3"], "ppo.batch_size"),
+        (["--seed", "-1"], "seed = -1"),
+        (["nowhere.yaml"], "nowhere.yaml"),
+        (["nowhere"], "demo, distilled, plain_ppo, ppo, recurrent_ppo, sac, tqc"),
+        (["--resume", "runs/a", "sac"], "CONFIG"),
+        (["--resume", "runs/a", "--seeds", "1"], "--seeds"),
+        (["--resume", "runs/a", "--knowledge", "imaged"], "--knowledge"),
+        (["--resume", "runs/a", "--env", "sides"], "--env"),
+        (["--resume", "nowhere"], "nowhere"),
+        (["--seeds", "0-2", "--seed", "1"], "--seed"),
+        (["--seeds", "3-1"], "3-1"),
+        (["--target-discomfort", "-1"], "comfort.target_discomfort_s = -1.0"),
+        (["ppo", "--control", "thought"], "'thought'"),
+        (["sac", "--residual-on", "wiggle"], "wiggle"),
+        (["--device", "abacus"], "abacus"),
+        (["--comfort", "nowhere.toml"], "nowhere.toml"),
+        (["--env", "knee"], "jawenv/JawHinge-v2"),
+        (["--colour", "red"], "--colour"),
     ],
 )
 def test_unusable_arguments_get_one_line(
@@ -207,7 +203,7 @@ def test_unusable_arguments_get_one_line(
     message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    named = arguments[0] in ("nowhere.yaml", "nowhere", "sac", "--resume")
+    named = arguments[0] in ("nowhere.yaml", "nowhere", "ppo", "sac", "--resume")
     base = [] if named else [tiny_config]
     assert train(*base, *arguments) == 2
     error = capsys.readouterr().err
@@ -218,10 +214,11 @@ def test_unusable_arguments_get_one_line(
 @pytest.mark.parametrize(
     ("env", "message"),
     [
-        ("{id: Nowhere-v0}", "env.id 'Nowhere-v0'"),
+        ("{id: Nowhere-v0}", "Nowhere-v0"),
         ("{id: 'no_module:Point-v0'}", "no_module"),
-        ("{id: 'point_env:Point-v0', kwargs: {colour: red}}", "unexpected keyword argument 'colour'"),
-        ("{id: 'point_env:Point-v0', kwargs: {start: -1.0}}", "start is -1.0: must be > 0"),
+        ("{id: 'point_env:Point-v0', kwargs: {colour: red}}", "colour"),
+        ("{id: 'point_env:Point-v0', kwargs: {start: -1.0}}", "start is -1.0"),
+        ("{id: 'jawenv/Jaw-v2', kwargs: {colour: red}}", "colour"),
     ],
 )
 def test_unusable_environment_is_named(
@@ -235,25 +232,24 @@ def test_unusable_environment_is_named(
     assert not (tmp_path / "run").exists()
 
 
-def signalled_run(number: signal.Signals, arguments: list[str], run: Path, after: int) -> str:
-    """Output of a run in a process of its own, signalled once it has saved more than ``after`` steps."""
-    environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{Path(__file__).parent}"}
-    command = [sys.executable, "-m", "training", "train", *arguments]
-    process = subprocess.Popen(
-        command, env=environment, cwd=run.parent, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+@contextmanager
+def signalled(number: signal.Signals, run: Path, after: int) -> Iterator[None]:
+    """Sends a signal to this process once a run has saved more than ``after`` steps."""
+    over = threading.Event()
+
+    def watch() -> None:
+        while steps_saved(run) <= after and not over.wait(0.01):
+            pass
+        if not over.is_set():
+            os.kill(os.getpid(), number)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
     try:
-        for _ in range(1800):
-            if steps_saved(run) > after:
-                break
-            assert process.poll() is None, process.stdout.read() if process.stdout else ""
-            time.sleep(0.1)
-        process.send_signal(number)
-        output, _ = process.communicate(timeout=60)
+        yield
     finally:
-        process.kill()
-    assert process.returncode == 130, output
-    return output
+        over.set()
+        thread.join()
 
 
 def steps_saved(run: Path) -> int:
@@ -261,27 +257,29 @@ def steps_saved(run: Path) -> int:
     return max((int(path.stem.removeprefix("step_")) for path in files), default=0)
 
 
-def test_signals_save_a_checkpoint_that_resume_goes_on_from(tiny_config: Path, tmp_path: Path) -> None:
+def test_signals_save_a_checkpoint_that_resume_goes_on_from(
+    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     run = tmp_path / "run"
-    first = [str(tiny_config), "--output", str(run), "--steps", "10000000"]
-    output = signalled_run(signal.SIGINT, first, run, after=0)
-    assert "stopped by SIGINT" in output and f"--resume {run}" in output and "Traceback" not in output
+    with signalled(signal.SIGINT, run, after=0):
+        assert train(tiny_config, "--output", run, "--steps", 10_000_000) == 130
+    assert f"--resume {run}" in capsys.readouterr().out
     saved = steps_saved(run)
     assert saved % 256 == 0  # only whole rollouts, which a policy update has learned from, are counted
-    output = signalled_run(signal.SIGTERM, ["--resume", str(run)], run, after=saved)
-    assert "stopped by SIGTERM" in output
-    assert steps_saved(run) > saved
-    assert not (run / "final_model.zip").exists()
+    with signalled(signal.SIGTERM, run, after=saved):
+        assert train("--resume", run) == 130
+    assert "SIGTERM" in capsys.readouterr().out and steps_saved(run) > saved
 
 
 def test_second_signal_stops_at_once() -> None:
+    before = signal.getsignal(signal.SIGINT)
     with Interrupt() as interrupt:
         os.kill(os.getpid(), signal.SIGINT)
         assert interrupt.wanted()
         with pytest.raises(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(1.0)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_too_many_worlds_and_an_unusable_folder_get_one_line(
@@ -294,8 +292,65 @@ def test_too_many_worlds_and_an_unusable_folder_get_one_line(
     def too_large(*given: object) -> None:
         np.empty(2**62, dtype=np.uint8)
 
-    monkeypatch.setattr("training.run.train.make_worlds", too_large)
+    monkeypatch.setattr("training.run.train.worlds_for", too_large)
     assert train(tiny_config, "--output", tmp_path / "run") == 2
     error = capsys.readouterr().err
     assert error.startswith("error: too little memory: Unable to allocate 4.00 EiB; fewer worlds")
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"), [("3", [3]), ("0-4", [0, 1, 2, 3, 4]), ("0,1,2", [0, 1, 2]), ("7, 1-2,2", [7, 1, 2])]
+)
+def test_seeds_are_read(text: str, seeds: list[int]) -> None:
+    assert parse_seeds(text) == seeds
+
+
+def test_finished_seeds_are_skipped_unfinished_ones_go_on_and_settings_are_not_mixed(
+    tiny_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = [tiny_config, "--output", tmp_path / "study", "--seeds"]
+    assert train(*command, "1", "--steps", 512) == 0
+    assert train(*command, "2", "--steps", 256) == 0
+    capsys.readouterr()
+    assert train(*command, "1-3", "--steps", 512) == 0
+    output = capsys.readouterr().out
+    assert output.count("nothing to do") == 1 and "seed 3, 3 of 3" in output
+    for seed, steps in ((1, [0, 512]), (2, [0, 256, 512]), (3, [0, 512])):
+        run = RunFolder(tmp_path / f"study-seed{seed}")
+        assert run.open().seed == seed and [row["steps"] for row in evaluations(run.path)] == steps
+    tiny_config.write_text(tiny_config.read_text().replace("n_steps: 32", "n_steps: 16"))
+    assert train(*command, "0-1") == 2
+    assert "(ppo)" in capsys.readouterr().err
+    assert not (tmp_path / "study-seed0").exists(), "nothing is begun if one folder has other settings"
+
+
+@pytest.mark.parametrize(
+    ("command", "output"),
+    [
+        (["design", "--horizon-s", "1"], "found.yaml"),
+        (["optimise", "--refine", "chirp", "--generations", "1", "--overwrite"], "found.yaml"),
+        (["distill", "--rounds", "1"], "run"),
+        (["train", "plain_ppo", "--steps", "256", "--overwrite"], "run"),
+    ],
+)
+def test_an_output_in_use_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str], output: str
+) -> None:
+    path = tmp_path / output
+    with alone(path):
+        assert main([*command, "--output", str(path)]) == 2
+    assert f"{path}: in use" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir()), "nothing was begun"
+
+
+def test_a_run_folder_is_made_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = RunFolder(tmp_path / "run")
+    run.create(TrainingConfig(seed=1), 0)
+    with monkeypatch.context() as patch:
+        patch.setattr(TrainingConfig, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            run.create(TrainingConfig(seed=2), 0)
+    assert run.open().seed == 1 and run.repeat_file.is_file()
+    run.create(TrainingConfig(seed=2), 0)
+    assert run.open().seed == 2 and [path.name for path in tmp_path.iterdir()] == ["run"]

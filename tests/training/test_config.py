@@ -1,13 +1,12 @@
-"""The settings of a run: defaults, files, and what is said about mistakes in them."""
+"""The settings of a run: defaults, files, the command line, and what is said about mistakes in them."""
 
 from pathlib import Path
 
 import pytest
 
-from agents.residual import Residual
 from jawenv.errors import InputError
 from jawenv.seeds import VALIDATION
-from training.run.config import DEFAULT_CONFIG, TrainingConfig, config_file
+from training.run.config import DEFAULT_CONFIG, Residual, TrainingConfig, asked_for, config_file
 
 
 def load(tmp_path: Path, text: str) -> TrainingConfig:
@@ -18,43 +17,49 @@ def load(tmp_path: Path, text: str) -> TrainingConfig:
 
 def test_default_file_spells_out_every_default() -> None:
     """It moves the jaw by motors, and in all else by default."""
-    assert TrainingConfig.load(DEFAULT_CONFIG) == TrainingConfig().with_env_kwargs(control="force")
+    assert TrainingConfig.load(DEFAULT_CONFIG) == TrainingConfig(env={"kwargs": {"control": "force"}})
 
 
 @pytest.mark.parametrize("path", sorted(DEFAULT_CONFIG.parent.glob("*.yaml")), ids=lambda path: path.stem)
-def test_shipped_files_are_valid_and_keep_cohorts_apart(path: Path) -> None:
+def test_shipped_files_are_valid_and_saved_with_the_section_of_their_algorithm_alone(
+    tmp_path: Path, path: Path
+) -> None:
     config = TrainingConfig.load(path)
-    assert config.evaluation.seed in VALIDATION
-    assert config.evaluation.every_steps <= config.steps
-    assert config.section is getattr(config, config.algorithm)
-
-
-def test_saved_settings_are_read_back(tmp_path: Path) -> None:
-    config = TrainingConfig().changed(seed=5, n_envs=256, steps=None)
+    assert config.evaluation.seed in VALIDATION and config.evaluation.every_steps <= config.steps
     config.save(tmp_path / "saved.yaml")
     assert TrainingConfig.load(tmp_path / "saved.yaml") == config
-    assert config.seed == 5 and config.steps == TrainingConfig().steps
+    sections = [name for name in ("ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()]
+    assert sections == [config.algorithm]
 
 
-@pytest.mark.parametrize("path", sorted(DEFAULT_CONFIG.parent.glob("*.yaml")), ids=lambda path: path.stem)
-def test_saved_settings_hold_the_section_of_their_algorithm_alone(tmp_path: Path, path: Path) -> None:
-    config = TrainingConfig.load(path)
-    config.save(tmp_path / "saved.yaml")
-    assert TrainingConfig.load(tmp_path / "saved.yaml") == config
-    assert [name for name in ("ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()] == [
-        config.algorithm
-    ]
+def test_a_file_and_changes_keep_all_else() -> None:
+    demo = TrainingConfig.load(config_file("demo"))
+    changed = demo.changed(seed=5, steps=None, ppo={"network": {"policy": [8]}})
+    assert changed.ppo.network.policy == (8,) and changed.seed == 5 and changed.steps == demo.steps
+    network = changed.ppo.network.model_copy(update={"policy": demo.ppo.network.policy})
+    assert changed.ppo.model_copy(update={"network": network}) == demo.ppo
 
 
-def test_a_residual_on_another_maneuver_keeps_its_scale() -> None:
-    sac = TrainingConfig.load(config_file("sac")).changed(residual={"maneuver": "chirp", "scale": 0.3})
-    assert sac.on_maneuver("prbs").residual == Residual(maneuver="prbs", scale=0.3)
+def test_the_command_line_wins_over_the_file() -> None:
+    sac = TrainingConfig.load(config_file("sac"))
+    asked = {"env": "sides", "cohort": "one_sided", "reward": None}
+    config, stem = asked_for("sac", asked, residual_on="prbs", target_discomfort=0.07, steps=12, seed=None)
+    assert stem == "sac-JawSides" and config.env.id == "jawenv/JawSides-v2" and config.steps == 12
+    assert config.env.kwargs == {**sac.env.kwargs, "cohort": "one_sided"}
+    assert config.residual == Residual(maneuver="prbs", scale=0.3)
+    assert config.comfort is not None and sac.comfort is not None
+    assert config.comfort == sac.comfort.model_copy(update={"target_discomfort_s": 0.07})
+    assert asked_for("sac", {}) == (sac, "sac")
 
 
-def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
-    config = load(tmp_path, "ppo: {gamma: 0.9, learning_rate: {initial: 1e-3}}")
-    assert config.ppo.gamma == 0.9 and config.ppo.learning_rate.initial == 1e-3
-    assert config.ppo.n_epochs == TrainingConfig().ppo.n_epochs
+def test_a_limit_on_discomfort_takes_the_place_of_its_price_and_a_file_that_of_another(tmp_path: Path) -> None:
+    path = tmp_path / "c.yaml"
+    path.write_text("env: {kwargs: {comfort_weight: 60.0, reality: {creep_share: 0.3}}}")
+    config, _ = asked_for(str(path), {"reality": {"hysteresis_share": 0.1}}, target_discomfort=0.07)
+    assert config.env.kwargs == {"comfort_weight": 0.0, "reality": {"hysteresis_share": 0.1}}
+    assert config.comfort is not None and config.residual is None
+    with pytest.raises(InputError):
+        asked_for(str(path), {}, target_discomfort=0.0)
 
 
 @pytest.mark.parametrize(
@@ -84,28 +89,8 @@ def test_partial_file_keeps_the_other_defaults(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_get_one_line_that_names_them(tmp_path: Path, text: str) -> None:
-    with pytest.raises(InputError) as caught:
-        load(tmp_path, text)
-    assert "\n" not in str(caught.value)
-    assert "config.yaml" in str(caught.value)
-
-
-def test_arguments_of_the_environment_that_are_none_stay() -> None:
-    config = TrainingConfig.load(config_file("ppo"))
-    changed = config.with_env_kwargs(cohort="one_sided", reward=None)
-    assert changed.env.kwargs == {**config.env.kwargs, "cohort": "one_sided"}
-    assert config.with_env_kwargs(cohort=None) == config
-
-
-def test_a_limit_on_discomfort_takes_the_place_of_its_price() -> None:
-    plain = TrainingConfig(env={"kwargs": {"comfort_weight": 60.0, "control": "targets"}})
-    limited = plain.within_discomfort(0.07)
-    assert limited.comfort is not None and limited.comfort.target_discomfort_s == 0.07
-    assert limited.env.kwargs == {"comfort_weight": 0.0, "control": "targets"}
-    again = limited.changed(comfort={"target_discomfort_s": 0.1, "initial_multiplier": 3.0}).within_discomfort(0.05)
-    assert again.comfort is not None and (again.comfort.target_discomfort_s, again.comfort.initial_multiplier) == (
-        0.05,
-        3.0,
-    )
-    with pytest.raises(InputError):
-        plain.within_discomfort(0.0)
+    for read in (TrainingConfig.load, lambda path: asked_for(str(path), {"cohort": "wide"})):
+        (tmp_path / "config.yaml").write_text(text)
+        with pytest.raises(InputError) as caught:
+            read(tmp_path / "config.yaml")
+        assert "\n" not in str(caught.value) and "config.yaml" in str(caught.value)

@@ -1,6 +1,5 @@
 """A planner distilled into a policy: what is learnt, in which states, and how it goes on after a stop."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +8,15 @@ from rich.console import Console
 
 import agents
 import jawenv
+from agents.card import WEIGHTS, read_card
+from agents.evaluations import read_evaluations
 from tests.recorded import Actions
 from training.cli import main
 from training.run.config import TrainingConfig
-from training.run.evaluation_table import read_evaluations
-from training.run.export import export
 from training.run.folder import RunFolder
-from training.run.train import Session, base_targets, world_seed
-from training.search.distill import Distillation, Labels, error_on, fit
+from training.run.train import Session, base_targets
+from training.run.worlds import world_seed
+from training.search.distill import Distillation, Labels, error_on, fit, is_finished
 
 CONFIG = """
 algorithm: ppo
@@ -37,15 +37,16 @@ def config_file(tmp_path: Path) -> Path:
     return path
 
 
-def weights(path: Path) -> list[np.ndarray]:
-    policy = agents.load_agent(path, control="targets").agent.policy
+def weights(run: RunFolder) -> list[np.ndarray]:
+    """Those of its latest checkpoint."""
+    policy = agents.load_agent(run.latest_checkpoint(), control="targets", trust=True).agent.policy
     return [value.numpy() for value in policy.state_dict().values()]
 
 
 def test_a_policy_learns_what_it_is_told(config_file: Path) -> None:
     config = TrainingConfig.load(config_file)
     stream = np.random.default_rng(0)
-    with Session(config, Console(quiet=True), 0, base_targets(config)) as session:
+    with Session(config, RunFolder(config_file), Console(quiet=True), 0, base_targets(config)) as session:
         seen = stream.normal(size=(5000, *session.model.observation_space.shape)).astype(np.float32)
         wanted = 0.4 * np.tanh(seen[:, :4]).astype(np.float32)
         told, others = Labels(seen[:4000], wanted[:4000]), Labels(seen[4000:], wanted[4000:])
@@ -61,15 +62,9 @@ def test_a_planner_is_distilled_and_a_stopped_distillation_goes_on(config_file: 
     assert main([*command, "--rounds", "1", "--output", str(halves.path)]) == 0
     # A finished one goes on where more rounds are asked for.
     assert main([*command, "--rounds", "2", "--output", str(halves.path)]) == 0
-    for a, b in zip(weights(whole.final_model), weights(halves.final_model), strict=True):
+    for a, b in zip(weights(whole), weights(halves), strict=True):
         np.testing.assert_array_equal(a, b)
-    shutil.rmtree(halves.path / "labels")  # and stopped before the policy was fitted: labels alone decide
-    shutil.copytree(whole.path / "labels", halves.path / "labels")
-    halves.final_model.unlink()
-    assert main([*command, "--rounds", "2", "--output", str(halves.path)]) == 0
-    for a, b in zip(weights(whole.final_model), weights(halves.final_model), strict=True):
-        np.testing.assert_array_equal(a, b)
-    rows = read_evaluations(whole)
+    rows = read_evaluations(whole.path)
     assert [row["steps"] for row in rows] == [5 * STEPS, 10 * STEPS]
     capsys.readouterr()
     assert main([*command, "--rounds", "2", "--output", str(whole.path)]) == 0
@@ -89,15 +84,46 @@ def test_a_planner_is_distilled_and_a_stopped_distillation_goes_on(config_file: 
     np.testing.assert_allclose(first.residual.reshape(STEPS, 5, 4)[:, within], done[:, within], atol=1e-5)
 
 
+def test_one_that_is_killed_after_its_labels_goes_on_to_the_same_run(
+    config_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the labels of a round are there for, its evaluation and the best policy, is made up for."""
+    killed, whole = RunFolder(tmp_path / "killed"), RunFolder(tmp_path / "whole")
+    command = ["distill", str(config_file), *SMALL, "--rounds", "2", "--output"]
+
+    class KilledError(Exception):
+        pass
+
+    def kill(*_: object) -> None:
+        raise KilledError
+
+    with monkeypatch.context() as patch, pytest.raises(KilledError):
+        patch.setattr("training.search.distill._fit_anew", kill)
+        main([*command, str(killed.path)])
+    assert (killed.labels / "round_00.npz").exists() and not killed.has_policy()
+    for run in (killed, whole):
+        assert main([*command, str(run.path)]) == 0
+    assert killed.evaluations.read_bytes() == whole.evaluations.read_bytes()
+    assert (killed.path / WEIGHTS).read_bytes() == (whole.path / WEIGHTS).read_bytes()
+    for a, b in zip(weights(killed), weights(whole), strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert [path.name for path in killed.checkpoints.iterdir()] == [path.name for path in whole.checkpoints.iterdir()]
+    assert is_finished(killed, 2)
+    Labels.load(killed.labels / "round_00.npz").save(killed.labels / "round_02.npz")
+    assert not is_finished(killed, 3), "the latest checkpoint has not learnt from the last labels"
+
+
 def test_a_distilled_run_is_trained_on(config_file: Path, tmp_path: Path) -> None:
     run = RunFolder(tmp_path / "run")
     assert main(["distill", str(config_file), *SMALL, "--rounds", "1", "--output", str(run.path)]) == 0
-    before = weights(run.final_model)
-    assert export(run, tmp_path / "distilled").algorithm == "distillation of myopic"
+    before = weights(run)
+    assert read_card(run.path).algorithm == "distillation of myopic"
     assert main(["train", "--resume", str(run.path), "--steps", "45"]) == 0
-    assert [row["steps"] for row in read_evaluations(run)] == [25, 45]
-    assert export(run, tmp_path / "trained").algorithm == "distillation of myopic, then ppo"
-    after = weights(run.final_model)
+    assert [row["steps"] for row in read_evaluations(run.path)] == [25, 45]
+    best, rows = read_card(run.path), read_evaluations(run.path)
+    assert best.steps == max(rows, key=lambda row: row["return"])["steps"]
+    assert best.algorithm.endswith(", then ppo") == (best.steps == 45)
+    after = weights(run)
     assert any((a != b).any() for a, b in zip(before, after, strict=True))
     assert all(np.abs(a - b).max() < 0.05 for a, b in zip(before, after, strict=True))  # it went on from there
 
@@ -108,7 +134,7 @@ def test_a_distilled_run_is_trained_on(config_file: Path, tmp_path: Path) -> Non
         ({}, ["--planner", "nobody"], "planner"),
         ({}, ["--patients", "0"], "patients"),
         ({}, ["--rounds", "0"], "rounds"),
-        ({"control: targets": "control: force"}, [], "control is 'force'; allowed for a planner: targets"),
+        ({"control: targets": "control: force"}, [], "'force'"),
         ({"residual: {maneuver: opening_with_swings, scale: 2.0}": ""}, [], "--residual-on"),
         ({"algorithm: ppo": "algorithm: sac", "ppo: {": "sac: {}  # {"}, [], "allowed to be distilled into: ppo"),
     ],

@@ -1,69 +1,32 @@
-"""``python -m training export``: the folder acts as the run's best policy, and its card says what it is."""
+"""``python -m training export``: the folder holds the run's best policy, and its card and README say what it is."""
 
-import hashlib
-import json
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
-import gymnasium as gym
-import numpy as np
 import pytest
-from gymnasium import spaces
-from stable_baselines3 import PPO, SAC
-from stable_baselines3.common.base_class import BaseAlgorithm
+import yaml
+from markdown import markdown
 
-import agents
-import jawenv
-from agents.card import read_card
-from agents.residual import N_FEATURES
-from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.playing.maneuvers import Maneuver
+from agents.card import SHIPPED, ModelCard, policy_names, read_card
+from tests.plain_policies import write_corrector
 from training.cli import main
-from training.run.config import EnvConfig, TrainingConfig
-from training.run.export import _environment, config_sha256
-
-KWARGS = {"control": "trajectory", "episode_s": 5.0, "device": {"cell_force_N": 0.2}}
+from training.run.config import TrainingConfig
+from training.run.export import README, metadata, readme
 
 
-class Blank(gym.Env):
-    """Has the spaces that a policy is built for; nobody steps it."""
-
-    observation_space = spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
-    action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)
-
-
-class BlankWithTargets(Blank):
-    """The same for a policy that corrects a maneuver."""
-
-    observation_space = spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE + N_FEATURES,), np.float32)
-
-
-def write_run(
-    folder: Path, algorithm: type[BaseAlgorithm] = PPO, env_id: str = "jawenv/Jaw-v2", **more: object
-) -> Path:
-    """The folder of a run whose policy has learned nothing for 1,234 steps."""
-    model = algorithm("MlpPolicy", Blank(), seed=1, device="cpu", policy_kwargs={"net_arch": [8, 6]}, **more)
-    model.num_timesteps = 1234
-    folder.mkdir()
-    model.save(folder / "best_model.zip")
-    name = "sac" if algorithm is SAC else "ppo"
-    TrainingConfig(algorithm=name, seed=7, env={"id": env_id, "kwargs": KWARGS}).save(folder / "config.yaml")
-    sessions = [{"command": "python -m training train ppo"}, {"command": "python -m training train ppo --resume a"}]
-    (folder / "repeat.json").write_text(json.dumps({"sessions": sessions}))
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    folder = write_corrector(tmp_path / "run", "slow_opening")
+    TrainingConfig().save(folder / "config.yaml")
     return folder
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_run(tmp_path_factory.mktemp("runs") / "first")
 
 
 def export(run: Path, output: Path, *more: object) -> int:
     return main(["export", str(run), "--output", str(output), *map(str, more)])
 
 
-def refusal(capsys: pytest.CaptureFixture[str], run: Path, output: Path, *more: object) -> str:
+def refused(capsys: pytest.CaptureFixture[str], run: Path, output: Path, *more: object) -> str:
     capsys.readouterr()
     assert export(run, output, *more) == 2
     error = capsys.readouterr().err
@@ -71,105 +34,97 @@ def refusal(capsys: pytest.CaptureFixture[str], run: Path, output: Path, *more: 
     return error
 
 
-@pytest.mark.parametrize(("algorithm", "more"), [(PPO, {}), (PPO, {"use_sde": True}), (SAC, {"buffer_size": 1})])
-def test_it_acts_as_the_model(algorithm: type[BaseAlgorithm], more: dict, tmp_path: Path) -> None:
-    run = write_run(tmp_path / "run", algorithm, **more)
-    assert export(run, tmp_path / "shared") == 0
-    observation = np.random.default_rng(0).normal(size=(50, OBSERVATION_SIZE)).astype(np.float32)
-    wanted = algorithm.load(run / "best_model.zip").predict(observation, deterministic=True)[0]
-    action = agents.load_agent(tmp_path / "shared", control="trajectory").predict(observation)[0]
-    np.testing.assert_allclose(action, wanted, rtol=0.0, atol=1e-6)
-    assert np.abs(wanted).max() > 0.01
+ROW = "cohort: trismus, patients: 64, seeds: [500, 563], metric: 'true information, nats', low: 44.4, high: 46.5"
 
 
-def test_the_card_says_what_it_is(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_the_runs_policy_with_what_it_reached(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["training", "export", "a run"])
-    assert export(run, tmp_path / "shared", "--licence", "CC-BY-4.0") == 0
-    card = read_card(tmp_path / "shared")
-    assert card.environment.kwargs() == KWARGS | {
-        "control_hz": 20.0,
-        "sensors": "pose",
-        "reward": "uncertainty",
-        "cohort": "trismus",
-    }
-    assert (card.environment.id, card.algorithm, card.seed, card.steps) == ("jawenv/Jaw-v2", "ppo", 7, 1234)
-    assert card.architecture.layers == (OBSERVATION_SIZE, 8, 6, 4)
-    assert (card.architecture.activation, card.architecture.squash) == ("tanh", "clip")
-    weights = (tmp_path / "shared" / "policy.safetensors").read_bytes()
-    assert card.weights_sha256 == hashlib.sha256(weights).hexdigest()
-    assert card.config_sha256 == config_sha256(run / "config.yaml")
-    assert card.licence == "CC-BY-4.0" and abs((card.date - datetime.now(UTC).date()).days) <= 1
-    assert len(card.commands) == 3 and card.commands[-1] == "python -m training export 'a run'"
-    assert card.residual is None and card.results == ()
-
-
-def test_a_cohort_of_ones_own_goes_into_the_card(tmp_path: Path) -> None:
-    mine = jawenv.cohort("trismus").to_dict() | {"name": "mine"}
-    (tmp_path / "mine.json").write_text(json.dumps(mine))
-    assert _environment(EnvConfig(kwargs={"cohort": str(tmp_path / "mine.json")})).cohort == mine
-
-
-def test_the_hash_of_the_configuration_is_that_of_its_content(run: Path, tmp_path: Path) -> None:
-    lines = (run / "config.yaml").read_text().splitlines()
-    assert lines[0].startswith("algorithm") and lines[1].startswith("seed")
-    (tmp_path / "moved.yaml").write_text("\n".join(["# the same", *lines[1:], lines[0]]))
-    (tmp_path / "other.yaml").write_text("\n".join(lines).replace("seed: 7", "seed: 8"))
-    assert config_sha256(tmp_path / "moved.yaml") == config_sha256(run / "config.yaml")
-    assert config_sha256(tmp_path / "other.yaml") != config_sha256(run / "config.yaml")
-
-
-def test_results_come_from_a_file(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    row = "cohort: trismus, patients: 64, seeds: [500, 563], metric: 'true information, nats', low: 44.4, high: 46.5"
-    (tmp_path / "good.yaml").write_text(f"results:\n- {{{row}, mean: 45.5}}\n")
-    (tmp_path / "bad.yaml").write_text(f"results:\n- {{{row}}}\n")
-    assert export(run, tmp_path / "shared", "--results", tmp_path / "good.yaml") == 0
-    (result,) = read_card(tmp_path / "shared").results
+    (tmp_path / "good.yaml").write_text(f"results:\n- {{{ROW}, mean: 45.5}}\n")
+    assert export(run, tmp_path / "shared", "--licence", "CC-BY-4.0", "--results", tmp_path / "good.yaml") == 0
+    kept, card = read_card(run), read_card(tmp_path / "shared")
+    assert (tmp_path / "shared" / "policy.safetensors").read_bytes() == (run / "policy.safetensors").read_bytes()
+    (result,) = card.results
     assert (result.mean, result.low, result.seeds, result.level) == (45.5, 44.4, (500, 563), 0.95)
-    message = refusal(capsys, run, tmp_path / "none", "--results", tmp_path / "bad.yaml")
-    assert "bad.yaml: results.0: true information, nats: give either mean or median" in message
+    assert card.licence == "CC-BY-4.0" and abs((card.date - datetime.now(UTC).date()).days) <= 1
+    assert card.commands == (*kept.commands, "python -m training export 'a run'")
+    said_anew = {"results", "licence", "date", "commands"}
+    assert card.model_dump(exclude=said_anew) == kept.model_dump(exclude=said_anew)
+
+
+def test_damaged_results_and_a_run_without_a_policy_are_refused(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bad.yaml").write_text(f"results:\n- {{{ROW}}}\n")
+    assert "bad.yaml: results.0" in refused(capsys, run, tmp_path / "none", "--results", tmp_path / "bad.yaml")
+    (run / "card.json").unlink()
+    assert "card.json" in refused(capsys, run, tmp_path / "none")
+    (run / "config.yaml").unlink()
+    assert "holds no run" in refused(capsys, run, tmp_path / "none")
     assert not (tmp_path / "none").exists()
-
-
-def test_a_maneuver_that_is_corrected_goes_into_the_card_whole(tmp_path: Path) -> None:
-    """The exported policy acts as the run's, maneuver included."""
-    run = tmp_path / "run"
-    run.mkdir()
-    model = PPO("MlpPolicy", BlankWithTargets(), seed=1, device="cpu", policy_kwargs={"net_arch": [8, 6]})
-    model.save(run / "best_model.zip")
-    kwargs = {"control": "targets", "episode_s": 5.0}
-    residual = {"maneuver": "slow_opening", "scale": 0.3}
-    TrainingConfig().changed(env={"id": "jawenv/Jaw-v2", "kwargs": kwargs}, residual=residual).save(run / "config.yaml")
-    assert export(run, tmp_path / "shared") == 0
-    card = read_card(tmp_path / "shared")
-    assert card.residual is not None and card.residual.scale == 0.3
-    assert card.residual.maneuver == Maneuver.named("slow_opening")
-    trained, shared = (agents.load_agent(path, control="targets") for path in (run, tmp_path / "shared"))
-    stream = np.random.default_rng(0)
-    for _ in range(4):
-        observation = stream.normal(size=(3, OBSERVATION_SIZE)).astype(np.float32)
-        wanted = trained.predict(observation)[0]
-        np.testing.assert_allclose(shared.predict(observation)[0], wanted, rtol=0.0, atol=1e-6)
 
 
 def test_nothing_is_replaced_unasked(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     output = tmp_path / "shared"
     assert export(run, output) == 0
-    assert "already holds an exported policy; replace it with --overwrite" in refusal(capsys, run, output)
+    files = {path.name for path in output.iterdir()}
+    assert "--overwrite" in refused(capsys, run, output)
     assert export(run, output, "--overwrite", "--licence", "CC0-1.0") == 0
     assert read_card(output).licence == "CC0-1.0"
-    assert "something other than an exported policy" in refusal(capsys, run, run, "--overwrite")
+    refused(capsys, run, run, "--overwrite")
     (tmp_path / "file").write_text("text")
-    assert "is a file; name a folder" in refusal(capsys, run, tmp_path / "file")
+    refused(capsys, run, tmp_path / "file")
+    (output / "card.json").unlink()  # as an export leaves it that was stopped
+    (output / ".card.json.0123.unfinished").write_text("{")
+    assert export(run, output) == 0
+    assert {path.name for path in output.iterdir()} == files == {"card.json", "policy.safetensors", "README.md"}
 
 
-def test_an_export_that_was_stopped_is_given_again(
-    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shared = tmp_path / "shared"
-    assert export(run, shared) == 0
-    files = {path.name for path in shared.iterdir()}
-    (shared / "card.json").unlink()
-    (shared / ".card.json.0123.unfinished").write_text("{")
-    assert export(run, shared) == 0
-    assert {path.name for path in shared.iterdir()} == files == {"card.json", "policy.safetensors", "README.md"}
-    assert "already holds an exported policy" in refusal(capsys, run, shared)
+def header_of(text: str) -> dict:
+    start, header, _ = text.split("---\n", 2)
+    assert start == ""
+    return yaml.safe_load(header)
+
+
+@pytest.mark.parametrize("name", policy_names())
+def test_the_readme_of_a_policy_that_comes_along_is_of_its_card(name: str) -> None:
+    text = (SHIPPED / name / README).read_text(encoding="utf-8")
+    card = read_card(SHIPPED / name)
+    assert text == readme(name, card)
+    header = header_of(text)
+    assert header["license"] == "mit" and header["library_name"] == "jawenv"
+    assert {"reinforcement-learning", "gymnasium", card.algorithm} <= set(header["tags"])
+    (index,) = header["model-index"]
+    assert index["name"] == name and len(index["results"]) == len(card.results) > 0
+    for entry, result in zip(index["results"], card.results, strict=True):
+        (metric,) = entry["metrics"]
+        assert metric["name"] == result.metric
+        assert metric["value"] == (result.mean if result.median is None else result.median)
+        assert (metric["args"]["low"], metric["args"]["high"]) == (result.low, result.high)
+        assert entry["dataset"]["args"]["patients"] == result.patients and entry["task"]["name"] == card.environment.id
+
+
+def card_with(**changed: object) -> ModelCard:
+    fields = read_card(SHIPPED / "ppo_trismus").model_dump(mode="json")
+    return ModelCard.model_validate(fields | changed)
+
+
+@pytest.mark.parametrize(
+    ("licence", "expected"),
+    [
+        ("CC-BY-4.0", {"license": "cc-by-4.0"}),
+        ("Our own, 2030", {"license": "other", "license_name": "our-own-2030"}),
+    ],
+)
+def test_a_licence_is_named_as_the_hub_names_it(licence: str, expected: dict) -> None:
+    told = metadata("mine", card_with(licence=licence, results=[]))
+    assert expected.items() <= told.items() and "model-index" not in told
+
+
+def test_what_a_card_says_cannot_break_the_page() -> None:
+    told, flat = "a | b\n---\n# no: [yaml", "a | b --- # no: [yaml"
+    result = read_card(SHIPPED / "ppo_trismus").results[0].model_dump(mode="json") | {"metric": told}
+    text = readme('größe "y', card_with(results=[result], licence=told, algorithm=told))
+    header = header_of(text)
+    assert header["model-index"][0]["name"] == 'größe "y'
+    assert header["model-index"][0]["results"][0]["metrics"][0]["name"] == flat and flat in header["tags"]
+    assert "<h1>no" not in markdown(text.split("---\n", 2)[2])

@@ -1,6 +1,7 @@
-"""Runs on jawenv itself: a correction of a maneuver that is loaded as an agent, and a limit on discomfort."""
+"""A run on jawenv itself: a correction of a maneuver in a world of its own, with a limit on discomfort."""
 
 import json
+import shutil
 import zipfile
 from pathlib import Path
 
@@ -9,13 +10,15 @@ import pytest
 
 import agents
 import jawenv
-from agents.residual import BASE_FILE, ResidualPolicy
+from agents.card import read_card
+from agents.evaluations import read_evaluations
+from agents.residual import ResidualPolicy
 from eval.entries import load_entries
 from eval.settings import Settings
-from jawenv.playing.maneuvers import Player
+from jawenv.playing.maneuvers import Maneuver, Player
 from training.cli import main
-from training.run.evaluation_table import read_evaluations
-from training.run.evaluations import Evaluations
+from training.run.config import BASE_FILE
+from training.run.export import config_sha256
 from training.run.folder import RunFolder
 
 CONFIG = """
@@ -24,103 +27,100 @@ steps: 60
 n_envs: 2
 env: {kwargs: {control: targets, reward: mixed, episode_s: 2.0}}
 residual: {maneuver: opening_with_swings, scale: 0.5}
+comfort: {target_discomfort_s: 0.05, initial_multiplier: 20.0, rate: 0.1, episodes: 2}
 sac: {learning_starts: 20, batch_size: 16, gradient_steps: 1, network: {units: [8], initial_action_scale: 1.0e-6}}
 evaluation: {every_steps: 1000, patients: 2}
 """
-COMFORT = "comfort: {target_discomfort_s: 0.05, initial_multiplier: 20.0, rate: 0.1, episodes: 2}\n"
-ENV = {"control": "targets", "episode_s": 2.0, "reward": "mixed"}
+WORLD = {"comfort": {"force_N": 8.0}, "anatomy": {"mandible": {"mass_kg": 0.25}}, "force_sensor": "straps"}
+ENV = {"control": "targets", "episode_s": 2.0, "reward": "mixed", **WORLD}
 
 
-def train(tmp_path: Path, text: str, *arguments: str) -> RunFolder:
-    (tmp_path / "jaw.yaml").write_text(text)
-    run = RunFolder(tmp_path / "run")
-    assert main(["train", str(tmp_path / "jaw.yaml"), "--output", str(run.path), *arguments]) == 0
-    return run
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    """A run whose files of comfort and anatomy are gone."""
+    folder = tmp_path_factory.mktemp("jaw")
+    files = {"jaw.yaml": CONFIG, "strict.toml": "force_N = 8.0\n", "jaw.toml": "mandible = {mass_kg = 0.25}\n"}
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    own = ["--comfort", folder / "strict.toml", "--anatomy", folder / "jaw.toml", "--force-sensor", "straps"]
+    asked = [folder / "jaw.yaml", "--output", folder / "run", "--residual-on", "slow_opening", *own]
+    assert main(["train", *map(str, asked)]) == 0
+    for name in files:
+        (folder / name).unlink()
+    return RunFolder(folder / "run")
 
 
-def saved_multiplier(model: Path) -> float:
-    with zipfile.ZipFile(model) as archive:
+def price_of(run: RunFolder) -> float:
+    """The price of discomfort in the latest checkpoint."""
+    checkpoint = run.latest_checkpoint()
+    assert checkpoint is not None
+    with zipfile.ZipFile(checkpoint) as archive:
         return float(json.loads(archive.read("data"))["comfort_multiplier"])
 
 
-def test_a_correction_begins_as_its_maneuver_and_is_played_as_it_was_trained(tmp_path: Path) -> None:
-    run = train(tmp_path, CONFIG, "--residual-on", "slow_opening")
-    assert (run.path / BASE_FILE).is_file()
-    rows = read_evaluations(run)
-    seed = run.open().evaluation.seed
+def test_a_correction_begins_as_its_maneuver_and_is_played_as_it_was_trained(trained: RunFolder) -> None:
+    rows, seed = read_evaluations(trained.path), trained.open().evaluation.seed
 
     def gained(agent: object) -> float:
         return float(jawenv.play(agent, patients=2, seed=seed, env_kwargs=ENV).information_claimed[:, -1].mean())
 
     assert rows[0]["information_claimed"] == pytest.approx(gained(Player("slow_opening", control="targets")), abs=1e-3)
-    final = agents.load_agent(run.final_model, control="targets")
-    assert isinstance(final, ResidualPolicy) and final.base.maneuver.name == "slow_opening"
-    assert rows[-1]["information_claimed"] == pytest.approx(gained(final), abs=1e-3)
+    best = agents.load_agent(trained.path, control="targets")
+    assert isinstance(best, ResidualPolicy) and best.base.maneuver.name == "slow_opening"
+    (row,) = (row for row in rows if row["steps"] == read_card(trained.path).steps)
+    assert row["information_claimed"] == pytest.approx(gained(best), abs=1e-3)
     assert rows[-1]["information_claimed"] != rows[0]["information_claimed"]
     assert rows[-1]["worst_sd"] == rows[-1]["worst_sd_10s"]  # the episode is shorter than 10 s
+    final = agents.load_agent(trained.latest_checkpoint(), control="targets", trust=True)  # type: ignore[arg-type]
+    assert rows[-1]["information_claimed"] == pytest.approx(gained(final), abs=1e-3)
 
 
-def test_price_of_discomfort_is_learned_saved_and_resumed(tmp_path: Path) -> None:
-    run = train(tmp_path, CONFIG + COMFORT)
-    price = saved_multiplier(run.final_model)
+def test_the_best_policy_has_a_card(trained: RunFolder) -> None:
+    card, config = read_card(trained.path), trained.open()
+    assert card.environment.kwargs().items() >= ENV.items() and card.environment.id == "jawenv/Jaw-v2"
+    assert card.residual is not None and card.residual.scale == 0.5
+    assert card.residual.maneuver == Maneuver.load(trained.path / BASE_FILE) == Maneuver.named("slow_opening")
+    assert (card.algorithm, card.seed, card.steps in (0, 60)) == ("sac", config.seed, True)
+    assert card.config_sha256 == config_sha256(trained.config_file)
+    assert len(card.commands) == 1
+
+
+def test_a_run_goes_on_with_its_price_and_its_world(trained: RunFolder, tmp_path: Path) -> None:
+    """Its world is with the run, not in files beside it, and a comparison notes what is another."""
+    run = RunFolder(tmp_path / "run")
+    shutil.copytree(trained.path, run.path)
+    price = price_of(run)
     # 3 batches of 2 episodes; no batch can raise the logarithm by more than 0.2 or lower it by more than 0.1.
     assert price != 20.0 and -0.31 < np.log(price / 20.0) < 0.61
     assert main(["train", "--resume", str(run.path), "--steps", "62"]) == 0
-    assert saved_multiplier(run.final_model) == price
-
-
-def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> None:
-    evaluations = Evaluations(RunFolder(tmp_path), None, None, lambda: False, _Silent(), 0.05)  # type: ignore[arg-type]
-    for steps, mean_return, discomfort, better in (
-        (0, 50.0, 0.9, True),
-        (1, 40.0, 0.5, True),
-        (2, 60.0, 0.6, False),
-        (3, 10.0, 0.05, True),
-        (4, 70.0, 0.06, False),
-        (5, 11.0, 0.01, True),
-    ):
-        row = {"steps": steps, "return": mean_return, "discomfort_s": discomfort}
-        assert evaluations._compare(row) is better, row
-
-
-def test_a_run_keeps_its_own_comfort_anatomy_and_force_sensor(tmp_path: Path) -> None:
-    """With the run, not in files beside it: it goes on without them, and a comparison notes what is another."""
-    (tmp_path / "strict.toml").write_text("force_N = 8.0\n")
-    (tmp_path / "jaw.toml").write_text("mandible = {mass_kg = 0.25}\n")
-    own = ["--comfort", str(tmp_path / "strict.toml"), "--anatomy", str(tmp_path / "jaw.toml")]
-    run = train(tmp_path, CONFIG, *own, "--force-sensor", "straps")
-    kept = {"comfort": {"force_N": 8.0}, "anatomy": {"mandible": {"mass_kg": 0.25}}, "force_sensor": "straps"}
-    assert run.open().env.kwargs.items() >= kept.items()
-    assert json.loads((run.path / "env.json").read_text())["kwargs"].items() >= kept.items()
-    for name in ("strict.toml", "jaw.toml"):
-        (tmp_path / name).unlink()
-    assert main(["train", "--resume", str(run.path), "--steps", "62"]) == 0
-    (same,) = load_entries([str(run.path)], Settings.of(**kept).world)
+    assert price_of(run) == price and run.open().env.kwargs.items() >= WORLD.items()
+    (same,) = load_entries([str(run.path)], Settings.of(**WORLD).world)
     (other,) = load_entries([str(run.path)], Settings().world)
     assert "another" not in same.note and "force_sensor" not in same.note
     for said in ("trained with another comfort", "trained with another anatomy", "trained with force_sensor straps"):
         assert said in other.note
 
 
-class _Silent:
-    def note(self, key: str, text: str) -> None: ...
-
-
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "told"),
     [
-        (("maneuver: opening_with_swings", "maneuver: nowhere.yaml"), "nowhere.yaml: no such file"),
-        (
-            ("control: targets, ", "control: force, control_hz: 12.5, "),
-            "control_hz 12.5: must be a multiple of the 5 decisions",
-        ),
+        (("maneuver: opening_with_swings", "maneuver: nowhere.yaml"), "nowhere.yaml"),
+        (("control: targets, ", "control: force, control_hz: 12.5, "), "control_hz 12.5"),
     ],
 )
 def test_unusable_residuals_get_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], message: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
 ) -> None:
     (tmp_path / "jaw.yaml").write_text(CONFIG.replace(*change))
     assert main(["train", str(tmp_path / "jaw.yaml"), "--output", str(tmp_path / "run")]) == 2
     error = capsys.readouterr().err
-    assert error.count("\n") == 1 and message in error
+    assert error.count("\n") == 1 and told in error
     assert not (tmp_path / "run").exists()
+
+
+def test_the_hash_of_a_configuration_is_that_of_its_content(tmp_path: Path) -> None:
+    texts = {"a": "seed: 7\nsteps: 3\n", "b": "# the same\nsteps: 3\nseed: 7\n", "c": "seed: 8\nsteps: 3\n"}
+    for name, text in texts.items():
+        (tmp_path / f"{name}.yaml").write_text(text)
+    a, b, c = (config_sha256(tmp_path / f"{name}.yaml") for name in texts)
+    assert a == b != c

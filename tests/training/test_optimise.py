@@ -1,52 +1,89 @@
-"""The search of maneuvers: its numbers, its judge, its constraint, and what a stopped search leaves."""
+"""The search that refines a maneuver: its numbers, its judge, its constraint, and what a stopped search leaves."""
+
+import pickle
 
 import numpy as np
 import pytest
-import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import jawenv
-from jawenv.device.channels import CHANNELS
+from jawenv.device.channels import FASTEST_TARGET
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import FOLDER
 from training.cli import main
-from training.search.optimise import CANDIDATE, INFEASIBLE, Design, Judge, Judged, nominal_patient, search
-from training.search.waveform import N_NUMBERS, PEAKS, START, START_FADE_S, Sines, numbers_of, waves_of
+from training.search.optimise import (
+    CANDIDATE,
+    SIZE,
+    STEP_S,
+    Design,
+    Judge,
+    Judged,
+    Knots,
+    length_s,
+    nominal_patient,
+    search,
+)
 
-SHORT = {"horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
-
-
-@given(arrays(float, N_NUMBERS, elements=st.floats(-5.0, 5.0)))
-def test_any_numbers_make_a_maneuver_within_its_channels(numbers):
-    """The file's own checks refuse one that leaves them."""
-    maneuver = Sines().maneuver(numbers, CANDIDATE)
-    for name in CHANNELS:
-        low, high = maneuver.channels.signal(name).bounds()
-        assert high <= PEAKS[name][1] + 2e-6 and low >= (0.0 if name == "opening" else -PEAKS[name][1]) - 2e-6
-
-
-def test_numbers_and_waves_are_the_same_thing():
-    waves, fade = waves_of(numbers_of(START, START_FADE_S))
-    assert fade == pytest.approx(START_FADE_S)
-    for name, wave in START.items():
-        for value, expected in zip(waves[name], wave, strict=True):
-            np.testing.assert_allclose(value, np.mod(expected, 360.0) if np.any(np.less(expected, 0)) else expected)
+SHORT = {"refine": "slow_opening", "horizon_s": 2.0, "patients": 2, "population": 4, "generations": 3}
+TIMES = STEP_S * np.arange(1, 11)
 
 
-@given(arrays(float, N_NUMBERS, elements=st.floats(0.05, 0.95)))
-def test_numbers_come_back(numbers):
-    waves, fade = waves_of(numbers)
-    np.testing.assert_allclose(numbers_of(waves, fade), numbers, atol=1e-9)
+@pytest.mark.parametrize("name", ["designed", "opening_with_swings"])
+def test_without_offsets_a_maneuver_is_itself(name):
+    base = Maneuver.named(name)
+    knots = Knots(base, 2.0)
+    again = knots.maneuver(knots.start, CANDIDATE)
+    np.testing.assert_allclose(again.targets(TIMES).value, base.targets(TIMES).value, atol=1e-5)
+
+
+def test_what_lies_behind_the_horizon_stays():
+    base = Maneuver.named("designed")
+    assert length_s(base) == 30.0 and length_s(Maneuver.named("opening_with_swings")) == 0.0
+    knots = Knots(base, 4.0)
+    changed = knots.targets(knots.start + 0.3)
+    late = STEP_S * np.arange(27, 151)  # a second later any difference is caught up
+    np.testing.assert_allclose(changed[26:], base.targets(late).value, atol=1e-9)
+    assert np.abs(changed[:20] - base.targets(STEP_S * np.arange(1, 21)).value).max() > 0.05
+
+
+def test_another_maneuver_follows_after_the_horizon():
+    """It is reached within two seconds, and changes nothing before."""
+    base, then = Maneuver.named("refined"), Maneuver.named("opening_with_swings")
+    knots, alone = Knots(base, 10.0, then), Knots(base, 10.0)
+    path, own = knots.targets(knots.start), alone.targets(alone.start)
+    np.testing.assert_array_equal(path[:50], own[:50])
+    late = STEP_S * np.arange(66, 151)
+    np.testing.assert_allclose(path[65:], then.targets(late).value, atol=1e-9)
+    assert np.abs(path[65:] - own[65:]).max() > 0.1
+
+
+def test_a_number_moves_its_channel_at_its_knot():
+    knots = Knots(Maneuver.named("hold_still"), 2.0)
+    numbers = np.zeros((5, 4))
+    numbers[1, 2] = 0.5
+    moved = knots.targets(numbers.ravel()) - knots.targets(knots.start)
+    expected = np.zeros((10, 4))
+    expected[2:5, 2] = 0.5 * SIZE[2] * np.array([0.5, 1.0, 0.5])
+    np.testing.assert_allclose(moved, expected, atol=1e-12)
+
+
+@settings(max_examples=20)
+@given(arrays(float, 20, elements=st.floats(-50.0, 50.0)))
+def test_any_numbers_make_a_maneuver_that_the_device_can_follow(numbers):
+    knots = Knots(Maneuver.named("designed"), 2.0)
+    path = np.vstack([np.zeros(4), knots.targets(numbers)])
+    assert (np.abs(np.diff(path, axis=0)) <= np.array(FASTEST_TARGET) * STEP_S + 1e-12).all()
+    np.testing.assert_allclose(knots.maneuver(numbers, CANDIDATE).targets(TIMES).value, path[1:11], atol=1e-5)
 
 
 @pytest.mark.parametrize("control", ["targets", "trajectory"])
 def test_a_candidate_is_judged_as_it_is_played_alone(control):
     """Largest sd and discomfort of the second of two candidates, by the public way of playing a maneuver."""
     design = Design(**SHORT, control=control)
-    candidates = [Sines().maneuver(numbers_of(START, fade), CANDIDATE) for fade in (1.0, 2.0)]
+    candidates = [Maneuver.named(name) for name in ("slow_opening", "opening_with_swings")]
     second = Judge(design)(candidates)[1]
     played = jawenv.play(Player(candidates[1], control=control), patients=2, seed=5_000, env_kwargs=design.env_kwargs)
     assert second.worst_sd == pytest.approx(np.median(played.belief_sd[:, -1].max(axis=1)), rel=1e-6)
@@ -60,9 +97,9 @@ def test_a_candidate_is_judged_as_it_is_played_alone(control):
 
 
 def test_a_candidate_is_played_in_the_environment_that_is_asked_for():
-    candidate = Sines().maneuver(numbers_of(START, 1.0), CANDIDATE)
+    candidate = Maneuver.named("opening_with_swings")
     exact, imaged = (Judge(Design(**SHORT, env=env))([candidate])[0] for env in ("Jaw", "JawImaged"))
-    assert imaged.worst_sd > 1.1 * exact.worst_sd
+    assert imaged.worst_sd > 1.01 * exact.worst_sd
     with pytest.raises(InputError):
         Design(**SHORT, env="knee")
 
@@ -96,19 +133,15 @@ def test_the_nominal_patient_has_the_cohorts_medians():
     np.testing.assert_allclose(patient.log_parameters(), jawenv.cohort("one_sided").prior.mean, atol=1e-12)
 
 
-def bowl(target):
-    """A judge with a minimum at the maneuver whose peak of side is ``target``."""
-
-    def judge(maneuvers):
-        peaks = [m.channels.signal("side").value(np.arange(0.0, 20.0, 0.01)).max() for m in maneuvers]
-        return [Judged((peak - target) ** 2, 0.0, 0.0, 0.0, 0.0, 0.1) for peak in peaks]
-
-    return judge
+def bowl(maneuvers):
+    """A judge with a minimum at maneuvers whose peak of side is 0.3."""
+    peaks = [m.channels.signal("side").value(np.arange(0.0, 4.0, 0.1)).max() for m in maneuvers]
+    return [Judged((peak - 0.3) ** 2, 0.0, 0.0, 0.0, 0.0, 0.1) for peak in peaks]
 
 
 def test_the_search_finds_a_minimum_and_goes_on_where_it_was_stopped(tmp_path):
-    design = Design(population=8, generations=30, sigma=0.2)
-    whole = search(design, tmp_path / "whole.txt", lambda *_: None, bowl(0.4))
+    design = Design(refine="hold_still", horizon_s=4.0, population=8, generations=30, sigma=0.2)
+    whole = search(design, tmp_path / "whole.pkl", lambda *_: None, bowl)
     assert whole.judged.loss < 1e-3
 
     class StoppedError(Exception):
@@ -119,44 +152,76 @@ def test_the_search_finds_a_minimum_and_goes_on_where_it_was_stopped(tmp_path):
             raise StoppedError
 
     with pytest.raises(StoppedError):
-        search(design, tmp_path / "log.txt", stop, bowl(0.4))
-    with (tmp_path / "log.txt").open("a") as file:
-        file.write("0.1 0.2")  # half a line
-    asked = []
+        search(design, tmp_path / "log.pkl", stop, bowl)
+    np.random.random(7)
+    asked, told = [], []
 
     def counting(maneuvers):
         asked.append(len(maneuvers))
-        return bowl(0.4)(maneuvers)
+        return bowl(maneuvers)
 
-    resumed = search(design, tmp_path / "log.txt", lambda *_: None, counting)
-    assert len(asked) == 30 - 12 + 1
-    assert len((tmp_path / "log.txt").read_text().splitlines()) == 1 + 30
+    resumed = search(design, tmp_path / "log.pkl", lambda done, _: told.append(done), counting)
+    assert asked == [8] * 18 + [1] and told == list(range(13, 31))
     np.testing.assert_array_equal(resumed.numbers, whole.numbers)
 
 
-def test_a_log_is_of_what_was_refined_not_of_its_name(tmp_path):
+@pytest.mark.parametrize("content", [b"", b"no pickle", pickle.dumps((1, 2)), pickle.dumps(({}, b"", None))])
+def test_a_damaged_log_and_one_of_another_search_are_refused(tmp_path, content):
+    log = tmp_path / "log.pkl"
+    log.write_bytes(content)
+    with pytest.raises(InputError):
+        search(Design(**SHORT), log, lambda *_: None, bowl)
+
+
+def test_a_log_is_of_what_was_refined_not_of_its_name_and_of_no_more_generations(tmp_path):
     """A file that was changed meanwhile has other losses."""
-    base, log = tmp_path / "base.yaml", tmp_path / "log.txt"
+    base, log = tmp_path / "base.yaml", tmp_path / "log.pkl"
     base.write_text((FOLDER / "slow_opening.yaml").read_text())
-    design = Design(population=4, generations=1, refine=str(base))
-    search(design, log, lambda *_: None, bowl(0.4))
-    search(design, log, lambda *_: None, bowl(0.4))
+    design = Design(**SHORT | {"refine": str(base)})
+    for _ in range(2):
+        search(design, log, lambda *_: None, bowl)
+    with pytest.raises(InputError):
+        search(Design(**SHORT | {"refine": str(base), "generations": 2}), log, lambda *_: None, bowl)
     base.write_text((FOLDER / "hold_still.yaml").read_text())
     with pytest.raises(InputError):
-        search(design, log, lambda *_: None, bowl(0.4))
+        search(design, log, lambda *_: None, bowl)
+
+
+OPTIONS = ["--refine", "opening_with_swings", "--horizon-s", "2", "--patients", "2", "--population", "4"]
+COMMAND = ["optimise", *OPTIONS, "--generations", "3", "--output"]
 
 
 def test_the_command_writes_a_file_that_plays(tmp_path, capsys):
-    output = tmp_path / "found_it.yaml"
-    options = ["--horizon-s", "2", "--patients", "2", "--population", "4", "--generations", "2"]
-    assert main(["optimise", "--output", str(output), *options]) == 0
-    maneuver = Maneuver.load(output)
-    assert maneuver.name == "found_it" and "horizon-s 2" in output.read_text()
+    output = tmp_path / "finer.yaml"
+    assert main([*COMMAND, str(output)]) == 0
+    text, maneuver = output.read_text(), Maneuver.load(output)
+    assert maneuver.name == "finer" and maneuver.description.startswith("'opening_with_swings'")
+    assert "--refine opening_with_swings" in text and "--horizon-s 2" in text
     assert "largest sd" in capsys.readouterr().err
-    assert yaml.safe_load(output.read_text())["fade_in_s"] > 0.0
-    assert main(["optimise", "--output", str(tmp_path / "no" / "x.yaml")]) == 2
-    assert main(["optimise", "--output", str(tmp_path / "My File.yaml")]) == 2
-    assert INFEASIBLE > 100.0
-    assert main(["optimise", "--output", str(tmp_path / "finer.yaml"), "--refine", str(output), *options]) == 0
-    finer = (tmp_path / "finer.yaml").read_text()
-    assert f"--refine {output}" in finer and Maneuver.load(tmp_path / "finer.yaml").description.startswith("'found_it'")
+    for name in ("no/x.yaml", "My File.yaml"):
+        assert main([*COMMAND, str(tmp_path / name)]) == 2
+    assert main(["optimise", "--output", str(tmp_path / "x.yaml")]) == 2
+    assert "--refine" in capsys.readouterr().err
+
+
+def test_an_interrupted_command_goes_on_to_the_same_file(tmp_path, capsys, monkeypatch):
+    files = [tmp_path / folder / "mine.yaml" for folder in ("whole", "halves")]
+    for file in files:
+        file.parent.mkdir()
+    calls = iter(range(9))
+
+    def interrupted(judge, candidates):
+        if next(calls) == 2:
+            raise KeyboardInterrupt
+        return play(judge, candidates)
+
+    play = Judge.__call__
+    with monkeypatch.context() as patch:
+        patch.setattr(Judge, "__call__", interrupted)
+        assert main([*COMMAND, str(files[1])]) == 130
+    assert "goes on" in capsys.readouterr().err and [file.name for file in files[1].parent.iterdir()] == [
+        "mine.search.pkl"
+    ]
+    for file in files:
+        assert main([*COMMAND, str(file)]) == 0
+    assert files[0].read_bytes() == files[1].read_bytes()

@@ -1,9 +1,10 @@
-"""The untrained models of each algorithm, as its section of the configuration describes them."""
+"""The models of each algorithm: untrained, as its section of the configuration describes them, and as plain weights."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import torch
 from sb3_contrib import TQC, RecurrentPPO
 from stable_baselines3 import PPO, SAC
@@ -11,6 +12,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+from agents.card import Architecture
 from jawenv.errors import InputError
 from training.run.algorithm_configs import LSTMNetworkConfig, NetworkConfig, PPOConfig, SACConfig, TQCConfig
 from training.run.config import TrainingConfig
@@ -78,8 +80,7 @@ def _scale_last_layer(model: BaseAlgorithm, scale: float) -> None:
     """Make the first actions smaller, so that a residual begins as its maneuver."""
     if scale == 1.0:
         return
-    policy: Any = model.policy
-    layer = policy.actor.mu if isinstance(model, SAC | TQC) else policy.action_net
+    layer: Any = _layers(model)[-1]
     with torch.no_grad():
         layer.weight.mul_(scale)
         layer.bias.zero_()
@@ -93,3 +94,38 @@ def _device(name: str) -> torch.device:
         reason = str(error).splitlines()[0]
         raise InputError(f"device {name!r} cannot be used: {reason}; 'cpu' always can") from error
     return device
+
+
+def plain_policy(model: BaseAlgorithm, config: TrainingConfig) -> tuple[Architecture, dict[str, np.ndarray]]:
+    """The network of a model that leads from an observation to the action without chance, and its weights.
+
+    The weights have the names and shapes of `Architecture.shapes`, in single precision.
+    """
+    policy: Any = model.policy
+    layers = [layer for layer in _layers(model) if isinstance(layer, torch.nn.Linear)]
+    tensors = {f"layers.{i}.{name}": getattr(layer, name) for i, layer in enumerate(layers) for name in _PARTS}
+    sizes = [layers[0].in_features, *(layer.out_features for layer in layers)]
+    lstm = getattr(policy, "lstm_actor", None)
+    if lstm is not None:
+        sizes[0] = lstm.input_size
+        bias = lstm.bias_ih_l0 + lstm.bias_hh_l0
+        tensors |= {"lstm.input": lstm.weight_ih_l0, "lstm.hidden": lstm.weight_hh_l0, "lstm.bias": bias}
+    architecture = Architecture(
+        layers=tuple(sizes),
+        activation=config.section.network.activation,
+        squash="tanh" if policy.squash_output else "clip",
+        lstm_units=None if lstm is None else lstm.hidden_size,
+    )
+    weights = {name: np.array(values.detach().cpu().numpy(), np.float32, order="C") for name, values in tensors.items()}
+    return architecture, weights
+
+
+_PARTS = ("weight", "bias")
+
+
+def _layers(model: BaseAlgorithm) -> list[torch.nn.Module]:
+    """Layers and activations from observation, or memory, to action."""
+    policy: Any = model.policy
+    if isinstance(model, SAC | TQC):
+        return [*policy.actor.latent_pi, policy.actor.mu]
+    return [*policy.mlp_extractor.policy_net, policy.action_net]

@@ -1,11 +1,13 @@
-"""What happens beside learning: stopping on a signal, logging episodes, checkpoints, noise that falls, progress.
+"""What happens beside learning: noise that falls, checkpoints, signals, logs, the price of discomfort.
 
 Checkpoints and evaluations (`run.evaluations`) take place between a policy update and the next rollout, so that a
-saved model, its number of steps and its score always belong together.
+saved model, its number of steps and its score always belong together. stable-baselines3's own callbacks act within a
+rollout, whose steps no update has learned from yet.
 """
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 from types import FrameType, TracebackType
@@ -15,9 +17,12 @@ import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
 from jawenv.progress import Progress
-from training.run.algorithm_configs import NetworkConfig
-from training.run.config import CheckpointConfig
+from training.run.algorithm_configs import PPOConfig
+from training.run.config import ComfortConfig, TrainingConfig
 from training.run.folder import RunFolder
+
+LARGEST_EXCESS = 2.0
+"""Of discomfort over target, less 1, that counts in one update of its price."""
 
 
 class Interrupt:
@@ -54,88 +59,109 @@ class Interrupt:
         self.signal_name = signal.Signals(number).name
 
 
-class StopOnSignal(BaseCallback):
-    """Ends the learning at the next step once a signal has come.
+class Multiplier:
+    """The price of discomfort under a limit, nats per s: a Lagrange multiplier that is learned beside the policy.
 
-    The steps of the unfinished rollout are not counted: no update has learned from them.
+    Dual ascent on the logarithm, as for the multiplier of a constraint that must stay positive (Stooke et al. 2020,
+    arXiv:2007.03964, has the same with more terms). Transitions in a replay buffer keep the price of their time.
+
+    Attributes:
+        value: the price now.
     """
 
-    def __init__(self, interrupt: Interrupt) -> None:
+    def __init__(self, config: ComfortConfig) -> None:
+        self._config = config
+        self._finished: list[float] = []
+        self.value = config.initial_multiplier
+
+    def note(self, discomfort_s: list[float]) -> float | None:
+        """Take in episodes, s per 30 s each; after enough of them the price moves, and their mean is returned."""
+        self._finished += discomfort_s
+        if len(self._finished) < self._config.episodes:
+            return None
+        mean = float(np.mean(self._finished))
+        self._finished.clear()
+        self.update(mean)
+        return mean
+
+    def update(self, discomfort_s: float) -> None:
+        """Dual ascent by the mean discomfort of some episodes, s per 30 s."""
+        config = self._config
+        excess = min(discomfort_s / config.target_discomfort_s - 1.0, LARGEST_EXCESS)
+        self.value = min(self.value * math.exp(config.rate * excess), config.largest_multiplier)
+
+
+class Upkeep(BaseCallback):
+    """Everything beside learning but the evaluations.
+
+    Args:
+        config: of the run.
+        run: where checkpoints go.
+        interrupt: ends the learning at the next step; the steps of the unfinished rollout are then not counted.
+        progress: is shown.
+        multiplier: the price of discomfort; None where it is not learned.
+    """
+
+    def __init__(
+        self,
+        config: TrainingConfig,
+        run: RunFolder,
+        interrupt: Interrupt,
+        progress: Progress,
+        multiplier: Multiplier | None = None,
+    ) -> None:
         super().__init__()
-        self._interrupt = interrupt
-        self._counted = 0
+        self._config, self._run = config, run
+        self._interrupt, self._progress, self._multiplier = interrupt, progress, multiplier
+        self._discomfort: list[float] = []
+
+    def _on_training_start(self) -> None:
+        self._saved = self.model.num_timesteps
+        self._keep_price()
 
     def _on_rollout_start(self) -> None:
-        self._counted = self.model.num_timesteps
+        self._learned = self.model.num_timesteps
+        self._lower_noise()
+        if self._learned - self._saved >= self._config.checkpoints.every_steps:
+            self._saved = self._learned
+            self._run.save_checkpoint(self.model, self._config.checkpoints.keep)
 
     def _on_step(self) -> bool:
-        if not self._interrupt.wanted():
-            return True
-        self.model.num_timesteps = self._counted
-        return False
-
-
-class EpisodeLog(BaseCallback):
-    """Logs the mean figures of the latest training episodes, and shows progress."""
-
-    def __init__(self, progress: Progress) -> None:
-        super().__init__()
-        self._progress = progress
-
-    def _on_step(self) -> bool:
+        if self._interrupt.wanted():
+            self.model.num_timesteps = self._learned
+            return False
         self._progress.advance_to(self.model.num_timesteps)
+        if self._multiplier is not None:
+            ended = [info["episode"] for info in self.locals["infos"] if "episode" in info]
+            self._discomfort += [episode["discomfort_s"] for episode in ended]
         return True
 
     def _on_rollout_end(self) -> None:
         episodes = list(self.model.ep_info_buffer or ())
-        if not episodes:
+        if episodes:
+            for key in episodes[0]:
+                if key not in ("r", "l", "t"):  # stable-baselines3 logs these itself
+                    self.logger.record(f"rollout/{key}", float(np.mean([episode[key] for episode in episodes])))
+            self._progress.note("return", f"return {np.mean([episode['r'] for episode in episodes]):.4g}")
+        if self._multiplier is None:
             return
-        for key in episodes[0]:
-            if key not in ("r", "l", "t"):  # stable-baselines3 logs these itself
-                self.logger.record(f"rollout/{key}", float(np.mean([episode[key] for episode in episodes])))
-        self._progress.note("return", f"return {np.mean([episode['r'] for episode in episodes]):.4g}")
+        mean, self._discomfort = self._multiplier.note(self._discomfort), []
+        if mean is not None:
+            self._keep_price()
+            self.logger.record("comfort/multiplier", self._multiplier.value)
+            self.logger.record("comfort/discomfort_s", mean)
 
-
-class Checkpoints(BaseCallback):
-    """Saves the model every so many steps."""
-
-    def __init__(self, run: RunFolder, config: CheckpointConfig) -> None:
-        super().__init__()
-        self._run = run
-        self._config = config
-        self._last = 0
-
-    def _on_training_start(self) -> None:
-        self._last = self.model.num_timesteps
-
-    def _on_rollout_start(self) -> None:
-        if self.model.num_timesteps - self._last >= self._config.every_steps:
-            self._last = self.model.num_timesteps
-            self._run.save_checkpoint(self.model, self._config.keep)
-
-    def _on_step(self) -> bool:
-        return True
-
-
-class FallingNoise(BaseCallback):
-    """Sets the logarithm of the actions' sd, which falls linearly over the run and is not learned.
-
-    Args:
-        network: says from where to where.
-        steps: of the whole run.
-    """
-
-    def __init__(self, network: NetworkConfig, steps: int) -> None:
-        super().__init__()
-        assert network.final_log_std is not None
-        self._first, self._last = network.initial_log_std, network.final_log_std
-        self._steps = steps
-
-    def _on_rollout_start(self) -> None:
-        share = min(1.0, self.model.num_timesteps / self._steps)
+    def _lower_noise(self) -> None:
+        """Set the logarithm of the actions' sd where it falls linearly over the run and is not learned."""
+        section = self._config.section
+        if not isinstance(section, PPOConfig) or section.network.final_log_std is None:
+            return
+        first, last = section.network.initial_log_std, section.network.final_log_std
         log_std: Any = self.model.policy.log_std
         log_std.requires_grad_(False)
-        log_std.fill_(self._first + share * (self._last - self._first))
+        log_std.fill_(first + min(1.0, self.model.num_timesteps / self._config.steps) * (last - first))
 
-    def _on_step(self) -> bool:
-        return True
+    def _keep_price(self) -> None:
+        """As a plain attribute it is saved with the model."""
+        if self._multiplier is not None:
+            self.model.comfort_multiplier = self._multiplier.value  # type: ignore[attr-defined]

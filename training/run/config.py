@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
 import yaml
 from pydantic import Field, JsonValue, model_validator
 
-from agents.residual import Residual
 from jawenv.errors import InputError, meant
-from jawenv.files import InputModel, read_model, validate, write_text
+from jawenv.files import InputModel, Number, read_mapping, read_model, validate, write_text
+from jawenv.ladder import DEFAULT_ENV, env_id_of, title_of_env
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.maneuver import SUFFIXES as MANEUVER_FILES
 from jawenv.seeds import VALIDATION
 from training.run.algorithm_configs import (
     PositiveInt,
@@ -24,31 +27,16 @@ from training.run.algorithm_configs import (
 CONFIGS = Path(__file__).parents[1] / "configs"
 DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
 SUFFIXES = (".yaml", ".yml", ".json", ".toml")
+BASE_FILE = "base_maneuver.json"
+"""Copy of the maneuver in a run's folder: what it was when the policy was trained on it."""
 
 Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc"]
-
-
-def config_file(name: str) -> Path:
-    """The file of a configuration that comes with the project, or the file that a path names.
-
-    Raises:
-        InputError: neither.
-    """
-    if Path(name).suffix in SUFFIXES:
-        return Path(name)
-    names = sorted(path.stem for path in CONFIGS.glob("*.yaml"))
-    if name not in names:
-        raise InputError(
-            f"configuration {name!r}: unknown; {meant(name, names)}allowed: {', '.join(names)}, a file "
-            f"({', '.join(SUFFIXES)})"
-        )
-    return CONFIGS / f"{name}.yaml"
 
 
 class EnvConfig(InputModel):
     """Which environment is trained on; ``kwargs`` go to `gymnasium.make_vec` as they are."""
 
-    id: str = "jawenv/Jaw-v2"
+    id: str = DEFAULT_ENV
     kwargs: dict[str, JsonValue] = {}
 
     @model_validator(mode="after")
@@ -59,6 +47,49 @@ class EnvConfig(InputModel):
         if "model" in self.kwargs:
             raise ValueError("'model' follows from env.id and cannot stand here")
         return self
+
+
+class Residual(InputModel):
+    """What a policy corrects, and how far.
+
+    Attributes:
+        maneuver: name of one that comes with jawenv, or a maneuver file.
+        scale: what an action of 1 adds to the maneuver's target, as a fraction of the patient's comfort.
+    """
+
+    maneuver: Annotated[str, Field(min_length=1)]
+    scale: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.5
+
+    def load_maneuver(self, folder: Path | None = None) -> Maneuver:
+        """The maneuver; where a run's folder holds a copy of it, that one.
+
+        Raises:
+            InputError: no such maneuver, or a damaged file.
+        """
+        if folder is not None and (folder / BASE_FILE).exists():
+            return Maneuver.load(folder / BASE_FILE)
+        is_file = Path(self.maneuver).suffix in MANEUVER_FILES
+        return Maneuver.load(self.maneuver) if is_file else Maneuver.named(self.maneuver)
+
+
+class ComfortConfig(InputModel):
+    """A limit on discomfort in place of its price: the price (Lagrange's multiplier) is learned.
+
+    After every so many episodes its logarithm grows by ``rate`` x (discomfort / target - 1).
+
+    Attributes:
+        target_discomfort_s: integral of ``info["cost"]`` over 30 s that is allowed on average, s.
+        initial_multiplier: nats per s of cost 1, as ``comfort_weight``.
+        largest_multiplier: where the growth ends.
+        rate: step of the logarithm.
+        episodes: finished between two updates.
+    """
+
+    target_discomfort_s: PositiveNumber = 0.05
+    initial_multiplier: PositiveNumber = 10.0
+    largest_multiplier: PositiveNumber = 1e4
+    rate: PositiveNumber = 0.1
+    episodes: PositiveInt = 64
 
 
 class EvaluationConfig(InputModel):
@@ -86,26 +117,6 @@ class CheckpointConfig(InputModel):
     keep: PositiveInt = 5
 
 
-class ComfortConfig(InputModel):
-    """A limit on discomfort in place of its price: the price (Lagrange's multiplier) is learned.
-
-    After every so many episodes its logarithm grows by ``rate`` x (discomfort / target - 1).
-
-    Attributes:
-        target_discomfort_s: integral of ``info["cost"]`` over 30 s that is allowed on average, s.
-        initial_multiplier: nats per s of cost 1, as ``comfort_weight``.
-        largest_multiplier: where the growth ends.
-        rate: step of the logarithm.
-        episodes: finished between two updates.
-    """
-
-    target_discomfort_s: PositiveNumber = 0.05
-    initial_multiplier: PositiveNumber = 10.0
-    largest_multiplier: PositiveNumber = 1e4
-    rate: PositiveNumber = 0.1
-    episodes: PositiveInt = 64
-
-
 class TrainingConfig(InputModel):
     """One training run. The defaults are those of ``configs/plain_ppo.yaml``, which gives the reasons for them.
 
@@ -129,14 +140,10 @@ class TrainingConfig(InputModel):
     checkpoints: CheckpointConfig = CheckpointConfig()
 
     @model_validator(mode="after")
-    def _one_section(self) -> Self:
+    def _fits_together(self) -> Self:
         for name in get_args(Algorithm):
             if name != self.algorithm and name in self.model_fields_set:
                 raise ValueError(f"section {name!r} does not belong to algorithm {self.algorithm!r}")
-        return self
-
-    @model_validator(mode="after")
-    def _whole_batches(self) -> Self:
         section = self.section
         if isinstance(section, PPOConfig) and self.n_envs * section.n_steps % section.batch_size:
             name = self.algorithm
@@ -144,10 +151,6 @@ class TrainingConfig(InputModel):
                 f"n_envs {self.n_envs} x {name}.n_steps {section.n_steps} = {self.n_envs * section.n_steps} steps "
                 f"per update must be a multiple of {name}.batch_size {section.batch_size}"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _one_price(self) -> Self:
         if self.comfort is not None and self.env.kwargs.get("comfort_weight", 0.0) != 0.0:
             raise ValueError("comfort learns the price of discomfort: env.kwargs.comfort_weight must be 0 or left out")
         return self
@@ -163,42 +166,12 @@ class TrainingConfig(InputModel):
         return self.model_dump(mode="json", exclude=set(get_args(Algorithm)) - {self.algorithm})
 
     def changed(self, **values: Any) -> TrainingConfig:
-        """The same run with some top-level values replaced; values that are None are left as they are.
+        """The same run with some values replaced, in mappings those that are named; None leaves a value as it is.
 
         Raises:
             InputError: a value is not allowed.
         """
-        given = {key: value for key, value in values.items() if value is not None}
-        return validate(TrainingConfig, self.as_mapping() | given, "command line")
-
-    def on_maneuver(self, maneuver: str) -> TrainingConfig:
-        """The same run as a residual on a maneuver.
-
-        Raises:
-            InputError: no such maneuver.
-        """
-        scale = {} if self.residual is None else {"scale": self.residual.scale}
-        return self.changed(residual={"maneuver": maneuver, **scale})
-
-    def within_discomfort(self, target_discomfort_s: float) -> TrainingConfig:
-        """The same run with a limit on discomfort, s per 30 s, in place of a price.
-
-        Raises:
-            InputError: a limit that is not a positive number.
-        """
-        comfort = {} if self.comfort is None else self.comfort.model_dump()
-        kwargs = {name: value for name, value in self.env.kwargs.items() if name != "comfort_weight"}
-        changed = {"comfort": {**comfort, "target_discomfort_s": target_discomfort_s}}
-        return self.changed(**changed, env={"id": self.env.id, "kwargs": {**kwargs, "comfort_weight": 0.0}})
-
-    def in_env(self, env_id: str) -> TrainingConfig:
-        """The same run in another environment, with the same arguments."""
-        return self.changed(env={"id": env_id, "kwargs": self.env.kwargs})
-
-    def with_env_kwargs(self, **kwargs: object) -> TrainingConfig:
-        """The same run with other arguments of the environment; those that are None stay as they are."""
-        changed = {name: value for name, value in kwargs.items() if value is not None}
-        return self.changed(env={"id": self.env.id, "kwargs": {**self.env.kwargs, **changed}})
+        return validate(TrainingConfig, _replaced(self.as_mapping(), values), "changed configuration")
 
     def save(self, path: Path) -> None:
         """Write all values, defaults included, as YAML."""
@@ -212,3 +185,71 @@ class TrainingConfig(InputModel):
             InputError: no such file, damaged, an unknown key or a value that is not allowed.
         """
         return read_model(path, cls)
+
+
+def asked_for(
+    name: str | None,
+    world: Mapping[str, Any],
+    *,
+    residual_on: str | None = None,
+    target_discomfort: float | None = None,
+    **values: Any,
+) -> tuple[TrainingConfig, str]:
+    """The configuration that a command line asks for, and the stem of its runs' names.
+
+    Args:
+        name: of a shipped configuration or a file, whose values hold where nothing else is asked for.
+        world: ``env`` and arguments of the environment.
+        residual_on: maneuver to be corrected.
+        target_discomfort: s in 30 s that are allowed; its price is then learned.
+        **values: other values of the configuration. What is None is not asked for.
+
+    Raises:
+        InputError: no configuration is named, no such one, or a value is not allowed.
+    """
+    if name is None:
+        raise InputError("CONFIG is missing: name a shipped configuration such as ppo or sac, or a YAML file")
+    source = config_file(name)
+    env = world.get("env")
+    env_id = None if env is None else env_id_of(env)
+    arguments = {name: value for name, value in world.items() if name != "env" and value is not None}
+    if target_discomfort is not None:
+        arguments["comfort_weight"] = 0.0
+    values |= {
+        "env": {"id": env_id, "kwargs": arguments},
+        "residual": {"maneuver": residual_on},
+        "comfort": {"target_discomfort_s": target_discomfort},
+    }
+    config = validate(TrainingConfig, _replaced(read_mapping(source), values), f"{source} and command line")
+    return config, source.stem if env_id is None else f"{source.stem}-{title_of_env(env_id)}"
+
+
+def config_file(name: str) -> Path:
+    """The file of a configuration that comes with the project, or the file that a path names.
+
+    Raises:
+        InputError: neither.
+    """
+    if Path(name).suffix in SUFFIXES:
+        return Path(name)
+    names = sorted(path.stem for path in CONFIGS.glob("*.yaml"))
+    if name not in names:
+        raise InputError(
+            f"configuration {name!r}: unknown; {meant(name, names)}allowed: {', '.join(names)}, a file "
+            f"({', '.join(SUFFIXES)})"
+        )
+    return CONFIGS / f"{name}.yaml"
+
+
+def _replaced(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A mapping with other values: mappings in it are changed within, arguments of the environment as a whole each."""
+    replaced = dict(data)
+    for key, value in changes.items():
+        inner = data.get(key)
+        if isinstance(value, Mapping):
+            value = {name: held for name, held in value.items() if held is not None}
+            if isinstance(inner, Mapping):
+                value = {**inner, **value} if key == "kwargs" else _replaced(inner, value)
+        if value not in (None, {}):
+            replaced[key] = value
+    return replaced

@@ -1,19 +1,26 @@
-"""Evaluations during a training: the table that they leave, and the best model."""
+"""How good a policy is on a fixed cohort of patients, again and again during a training; the best is kept."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
+import numpy as np
+from scipy.stats import binom
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
+from agents.evaluations import read_evaluations
 from jawenv.progress import Progress
+from jawenv.reading import read_text
 from training.run.config import EvaluationConfig
-from training.run.evaluate import Evaluation, evaluate
-from training.run.evaluation_table import add_row, read_evaluations
 from training.run.folder import RunFolder
 
+CONFIDENCE = 0.95
+MEDIANS = ("worst_sd", "worst_sd_10s")
+"""Figures of which the median over patients counts, since a few stiff patients would rule the mean."""
 COLUMNS = (
     "return",
     "return_sampled",
@@ -31,6 +38,67 @@ COLUMNS = (
     "length",
 )
 """What is kept of an evaluation, as far as the environment tells it."""
+
+Report = Callable[[int, dict[str, float]], None]
+"""Is told steps and row of each evaluation."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Outcome of one episode per patient: every figure is an array (N,), among them ``return``."""
+
+    figures: dict[str, np.ndarray]
+
+    def averages(self) -> dict[str, float]:
+        """Mean of every figure over the patients; of `MEDIANS` the median, with the ends of its 95 % interval.
+
+        These are called ``worst_sd_low`` and ``worst_sd_high``. They are order statistics, so that nothing is assumed
+        about the patients (David & Nagaraja 2003, section 7.1).
+        """
+        averages = {name: float(values.mean()) for name, values in self.figures.items()}
+        for name in self.figures.keys() & set(MEDIANS):
+            values = np.sort(self.figures[name])
+            cut = max(int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(values), 0.5)) - 1, 0)
+            ends = {f"{name}_low": float(values[cut]), f"{name}_high": float(values[-1 - cut])}
+            averages |= {name: float(np.median(values)), **ends}
+        return averages
+
+
+def evaluate(
+    policy: Any,
+    worlds: VecEnv,
+    seed: int,
+    deterministic: bool = True,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Evaluation | None:
+    """Play one episode in each of the N worlds, started from seed, seed + 1, ..., seed + N - 1.
+
+    A world that ends early starts another episode, which is not counted.
+
+    Args:
+        policy: chooses the actions, a model of stable-baselines3 or an agent.
+        worlds: N worlds used for nothing else, so that the training's own are left alone.
+        seed: of the first world.
+        deterministic: whether the policy's most likely actions are taken, or drawn ones.
+        stopped: asked at every step; the evaluation is given up when it says True.
+
+    Returns:
+        The outcome, or None when it was given up.
+    """
+    worlds.seed(seed)
+    observation = worlds.reset()
+    memory, starts = None, np.ones(worlds.num_envs, dtype=bool)
+    episodes: dict[int, dict[str, float]] = {}
+    while len(episodes) < worlds.num_envs:
+        if stopped():
+            return None
+        actions, memory = policy.predict(np.asarray(observation), memory, starts, deterministic)
+        observation, _, starts, infos = worlds.step(actions)
+        for i in np.flatnonzero(starts).tolist():
+            episodes.setdefault(i, infos[i]["episode"])
+    finished = [episodes[i] for i in range(worlds.num_envs)]
+    names = {"r": "return", "l": "length"} | {key: key for key in finished[0] if key not in ("r", "l", "t")}
+    return Evaluation({name: np.array([episode[key] for episode in finished]) for key, name in names.items()})
 
 
 class Score(NamedTuple):
@@ -50,21 +118,23 @@ class Score(NamedTuple):
 
 
 class Evaluations(BaseCallback):
-    """Tries the policy on the validation cohort every so many steps, and saves the best model.
+    """Tries the policy on the validation cohort every so many steps, and keeps the best one.
 
     Each time it plays twice: with the most likely actions, which all figures but ``return_sampled`` are of, and with
     drawn ones. The first row of ``evaluations.csv`` is the untrained policy, the last the final one.
 
     Args:
-        run: where the table and the best model go.
+        run: where the table goes.
         config: how often, and on whom.
         worlds: one world per patient, for evaluation only.
-        interrupted: an evaluation is given up when it says True.
+        keep: writes the policy as it is now, as the run's best.
         progress: shows the best so far.
+        interrupted: an evaluation is given up when it says True.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
         report: is told steps and row of each evaluation.
 
     Attributes:
+        best: score of the best policy, and its steps; None before the first row.
         last: steps of the latest row; None before the first.
 
     Raises:
@@ -76,24 +146,24 @@ class Evaluations(BaseCallback):
         run: RunFolder,
         config: EvaluationConfig,
         worlds: VecEnv,
-        interrupted: Callable[[], bool],
+        keep: Callable[[], None],
         progress: Progress,
+        *,
+        interrupted: Callable[[], bool] = lambda: False,
         largest_discomfort_s: float | None = None,
-        report: Callable[[int, dict[str, float]], None] | None = None,
+        report: Report | None = None,
     ) -> None:
         super().__init__()
-        self._run = run
-        self._config = config
-        self._worlds = worlds
-        self._interrupted = interrupted
-        self._progress = progress
+        self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
+        self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
-        self._report = report
         self.best: tuple[Score, int] | None = None
         self.last: int | None = None
-        for row in read_evaluations(run):
+        for row in read_evaluations(run.path):
             self.last = int(row["steps"])
             self._compare(row)
+        if not run.has_policy():  # killed while it kept its best
+            self.best = None
         self._show_best()
 
     def _on_rollout_start(self) -> None:
@@ -108,48 +178,51 @@ class Evaluations(BaseCallback):
             self.evaluate()
 
     def evaluate(self) -> None:
-        """Evaluate now: add a row to the table, and save the model if it is the best."""
+        """Evaluate now: add a row to the table, and keep the policy if it is the best."""
         self._progress.note("activity", "evaluating")
-        outcome, sampled = self._play(deterministic=True), self._play(deterministic=False)
+        outcome, sampled = (
+            evaluate(self.model, self._worlds, self._config.seed, likely, self._interrupted) for likely in (True, False)
+        )
         self._progress.note("activity", "")
         if outcome is None or sampled is None:
             return
         self.last = self.model.num_timesteps
-        figures = (
-            outcome.averages()
-            | outcome.intervals()
-            | {
-                "return_sampled": sampled.mean_return,
-                "return_sd": float(outcome.figures["return"].std()),
-            }
-        )
+        figures = outcome.averages() | {
+            "return_sampled": float(sampled.figures["return"].mean()),
+            "return_sd": float(outcome.figures["return"].std()),
+        }
         row = {name: figures[name] for name in COLUMNS if name in figures}
-        # The row last: a run that is killed before it evaluates again, and saves the model again.
-        if self._compare(figures | {"steps": self.last}):
-            self._run.save_model(self.model, self._run.best_model)
+        # The row last: a run that is killed before it evaluates again, and keeps the policy again.
+        if self._compare({**row, "steps": self.last}):
+            self._keep()
             self._show_best()
-        add_row(self._run, self.last, row)
+        self._add(row)
         for name, value in row.items():
             self.logger.record(f"evaluation/{name}", value)
         self.logger.dump(self.last)
         if self._report is not None:
             self._report(self.last, row)
 
-    def _play(self, deterministic: bool) -> Evaluation | None:
-        return evaluate(self.model, self._worlds, self._config.seed, deterministic, self._interrupted)
-
     def _compare(self, row: dict[str, float]) -> bool:
         """Whether a row is the best so far; then it is kept as that."""
-        score = self._score(row)
+        score = Score(True, row["return"])
+        if self._limit is not None and row.get("discomfort_s", 0.0) > self._limit:
+            score = Score(False, -row["discomfort_s"])
         if self.best is not None and score <= self.best[0]:
             return False
         self.best = (score, int(row["steps"]))
         return True
 
-    def _score(self, row: dict[str, float]) -> Score:
-        if self._limit is None or row.get("discomfort_s", 0.0) <= self._limit:
-            return Score(True, row["return"])
-        return Score(False, -row["discomfort_s"])
+    def _add(self, row: dict[str, float]) -> None:
+        """Add a row to the table, which keeps its columns when a run goes on."""
+        path = self._run.evaluations
+        new = not path.exists()
+        names = ["steps", *row] if new else read_text(path).partition("\n")[0].strip().split(",")
+        with path.open("a", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, names, extrasaction="ignore")
+            if new:
+                writer.writeheader()
+            writer.writerow({"steps": self.last} | {name: f"{value:.6g}" for name, value in row.items()})
 
     def _show_best(self) -> None:
         if self.best is not None:

@@ -1,21 +1,21 @@
-"""From a run to a policy that can be shared: plain weights and a model card, ``python -m training export RUN``."""
+"""A run's policy as it is kept and shared: plain weights, a card, and a README made of the card."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import zipfile
+import re
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import yaml
 from safetensors.numpy import save
 
 import jawenv
 from agents.card import (
     CARD,
-    FORMAT_VERSION,
     WEIGHTS,
     Architecture,
     CorrectedManeuver,
@@ -23,26 +23,73 @@ from agents.card import (
     ModelCard,
     Result,
     ResultsFile,
+    read_card,
 )
-from agents.checkpoints import read_data
-from agents.exported import ExportedPolicy
-from agents.policies import TrainedPolicy, load_policy
-from agents.residual import Residual, ResidualPolicy
-from jawenv.envs.configuration import Configuration, configure
+from agents.policies import read_weights, write_policy
 from jawenv.errors import InputError
-from jawenv.files import FILE_TYPES, atomic_write, read_mapping, read_model, write_json, write_text
-from jawenv.ladder import model_of_env
+from jawenv.files import read_mapping, read_model, write_text
 from jawenv.locks import alone
-from training.run.config import EnvConfig, TrainingConfig
+from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
-from training.run.model_card import README, readme
-from training.run.network import Network, network_of
 
-if TYPE_CHECKING:
-    from stable_baselines3.common.policies import BasePolicy
+README = "README.md"
+NO_LICENCE = "none yet"
+"""Of a policy that was not exported."""
+_LICENCES = {
+    "MIT",
+    "Apache-2.0",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "CC0-1.0",
+    "CC-BY-4.0",
+    "CC-BY-SA-4.0",
+    "CC-BY-NC-4.0",
+    "GPL-3.0",
+    "LGPL-3.0",
+    "MPL-2.0",
+}
+"""Those that the Hub knows by these names, in small letters."""
+_TAGS = ["reinforcement-learning", "gymnasium", "system-identification", "biomechanics", "simulation"]
+_TASK = "reinforcement-learning"
 
-TOLERANCE = 1e-5
-"""By how much an exported policy's action may differ from the run's, which is computed in single precision."""
+
+def write_run_policy(
+    run: RunFolder,
+    config: TrainingConfig,
+    environment: Environment,
+    architecture: Architecture,
+    residual: CorrectedManeuver | None,
+    weights: dict[str, np.ndarray],
+    steps: int,
+) -> None:
+    """Write a run's best policy into its folder.
+
+    Args:
+        run: the run.
+        config: of the run.
+        environment: what it is trained on.
+        architecture: of the network.
+        residual: the maneuver that the policy corrects.
+        weights: of the network.
+        steps: that it has learned from.
+    """
+    content = save(weights)
+    card = ModelCard(
+        environment=environment,
+        observation_size=architecture.layers[0],
+        architecture=architecture,
+        algorithm=_algorithm(run, config),
+        seed=config.seed,
+        steps=steps,
+        residual=residual,
+        jawenv_version=jawenv.__version__,
+        config_sha256=config_sha256(run.config_file),
+        weights_sha256=hashlib.sha256(content).hexdigest(),
+        licence=NO_LICENCE,
+        date=datetime.now(UTC).date(),
+        commands=run.commands(),
+    )
+    write_policy(run.path, content, card)
 
 
 def export(
@@ -54,7 +101,7 @@ def export(
     command: str = "",
     overwrite: bool = False,
 ) -> ModelCard:
-    """Write the actor of a run's best policy, else its final one, and its model card.
+    """Write a run's best policy, and its card with what it reached, into a folder of its own.
 
     Args:
         run: the run.
@@ -68,51 +115,24 @@ def export(
         The card as written.
 
     Raises:
-        InputError: no run or no policy in it, a policy that is no multilayer perceptron, damaged results, or a folder
-            that is taken, in use or cannot be written.
+        InputError: no run or no policy in it, damaged results, or a folder that is taken, in use or cannot be written.
     """
-    config = run.open()
+    run.open()
+    kept = read_card(run.path)
+    weights = read_weights(run.path, kept)
     reached = () if results is None else read_model(results, ResultsFile).results
+    today = datetime.now(UTC).date()
+    changes = {"results": reached, "licence": licence, "date": today, "commands": (*kept.commands, command)}
+    card = ModelCard(**(dict(kept) | changes))
     with alone(output):
         _check_free(output, overwrite)
-        loaded = load_policy(run.path)
-        trained = loaded.agent if isinstance(loaded, ResidualPolicy) else loaded
-        assert isinstance(trained, TrainedPolicy)
-        network = network_of(trained.policy, str(trained.path))
-        weights = save(network.weights)
-        card = _card(run, config, network, trained, weights, reached, licence, command)
-        _check_same_actions(ExportedPolicy(output.name, card, network.weights), trained.policy, str(trained.path))
-        _write(output, weights, card)
-        return card
-
-
-def _card(
-    run: RunFolder,
-    config: TrainingConfig,
-    network: Network,
-    trained: TrainedPolicy,
-    weights: bytes,
-    results: tuple[Result, ...],
-    licence: str,
-    command: str,
-) -> ModelCard:
-    return ModelCard(
-        format_version=FORMAT_VERSION,
-        environment=_environment(config.env),
-        observation_size=trained.observation_size,
-        architecture=Architecture(layers=network.layers, activation=network.activation, squash=network.squash),
-        algorithm=_algorithm(run, config),
-        seed=config.seed,
-        steps=_steps(trained.path),
-        residual=_residual(config.residual, run.path),
-        results=results,
-        jawenv_version=jawenv.__version__,
-        config_sha256=config_sha256(run.config_file),
-        weights_sha256=hashlib.sha256(weights).hexdigest(),
-        licence=licence,
-        date=datetime.now(UTC).date(),
-        commands=(*_commands(run), command),
-    )
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"output {output}: cannot be made: {error.strerror}") from None
+        write_text(output / README, readme(output.resolve().name, card))
+        write_policy(output, weights, card)
+    return card
 
 
 def config_sha256(path: Path) -> str:
@@ -125,68 +145,12 @@ def config_sha256(path: Path) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def _environment(env: EnvConfig) -> Environment:
-    """Where a run was trained, with the defaults that it left unsaid and the content of the files that it names."""
-    model = model_of_env(env.id)
-    given = {key: _content(value) for key, value in env.kwargs.items()}
-    complete = configure({**given, "model": model.name})
-    assert complete.control_hz is not None
-    cohort = given.pop("cohort", Configuration.cohort)
-    fields = ("control", "control_hz", "sensors", "reward", "episode_s")
-    others = {key: value for key, value in given.items() if key not in fields}
-    stated: dict[str, Any] = {name: getattr(complete, name) for name in fields}
-    return Environment(id=env.id, cohort=cohort, others=others, **stated)
-
-
-def _content(value: Any) -> Any:
-    """What is in a file, if the value is the name of one; else the value."""
-    is_file_name = isinstance(value, str) and Path(value).suffix.lower() in FILE_TYPES
-    return read_mapping(value) if is_file_name else value
-
-
-def _residual(setting: Residual | None, folder: Path) -> CorrectedManeuver | None:
-    """The maneuver that a run's policies correct, whole."""
-    if setting is None:
-        return None
-    return CorrectedManeuver(maneuver=setting.load_maneuver(folder), scale=setting.scale)
-
-
 def _algorithm(run: RunFolder, config: TrainingConfig) -> str:
-    """What trained a run's policies."""
+    """What has trained a run's policy so far."""
     if not run.distillation_file.exists():
         return config.algorithm
     distilled = f"distillation of {read_mapping(run.distillation_file).get('planner')}"
-    return f"{distilled}, then {config.algorithm}" if len(_commands(run)) > 1 else distilled
-
-
-def _steps(checkpoint: Path) -> int:
-    """Steps that the policy of a checkpoint had learned from."""
-    try:
-        return int(read_data(checkpoint)["num_timesteps"])
-    except InputError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{checkpoint}: does not say its steps: {' '.join(str(error).split())[:120]}") from None
-
-
-def _commands(run: RunFolder) -> list[str]:
-    """The commands that made a run; none if it does not say."""
-    if not run.repeat_file.exists():
-        return []
-    try:
-        return [str(session["command"]) for session in read_mapping(run.repeat_file)["sessions"]]
-    except (KeyError, TypeError):
-        raise InputError(f"{run.repeat_file} is damaged: sessions must be a list, each with its command") from None
-
-
-def _check_same_actions(exported: ExportedPolicy, policy: BasePolicy, source: str) -> None:
-    """Make sure that nothing of the policy was left behind."""
-    stream = np.random.default_rng(0)
-    observations = stream.normal(size=(64, exported.card.observation_size)).astype(np.float32)
-    wanted = policy.predict(observations, deterministic=True)[0]
-    error = float(np.abs(exported.predict(observations)[0] - wanted).max())
-    if not error <= TOLERANCE:
-        raise InputError(f"{source}: its actions differ by {error:.2g} from those of its layers alone; not exported")
+    return f"{distilled}, then {config.algorithm}" if len(run.commands()) > 1 else distilled
 
 
 def _check_free(output: Path, overwrite: bool) -> None:
@@ -203,13 +167,117 @@ def _check_free(output: Path, overwrite: bool) -> None:
         raise InputError(f"output {output} already holds an exported policy; replace it with --overwrite")
 
 
-def _write(output: Path, weights: bytes, card: ModelCard) -> None:
-    """Write weights and README, then the card: without its card a folder is no policy."""
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"output {output}: cannot be made: {error.strerror}") from None
-    with atomic_write(output / WEIGHTS) as unfinished:
-        unfinished.write_bytes(weights)
-    write_text(output / README, readme(output.resolve().name, card))
-    write_json(output / CARD, card)
+def readme(name: str, card: ModelCard) -> str:
+    """The README of a policy: what its card says, for readers and for the Hugging Face Hub.
+
+    The header is the Hub's metadata (https://huggingface.co/docs/hub/model-cards). It is made of the card alone, so
+    that the two never differ.
+    """
+    header = yaml.safe_dump(metadata(name, card), sort_keys=False, allow_unicode=True, width=110)
+    return f"---\n{header}---\n\n{_body(name, card)}"
+
+
+def metadata(name: str, card: ModelCard) -> dict[str, Any]:
+    """The Hub's metadata: licence, library, tags, and each figure with its interval."""
+    licence = card.licence
+    named = (
+        {"license": licence.lower()} if licence in _LICENCES else {"license": "other", "license_name": _slug(licence)}
+    )
+    about: dict[str, Any] = {
+        **named,
+        "library_name": "jawenv",
+        "pipeline_tag": _TASK,
+        "tags": [*_TAGS, _flat(card.algorithm)],
+    }
+    if card.results:
+        about["model-index"] = [{"name": _flat(name), "results": [_entry(result, card) for result in card.results]}]
+    return about
+
+
+def _entry(result: Result, card: ModelCard) -> dict[str, Any]:
+    first, last = result.seeds
+    kind, value = _figure(result)
+    args = {"statistic": kind, "low": result.low, "high": result.high, "level": result.level}
+    patients = {"patients": result.patients, "first_seed": first, "last_seed": last}
+    return {
+        "task": {"type": _TASK, "name": _flat(card.environment.id)},
+        "dataset": {
+            "type": f"{_flat(card.environment.id)}/{_slug(result.cohort)}",
+            "name": f"{result.patients} simulated patients of {_flat(result.cohort)}, seeds {first} to {last}",
+            "args": patients,
+        },
+        "metrics": [{"type": _slug(result.metric), "name": _flat(result.metric), "value": value, "args": args}],
+    }
+
+
+def _figure(result: Result) -> tuple[str, float]:
+    if result.median is not None:
+        return "median", result.median
+    assert result.mean is not None
+    return "mean", result.mean
+
+
+def _body(name: str, card: ModelCard) -> str:
+    environment = card.environment
+    does = "moves the jaw" if card.residual is None else f"corrects the maneuver `{card.residual.maneuver.name}`"
+    lines = [
+        f"# {_flat(name)}",
+        "",
+        f"A policy that {does} in jawenv, a [Gymnasium](https://gymnasium.farama.org) environment in which maneuvers",
+        "are designed that show how stiff each jaw muscle of a patient with trismus is. **All patients are simulated:",
+        "nothing here may move a real jaw.**",
+        "",
+        "| | |",
+        "|---|---|",
+        f"| environment | `{_cell(environment.id)}`, {environment.control} control at {environment.control_hz:g} Hz, "
+        f"sensors {environment.sensors}, reward {_cell(environment.reward)} |",
+        f"| trained on | {_cell(_cohort(environment.cohort))}, episodes of {environment.episode_s:g} s |",
+        f"| network | {' - '.join(map(str, card.architecture.layers))}, {card.architecture.activation} |",
+        f"| training | {_cell(card.algorithm)}, {card.steps:,} steps, seed {card.seed} |",
+        f"| exported by | jawenv {_cell(card.jawenv_version)} |",
+        f"| licence of the weights | {_cell(card.licence)} |",
+        "",
+        "## Use",
+        "",
+        "```python",
+        "from agents import load_agent  # of a clone of jawenv",
+        "",
+        f'agent = load_agent("{re.sub(r"[^A-Za-z0-9_.-]", "_", name)}", control="{environment.control}")',
+        "```",
+        "",
+        "`card.json` holds all that is known of the policy, and the hash of `policy.safetensors`. Loading",
+        "it runs no code.",
+        "",
+    ]
+    return "\n".join(lines + _results(card))
+
+
+def _results(card: ModelCard) -> list[str]:
+    if not card.results:
+        return []
+    rows = []
+    for result in card.results:
+        kind, value = _figure(result)
+        on = f"{result.patients} of {result.cohort}, seeds {result.seeds[0]} to {result.seeds[1]}"
+        interval = f"{result.low:g} to {result.high:g} ({100 * result.level:g} %)"
+        rows.append(f"| {_cell(result.metric)} | {_cell(on)} | {kind} {value:g} | {interval} |")
+    return ["## Results", "", "| figure | simulated patients | value | interval |", "|---|---|---|---|", *rows, ""]
+
+
+def _cohort(cohort: object) -> str:
+    named = cohort if isinstance(cohort, str) else cohort.get("name") if isinstance(cohort, dict) else None
+    return f"cohort {named or 'of its own'}"
+
+
+def _flat(text: str) -> str:
+    """A text in one line: a line of its own could end the header."""
+    return " ".join(text.split())
+
+
+def _cell(text: str) -> str:
+    """A text in one cell of a table."""
+    return _flat(text).replace("|", "\\|")
+
+
+def _slug(text: str) -> str:
+    return re.sub(r"[^a-z0-9.]+", "-", text.lower()).strip("-") or "unnamed"

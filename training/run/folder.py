@@ -4,13 +4,12 @@
 
     runs/<name>/config.yaml        every setting, defaults included
                 repeat.json        command lines, seeds, versions, git commit, machine
-                env.json           specification of the environment
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
                 distillation.yaml  whose decisions were learnt, if it was distilled from a planner
                 labels/            round_<number>.npz, what the planner would do
-                best_model.zip     policy with the best evaluation
-                final_model.zip    policy at the end
-                checkpoints/       step_<steps>.zip, the latest few
+                card.json          what the policy with the best evaluation is, and
+                policy.safetensors its weights (in an environment that is not of jawenv: best_model.zip)
+                checkpoints/       step_<steps>.zip, the latest few, to go on from
                 evaluations.csv    every evaluation on the validation cohort
                 tensorboard/       learning curves
 """
@@ -22,16 +21,19 @@ import re
 import shlex
 import shutil
 import sys
+import zipfile
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from agents.residual import BASE_FILE
+from agents.card import CARD
+from agents.evaluations import FILE as EVALUATIONS
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.reading import LARGEST_TEXT, open_file, read_member
 from jawenv.versions import made_with
-from training.run.config import TrainingConfig
+from training.run.config import BASE_FILE, TrainingConfig
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -46,11 +48,9 @@ class RunFolder:
         self.path = path
         self.config_file = path / "config.yaml"
         self.repeat_file = path / "repeat.json"
-        self.env_file = path / "env.json"
         self.best_model = path / "best_model.zip"
-        self.final_model = path / "final_model.zip"
         self.checkpoints = path / "checkpoints"
-        self.evaluations = path / "evaluations.csv"
+        self.evaluations = path / EVALUATIONS
         self.tensorboard = path / "tensorboard"
         self.distillation_file = path / "distillation.yaml"
         self.labels = path / "labels"
@@ -58,6 +58,20 @@ class RunFolder:
     def exists(self) -> bool:
         """Whether the folder holds a run."""
         return self.config_file.exists()
+
+    def has_policy(self) -> bool:
+        """Whether the folder holds the best policy so far."""
+        return (self.path / CARD).exists() or self.best_model.exists()
+
+    def open(self) -> TrainingConfig:
+        """The configuration of the run that this folder holds.
+
+        Raises:
+            InputError: there is no run here, or its configuration is damaged.
+        """
+        if not self.exists():
+            raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
+        return TrainingConfig.load(self.config_file)
 
     def check_settings(self, wanted: TrainingConfig) -> None:
         """Make sure that the run in this folder has the settings wanted, its number of steps aside.
@@ -95,7 +109,6 @@ class RunFolder:
     def create(
         self,
         config: TrainingConfig,
-        env_spec: str,
         world_seed: int,
         base: Maneuver | None = None,
         distillation: str | None = None,
@@ -104,7 +117,6 @@ class RunFolder:
 
         Args:
             config: of the run.
-            env_spec: of the environment, as JSON.
             world_seed: of the first training world.
             base: the maneuver that the policy corrects. A copy is kept: its file may change or go.
             distillation: settings of a distillation, as YAML.
@@ -117,7 +129,7 @@ class RunFolder:
             for left in (new, old):
                 if left.exists():
                     shutil.rmtree(left)
-            RunFolder(new)._fill(config, env_spec, world_seed, base, distillation)
+            RunFolder(new)._fill(config, world_seed, base, distillation)
             if self.path.exists():
                 self.path.rename(old)
             new.rename(self.path)
@@ -126,17 +138,9 @@ class RunFolder:
         except OSError as error:
             raise InputError(f"output {self.path}: {error.strerror}") from None
 
-    def _fill(
-        self,
-        config: TrainingConfig,
-        env_spec: str,
-        world_seed: int,
-        base: Maneuver | None,
-        distillation: str | None,
-    ) -> None:
+    def _fill(self, config: TrainingConfig, world_seed: int, base: Maneuver | None, distillation: str | None) -> None:
         self.checkpoints.mkdir(parents=True)
         config.save(self.config_file)
-        write_text(self.env_file, env_spec + "\n")
         seeds = {
             "training": config.seed,
             "validation": [config.evaluation.seed, config.evaluation.seed + config.evaluation.patients - 1],
@@ -156,22 +160,20 @@ class RunFolder:
     def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:
         """Note that the run was resumed, and with which number of steps as its new end."""
         config.save(self.config_file)
-        try:
-            repeat = read_mapping(self.repeat_file)
-            repeat["sessions"].append(_session(from_step, world_seed))
-        except (KeyError, TypeError, AttributeError) as error:
-            raise InputError(f"{self.repeat_file} is damaged: {' '.join(str(error).split())}") from error
+        repeat = self._repeat()
+        repeat["sessions"].append(_session(from_step, world_seed))
         write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
 
-    def open(self) -> TrainingConfig:
-        """The configuration of the run that this folder holds.
+    def commands(self) -> tuple[str, ...]:
+        """The commands that made the run."""
+        return tuple(str(session["command"]) for session in self._repeat()["sessions"])
 
-        Raises:
-            InputError: there is no run here, or its configuration is damaged.
-        """
-        if not self.exists():
-            raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
-        return TrainingConfig.load(self.config_file)
+    def _repeat(self) -> dict[str, Any]:
+        repeat = read_mapping(self.repeat_file)
+        sessions = repeat.get("sessions")
+        if not isinstance(sessions, list) or not all(isinstance(one, dict) and "command" in one for one in sessions):
+            raise InputError(f"{self.repeat_file} is damaged: sessions must be a list, each with its command")
+        return repeat
 
     def save_model(self, model: BaseAlgorithm, path: Path) -> None:
         """Save the model with its optimiser; a crash while saving leaves the older file whole."""
@@ -199,6 +201,28 @@ class RunFolder:
             (path for path in self.checkpoints.iterdir() if _CHECKPOINT.fullmatch(path.name)),
             key=lambda path: int(path.stem.removeprefix("step_")),
         )
+
+
+def read_counts(checkpoint: Path) -> dict[str, Any]:
+    """What a checkpoint says in plain text, its steps and updates among it; what is pickled there stays text.
+
+    Raises:
+        InputError: no such file, or a damaged one.
+    """
+    with open_file(checkpoint) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                data: dict[str, Any] = json.loads(read_member(archive, "data", LARGEST_TEXT))
+            int(data["num_timesteps"]), int(data["_n_updates"])
+        except Exception as error:  # a damaged archive or text can raise anything
+            raise damaged(checkpoint, error) from None
+    return data
+
+
+def damaged(checkpoint: Path, error: Exception) -> InputError:
+    """What is said of a checkpoint that cannot be read."""
+    reason = " ".join(str(error).split())[:200] or type(error).__name__
+    return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")
 
 
 def _session(from_step: int, world_seed: int) -> dict[str, Any]:

@@ -10,26 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.evaluations import CURVES, Table, read_evaluations
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
 from jawenv.locks import alone
-from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PANELS = (
-    ("worst_sd_10s", "worst sd at 10 s, %", 100.0),
-    ("worst_sd", "worst sd at the end, %", 100.0),
-    ("discomfort_s", "discomfort, s per 30 s", 1.0),
-)
-"""Column of ``evaluations.csv``, label and factor of each panel."""
 CONFIDENCE = 0.95
-Table = list[dict[str, float]]
-"""Evaluations of one run, a row each."""
 _HEADROOM = 1.12  # of the highest value: no curve lies on the upper axis
 _LEGEND_COLUMNS = 3
 _SEED = re.compile(r"-seed\d+$")
@@ -69,8 +61,8 @@ def figure(groups: dict[str, list[Table]]) -> Figure:
 
     lines = -(-len(groups) // _LEGEND_COLUMNS)
     picture = Figure(figsize=(12.0, 3.6 + 0.22 * lines), layout="constrained")
-    panels: Any = picture.subplots(1, len(PANELS))
-    for axes, (column, label, factor) in zip(panels, PANELS, strict=True):
+    panels: Any = picture.subplots(1, len(CURVES))
+    for axes, (column, label, factor) in zip(panels, CURVES, strict=True):
         for name, tables in groups.items():
             _curve(axes, name, *_stacked(tables, column, factor))
         highest = max(axes.dataLim.ymax, 0.0)
@@ -102,10 +94,10 @@ def _grouped(runs: Sequence[Path]) -> dict[str, list[Table]]:
         run = RunFolder(path)
         if not run.exists():
             raise InputError(f"{path} holds no run: there is no {run.config_file.name} in it")
-        table = read_evaluations(run)
+        table = read_evaluations(path)
         if not table:
             raise InputError(f"{path} holds no evaluations yet")
-        for column, _, _ in PANELS:
+        for column, _, _ in CURVES:
             if column not in table[0]:
                 raise InputError(f"{run.evaluations} has no column {column!r}")
         groups.setdefault(_SEED.sub("", path.name), []).append(table)

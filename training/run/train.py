@@ -2,63 +2,39 @@
 
 from __future__ import annotations
 
-import json
-import pickle
+import re
 import time
-import zipfile
-import zlib
-from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
-import numpy as np
 import torch
-from gymnasium.vector import VectorEnv
 from rich.console import Console
-from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from agents.checkpoints import read_data
-from agents.controller import ControlledWorlds
-from agents.following import TargetsLaw, decision_hz
+from agents.card import CorrectedManeuver, Environment
+from agents.following import decision_hz
 from agents.residual import BaseTargets
-from jawenv.controls import mode_of
-from jawenv.errors import InputError
+from jawenv.envs.configuration import Configuration
+from jawenv.errors import InputError, shown
 from jawenv.locks import alone
 from jawenv.progress import Progress
-from jawenv.seeds import TRAINING
-from training.run.algorithm_configs import PPOConfig, SACConfig
-from training.run.algorithms import make_model
-from training.run.callbacks import Checkpoints, EpisodeLog, FallingNoise, Interrupt, StopOnSignal
-from training.run.comfort import Multiplier, MultiplierUpdates
+from training.run.algorithm_configs import SACConfig
+from training.run.algorithms import make_model, plain_policy
+from training.run.callbacks import Interrupt, Multiplier, Upkeep
 from training.run.config import EnvConfig, TrainingConfig
-from training.run.evaluations import Evaluations
-from training.run.folder import RunFolder
-from training.run.vec_env import NativeVecEnv
+from training.run.evaluations import Evaluations, Report
+from training.run.export import write_run_policy
+from training.run.folder import RunFolder, damaged, read_counts
+from training.run.worlds import world_seed, worlds_for
 
 INTERRUPTED = 130
 """Exit code of a run that was stopped by a signal, as shells report an interrupt."""
-
-_DAMAGE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    pickle.UnpicklingError,
-    OSError,
-    EOFError,
-    KeyError,
-    TypeError,
-    ValueError,
-    RuntimeError,
-)
-"""What reading a damaged checkpoint can raise."""
-
-Report = Callable[[int, dict[str, float]], None]
-"""Is told steps and row of each evaluation."""
+MOST_SEEDS = 1000
+_SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
 
 
 def start(
@@ -75,9 +51,9 @@ def start(
     with alone(run.path):
         run.check_free(overwrite)
         base = base_targets(config)
-        with Session(config, console, 0, base) as session:
-            run.create(config, session.env_spec, session.world_seed, None if base is None else base.maneuver)
-            return session.learn(run, report)
+        with Session(config, run, console, 0, base) as session:
+            run.create(config, session.world_seed, None if base is None else base.maneuver)
+            return session.learn(report)
 
 
 def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
@@ -101,18 +77,61 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
     with alone(run.path):
         run.remove_unfinished()
         checkpoint = run.latest_checkpoint()
-        from_step = 0 if checkpoint is None else int(_saved(checkpoint)["num_timesteps"])
-        if from_step >= config.steps and run.final_model.exists():
+        from_step = 0 if checkpoint is None else int(read_counts(checkpoint)["num_timesteps"])
+        if from_step >= config.steps:
             console.print(
                 f"{run.path} already has {from_step:,} of {config.steps:,} steps; nothing to do "
                 "(--steps with a larger number goes on)"
             )
             return 0
-        with Session(config, console, from_step, base_targets(config, run.path)) as session:
+        with Session(config, run, console, from_step, base_targets(config, run.path)) as session:
             if checkpoint is not None:
                 session.restore(checkpoint)
             run.add_session(config, from_step, session.world_seed)
-            return session.learn(run)
+            return session.learn()
+
+
+def parse_seeds(text: str) -> list[int]:
+    """Seeds from ``0-4``, ``0,1,2`` or both mixed, each once, in the order given.
+
+    Raises:
+        InputError: something else, a range that runs backwards, or more than `MOST_SEEDS` seeds.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        match = _SEEDS.fullmatch(part.strip())
+        if match is None:
+            raise InputError(f"seeds {shown(text)}: allowed are numbers and ranges such as 0-4 or 0,1,2")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if last < first or last - first >= MOST_SEEDS:
+            raise InputError(
+                f"seeds {shown(text)}: {part.strip()} must be a range upwards of at most {MOST_SEEDS} seeds"
+            )
+        seeds += range(first, last + 1)
+    return list(dict.fromkeys(seeds))
+
+
+def train_seeds(config: TrainingConfig, seeds: list[int], stem: Path, console: Console) -> int:
+    """Train each seed into the folder ``STEM-seedK``; finished ones are skipped, unfinished ones go on.
+
+    Returns:
+        The exit code: 0, or that of an interrupted run, after which no other is begun.
+
+    Raises:
+        InputError: a folder holds something else, or a run with other settings.
+    """
+    plan = [(config.changed(seed=seed), RunFolder(stem.with_name(f"{stem.name}-seed{seed}"))) for seed in seeds]
+    for wanted, run in plan:
+        if run.exists():
+            run.check_settings(wanted)
+        else:
+            run.check_free(overwrite=False)
+    for number, (wanted, run) in enumerate(plan, 1):
+        console.print(f"seed {wanted.seed}, {number} of {len(plan)}: {run.path}", soft_wrap=True)
+        code = resume(run, console, wanted.steps) if run.exists() else start(wanted, run, console)
+        if code:
+            return code
+    return 0
 
 
 def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTargets | None:
@@ -131,27 +150,24 @@ class Session:
 
     Attributes:
         config: as given.
+        run: as given; the folder.
         base: as given; the maneuver that is corrected.
         model: the algorithm, untrained.
         world_seed: of the first training world.
-        env_spec: specification of the environment, as JSON.
     """
 
-    def __init__(self, config: TrainingConfig, console: Console, from_step: int, base: BaseTargets | None) -> None:
-        self.config, self.base = config, base
-        self._console = console
-        self._from_step = from_step
+    def __init__(
+        self, config: TrainingConfig, run: RunFolder, console: Console, from_step: int, base: BaseTargets | None
+    ) -> None:
+        self.config, self.run, self.base = config, run, base
+        self._console, self._from_step = console, from_step
         self.world_seed = world_seed(config.seed, from_step)
         torch.set_num_threads(config.torch_threads)
-        if config.env.id.startswith("jawenv/"):
-            mode_of(config.env.kwargs)  # refuses an unknown control mode before worlds are made
+        self._world = _described(config.env)
         console.print(f"preparing {config.n_envs} worlds of {config.env.id}")
-        env = make_worlds(config.env, config.n_envs)
-        self.env_spec = _spec_json(env, config.env)
         self._multiplier = None if config.comfort is None else Multiplier(config.comfort)
-        law = None if base is None else _law(config.env, base)
-        self._worlds = wrapped(env, base, law, self._multiplier)
-        self._validation = wrapped(make_worlds(config.env, config.evaluation.patients), base, law)
+        self._worlds = worlds_for(config.env, config.n_envs, base, self._multiplier)
+        self._validation = worlds_for(config.env, config.evaluation.patients, base)
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
 
@@ -163,27 +179,27 @@ class Session:
         self._validation.close()
 
     def restore(self, checkpoint: Path) -> None:
-        """Take over weights, optimiser state, counters and multiplier of a checkpoint."""
+        """Take over weights, optimiser state, counters and multiplier of a checkpoint; nothing is unpickled."""
         model: Any = self.model
+        saved = read_counts(checkpoint)
         try:
             model.set_parameters(str(checkpoint), device=self.config.device)
             _, _, variables = load_from_zip_file(str(checkpoint), device=self.config.device, load_data=False)
             for name, value in (variables or {}).items():
                 if value is not None:
                     attrgetter(name)(model).data.copy_(value.data)
-            saved = _saved(checkpoint)
             model.num_timesteps, model._n_updates = int(saved["num_timesteps"]), int(saved["_n_updates"])
             if self._multiplier is not None:
                 self._multiplier.value = float(saved["comfort_multiplier"])
-        except _DAMAGE as error:
-            raise _damaged(checkpoint, error) from error
+        except Exception as error:  # damaged weights can raise anything
+            raise damaged(checkpoint, error) from error
         section = self.config.section
         if isinstance(section, SACConfig):
             model.learning_starts = model.num_timesteps + section.learning_starts
 
-    def learn(self, run: RunFolder, report: Report | None = None) -> int:
+    def learn(self, report: Report | None = None) -> int:
         """Learn until the last step or a signal; save, report, and return the exit code."""
-        config, model = self.config, self.model
+        config, model, run = self.config, self.model, self.run
         total = _whole_updates(model, self._from_step, config.steps)
         if total != config.steps:
             self._console.print(
@@ -195,15 +211,13 @@ class Session:
         interrupt = Interrupt()
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
-                evaluations = self.evaluations(run, progress, interrupt.wanted, report)
-                callbacks = [StopOnSignal(interrupt), EpisodeLog(progress), *self._special_callbacks()]
-                callbacks += [Checkpoints(run, config.checkpoints), evaluations]
-                # On-policy algorithms log every rollout, the others after so many episodes.
-                log_interval = config.n_envs if isinstance(config.section, SACConfig) else 1
+                upkeep = Upkeep(config, run, interrupt, progress, self._multiplier)
+                evaluations = self.evaluations(progress, interrupt, report)
                 model.learn(
                     config.steps - self._from_step,
-                    CallbackList(callbacks),
-                    log_interval=log_interval,
+                    CallbackList([upkeep, evaluations]),
+                    # On-policy algorithms log every rollout, the others after so many episodes.
+                    log_interval=config.n_envs if isinstance(config.section, SACConfig) else 1,
                     reset_num_timesteps=False,
                 )
                 checkpoint = run.save_checkpoint(model, config.checkpoints.keep)
@@ -219,33 +233,39 @@ class Session:
                 soft_wrap=True,
             )
             return INTERRUPTED
-        run.save_model(model, run.final_model)
-        self._report(run, evaluations, time.monotonic() - begun)
+        self._report(evaluations, time.monotonic() - begun)
         return 0
 
-    def _special_callbacks(self) -> list[BaseCallback]:
-        """What only some configurations ask for."""
-        config = self.config
-        callbacks: list[BaseCallback] = []
-        if isinstance(config.section, PPOConfig) and config.section.network.final_log_std is not None:
-            callbacks.append(FallingNoise(config.section.network, config.steps))
-        if self._multiplier is not None and config.comfort is not None:
-            callbacks.append(MultiplierUpdates(self._multiplier, config.comfort.episodes))
-        return callbacks
-
     def evaluations(
-        self,
-        run: RunFolder,
-        progress: Progress,
-        interrupted: Callable[[], bool] = lambda: False,
-        report: Report | None = None,
+        self, progress: Progress, interrupt: Interrupt | None = None, report: Report | None = None
     ) -> Evaluations:
-        """Evaluations on the validation patients, which keep the best model in the run's folder."""
+        """Evaluations on the validation patients, which keep the best policy in the run's folder."""
         comfort = self.config.comfort
-        limit = None if comfort is None else comfort.target_discomfort_s
-        return Evaluations(run, self.config.evaluation, self._validation, interrupted, progress, limit, report)
+        return Evaluations(
+            self.run,
+            self.config.evaluation,
+            self._validation,
+            self.keep,
+            progress,
+            interrupted=(interrupt or Interrupt()).wanted,
+            largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
+            report=report,
+        )
 
-    def _report(self, run: RunFolder, evaluations: Evaluations, seconds: float) -> None:
+    def keep(self) -> None:
+        """Write the policy as it is now into the run's folder, as weights and a card.
+
+        A card says where in jawenv a policy plays: of another environment the model is saved instead.
+        """
+        config, run, model = self.config, self.run, self.model
+        if self._world is None:
+            run.save_model(model, run.best_model)
+            return
+        architecture, weights = plain_policy(model, config)
+        residual = None if self.base is None else CorrectedManeuver(maneuver=self.base.maneuver, scale=self.base.scale)
+        write_run_policy(run, config, Environment.of(self._world), architecture, residual, weights, model.num_timesteps)
+
+    def _report(self, evaluations: Evaluations, seconds: float) -> None:
         steps = self.model.num_timesteps
         rate = (steps - self._from_step) / seconds
         assert evaluations.best is not None
@@ -253,7 +273,7 @@ class Session:
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
             f"{self.config.evaluation.patients} validation patients: {score.said()} "
-            f"after {best_steps:,} steps: {run.best_model}",
+            f"after {best_steps:,} steps: {self.run.path}",
             soft_wrap=True,
         )
 
@@ -264,78 +284,8 @@ def _whole_updates(model: Any, from_step: int, steps: int) -> int:
     return from_step + -(-(steps - from_step) // update) * update
 
 
-def _law(config: EnvConfig, base: BaseTargets) -> TargetsLaw | None:
-    """What follows a policy's targets; None where the device does.
-
-    Raises:
-        InputError: the environment's control steps do not fit the policy's decisions.
-    """
-    kwargs: dict[str, Any] = config.kwargs
-    mode = mode_of(kwargs)
-    if mode.takes_targets:
+def _described(config: EnvConfig) -> Configuration | None:
+    """What is trained on, checked before worlds are made; None where it is not an environment of jawenv."""
+    if not config.id.startswith("jawenv/"):
         return None
-    return TargetsLaw(mode.name, kwargs.get("control_hz"), base.decision_hz)
-
-
-def wrapped(
-    env: VectorEnv,
-    base: BaseTargets | None = None,
-    law: TargetsLaw | None = None,
-    multiplier: Multiplier | None = None,
-) -> VecEnv:
-    """Worlds for stable-baselines3: with the price of discomfort, and with the maneuver that is corrected."""
-    for controller in (law, base):
-        if controller is not None:
-            env = ControlledWorlds(env, controller)
-    return NativeVecEnv(env, multiplier)
-
-
-def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
-    """N worlds of the environment in its native vector form, reset in the step that ends an episode.
-
-    Raises:
-        InputError: no such environment, no native vector form, or arguments that it refuses.
-    """
-    import jawenv  # noqa: F401  registers its environments
-
-    kwargs: dict[str, Any] = {"autoreset_mode": "same_step", **config.kwargs}
-    try:
-        return gym.make_vec(config.id, n, vectorization_mode="vector_entry_point", **kwargs)
-    except (gym.error.Error, ModuleNotFoundError) as error:
-        raise InputError(f"env.id {config.id!r}: {' '.join(str(error).split())}") from error
-    except TypeError as error:
-        raise InputError(f"env.kwargs {config.kwargs} of {config.id}: {error}") from error
-
-
-def world_seed(seed: int, from_step: int) -> int:
-    """Seed of the first training world; a resumed run gets another one, and so new patients."""
-    return TRAINING.start + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
-
-
-def _spec_json(env: VectorEnv, config: EnvConfig) -> str:
-    try:
-        if env.spec is not None:
-            return env.spec.to_json()
-    except ValueError:  # registered with a class instead of its name, which Gymnasium does not serialise
-        pass
-    return json.dumps({"id": config.id, "kwargs": config.kwargs})
-
-
-def _saved(checkpoint: Path) -> dict[str, Any]:
-    """What a checkpoint says in plain text, among it its steps and updates.
-
-    Raises:
-        InputError: the checkpoint is damaged.
-    """
-    try:
-        data = read_data(checkpoint)
-        int(data["num_timesteps"]), int(data["_n_updates"])
-    except _DAMAGE as error:
-        raise _damaged(checkpoint, error) from error
-    return data
-
-
-def _damaged(checkpoint: Path, error: Exception) -> InputError:
-    told = " ".join(str(error).split()).removeprefix(f"{checkpoint}: damaged stable-baselines3 checkpoint: ")
-    reason = told[:200] or type(error).__name__
-    return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")
+    return Configuration.from_mapping({"env": config.id, **config.kwargs})

@@ -13,11 +13,11 @@ from optuna.trial import Trial, TrialState
 from rich.console import Console
 from sqlalchemy.exc import SQLAlchemyError
 
+from agents.evaluations import read_evaluations
 from jawenv.errors import InputError
 from training.run import train
 from training.run.algorithm_configs import PPOConfig
 from training.run.config import TrainingConfig
-from training.run.evaluation_table import read_evaluations
 from training.run.folder import RunFolder
 
 WARM_UP_TRIALS = 5
@@ -59,10 +59,6 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
 
 def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
     """The configuration of a trial; the reward and the price of discomfort are never searched.
-
-    PPO: initial learning rate 1e-4 to 2e-3 (log), gamma 0.97 to 0.995, epochs 3 to 10, initial log sd -2 to -0.5.
-    SAC and TQC: learning rate 2e-4 to 2e-3 (log), gamma 0.95 to 0.99, gradient steps 5, 10 or 20, units 64, 128 or 256.
-    All as residual: scale 0.2 to 0.8.
 
     Raises:
         InputError: the configuration refuses a value.
@@ -121,7 +117,7 @@ def _run_trial(study: optuna.Study, trial: Trial, config: TrainingConfig, folder
     if code:
         study.tell(trial, state=TrialState.FAIL)
         return code
-    study.tell(trial, _value(wanted, read_evaluations(run)[-1]))
+    study.tell(trial, _value(wanted, read_evaluations(run.path)[-1]))
     return 0
 
 

@@ -21,7 +21,6 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from agents.array_files import load_arrays, save_arrays
-from agents.checkpoints import read_data
 from agents.planners import PLANNERS
 from agents.residual import BaseTargets
 from jawenv.controls import mode_of
@@ -33,8 +32,9 @@ from jawenv.progress import Progress
 from training.run.algorithm_configs import PositiveInt, PositiveNumber
 from training.run.config import TrainingConfig
 from training.run.evaluations import Evaluations
-from training.run.folder import RunFolder
-from training.run.train import Session, make_worlds, world_seed, wrapped
+from training.run.folder import RunFolder, read_counts
+from training.run.train import Session
+from training.run.worlds import world_seed, worlds_for
 
 BATCH = 256
 
@@ -135,12 +135,11 @@ def gather(
         patients: how many.
         tell: is told after each step how many seconds of patients were labelled.
     """
-    env = make_worlds(config.env, patients)
-    worlds = wrapped(env, base)
+    worlds = worlds_for(config.env, patients, base)
     try:
         planner = PLANNERS[planner_name].planner("targets")
         planner.reset(patients, seed)
-        planner.attach(env)
+        planner.attach(worlds.env)
         worlds.seed(seed)
         seen = np.asarray(worlds.reset())
         running = np.ones(patients, dtype=bool)
@@ -192,29 +191,28 @@ def _mean_action(policy: Any, seen: torch.Tensor) -> torch.Tensor:
     return mean
 
 
-def distill(session: Session, settings: Distillation, run: RunFolder, progress: Progress) -> None:
+def distill(session: Session, settings: Distillation, progress: Progress) -> None:
     """Gather, fit and evaluate, round by round, after those whose labels are in the run's folder.
 
     Args:
-        session: worlds and untrained policy of the run.
+        session: worlds, untrained policy and folder of the run.
         settings: of the distillation.
-        run: its folder.
         progress: counts seconds of patients.
 
     Raises:
         InputError: damaged labels.
     """
-    config, model, base = session.config, session.model, session.base
+    config, model, base, run = session.config, session.model, session.base, session.run
     assert base is not None and isinstance(model, PPO)
     model.set_logger(configure(str(run.tensorboard), ["tensorboard"]))
-    evaluations = session.evaluations(run, progress)
+    evaluations = session.evaluations(progress)
     evaluations.init_callback(model)
     untrained = {name: value.clone() for name, value in model.policy.state_dict().items()}
     rounds = [Labels.load(path) for path in finished_rounds(run, settings.rounds)]
     progress.skip(len(rounds) * settings.patients * seconds_of(config))
     if rounds:
         _fit_anew(model, untrained, rounds, settings, config.seed)
-        _evaluate(evaluations, run, session)  # where it was stopped after the labels and before that
+        _evaluate(evaluations, session)  # where it was stopped after the labels and before that
     for k in range(len(rounds), settings.rounds):
         labels = gather(
             config,
@@ -230,17 +228,16 @@ def distill(session: Session, settings: Distillation, run: RunFolder, progress: 
             progress.note("error", f"{error_on(model, labels):.3f} from the planner's actions")
         rounds.append(labels)
         _fit_anew(model, untrained, rounds, settings, config.seed)
-        _evaluate(evaluations, run, session)
-    run.save_model(model, run.final_model)
+        _evaluate(evaluations, session)
 
 
-def _evaluate(evaluations: Evaluations, run: RunFolder, session: Session) -> None:
+def _evaluate(evaluations: Evaluations, session: Session) -> None:
     """Evaluate and keep the policy as it is now, unless that is done; random actions follow from seed and steps."""
     model = session.model
     if evaluations.last != model.num_timesteps:
         torch.manual_seed(world_seed(session.config.seed, model.num_timesteps))
         evaluations.evaluate()
-    run.save_checkpoint(model, session.config.checkpoints.keep)
+    session.run.save_checkpoint(model, session.config.checkpoints.keep)
 
 
 def _advance(progress: Progress, before: float, done: float) -> None:
@@ -254,15 +251,15 @@ def finished_rounds(run: RunFolder, rounds: int) -> list[Path]:
 
 
 def is_finished(run: RunFolder, rounds: int) -> bool:
-    """Whether so many rounds are over and the final model is of their labels.
+    """Whether so many rounds are over and the latest checkpoint is of their labels.
 
     Raises:
-        InputError: damaged labels, or a damaged model.
+        InputError: damaged labels, or a damaged checkpoint.
     """
-    files = finished_rounds(run, rounds)
-    if len(files) < rounds or not run.final_model.exists():
+    files, checkpoint = finished_rounds(run, rounds), run.latest_checkpoint()
+    if len(files) < rounds or checkpoint is None:
         return False
-    learnt: object = read_data(run.final_model).get("num_timesteps")
+    learnt: object = read_counts(checkpoint)["num_timesteps"]
     return learnt == sum(len(Labels.load(path).observation) for path in files)
 
 

@@ -1,16 +1,16 @@
-"""Optimal experiment design: search the maneuver after which a cohort's parameters are known best, within comfort.
+"""Optimal experiment design: refine a maneuver until a cohort's parameters are known best after it, within comfort.
 
-CMA-ES (Hansen & Ostermeier 2001, Evol. Comput. 9:159) over the numbers of ``waveform``; or over those of ``knots``
-about a maneuver that is refined, by the form with a diagonal covariance (Ros & Hansen 2008, PPSN X, 296), since they
+What is searched are offsets of the maneuver's targets at knots, joined by straight lines: a maneuver that was designed
+second by second has plans that do not see its end, a search over the whole of it does. It is CMA-ES (Hansen &
+Ostermeier 2001, Evol. Comput. 9:159) with a diagonal covariance (Ros & Hansen 2008, PPSN X, 296), since the numbers
 are a hundred. All candidates of a generation are played with the same patients and the same noise, in one call of the
-batched core. Comfort is a constraint: a
-candidate that breaks it ranks behind all that keep it, by how far it does (Deb 2000, Comput. Methods Appl. Mech. Eng.
-186:311), which CMA-ES, knowing ranks alone, needs no weight for.
+batched core. Comfort is a constraint: a candidate that breaks it ranks behind all that keep it, by how far it does
+(Deb 2000, Comput. Methods Appl. Mech. Eng. 186:311), which CMA-ES, knowing ranks alone, needs no weight for.
 """
 
 from __future__ import annotations
 
-import hashlib
+import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,18 +22,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jawenv
+from agents.replay import followed, maneuver_of_targets
 from jawenv.anatomy import MUSCLE_NAMES, Patient
 from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
+from jawenv.files import atomic_write
 from jawenv.ladder import env_id_of, model_of_env
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import Targets
+from jawenv.playing.maneuvers.signals import Keyframes
+from jawenv.reading import read_bytes
 from jawenv.seeds import TUNING
-from training.search.knots import Knots
-from training.search.log import SearchLog
-from training.search.settings import SearchSettings
-from training.search.waveform import Sines
+from training.search.sequential import RETURN_S
+from training.search.session import SearchSettings
 
 Array = NDArray[np.float64]
 Criterion = Literal["worst", "D", "A"]
@@ -45,10 +48,14 @@ DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is 
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
 MOST_WORLDS = 10_000  # that are played at once; each takes about a megabyte
 INFEASIBLE = 1e3  # worse than any criterion
+STEP_S = 0.2  # between targets of the maneuver that is made
+KNOT_S = 0.4  # between knots
+SIZE = np.array([0.25, 0.4, 0.1, 0.4])
+"""What 1 of a number is, as a fraction of the patient's comfort, for each channel."""
 CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Design(SearchSettings):
     """What is searched.
 
@@ -63,9 +70,9 @@ class Design(SearchSettings):
         patients: how many, from ``jawenv.seeds.TUNING`` on.
         generations: of CMA-ES.
         population: candidates in a generation.
-        sigma: first step size, of numbers from 0 to 1.
-        refine: name or file of the maneuver that is refined; empty: two sines on each channel are searched.
-        then: name or file of the maneuver that follows a refined one after the horizon; empty: it goes on itself.
+        sigma: first step size, of the numbers.
+        refine: name or file of the maneuver that is refined.
+        then: name or file of the maneuver that follows after the horizon; empty: it goes on itself.
         seed: of the search.
         env: the environment, as `jawenv.ladder.model_of_env` takes it.
     """
@@ -79,7 +86,7 @@ class Design(SearchSettings):
     generations: int = 120
     population: int = 14
     sigma: float = 0.12
-    refine: str = ""
+    refine: str
     then: str = ""
     seed: int = 0
     env: str = "Jaw"
@@ -98,24 +105,63 @@ class Design(SearchSettings):
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs | {"model": model_of_env(self.env).name})
-        self.form()
+        self.knots()
 
     @property
     def env_kwargs(self) -> dict[str, Any]:
         """Arguments of the environment."""
         return {"control": self.control, "cohort": self.cohort, "episode_s": self.horizon_s}
 
-    def form(self) -> Sines | Knots:
-        """What makes maneuvers of numbers.
+    def knots(self) -> Knots:
+        """The maneuver with offsets of its targets.
 
         Raises:
-            InputError: a maneuver is unknown, or its file is wrong, or one follows where none is refined.
+            InputError: a maneuver is unknown, or its file is wrong.
         """
-        if not self.refine:
-            if self.then:
-                raise InputError(f"then is {self.then!r}; allowed: nothing without refine")
-            return Sines()
         return Knots(_maneuver(self.refine), self.horizon_s, _maneuver(self.then) if self.then else None)
+
+
+class Knots:
+    """A maneuver, and offsets of its targets until a horizon.
+
+    Args:
+        base: the maneuver.
+        horizon_s: where the last knot lies.
+        then: what follows after the horizon, reached within ``RETURN_S``; the maneuver itself by default.
+
+    Attributes:
+        start: (n,) zeros: the maneuver itself.
+    """
+
+    def __init__(self, base: Maneuver, horizon_s: float, then: Maneuver | None = None) -> None:
+        self.base = base
+        times: Array = STEP_S * np.arange(1.0, round(max(horizon_s, length_s(base)) / STEP_S) + 1)
+        self._targets: Array = base.targets(times).value
+        if then is not None:
+            after = np.clip((times - horizon_s) / RETURN_S, 0.0, 1.0)[:, None]
+            self._targets += after * (then.targets(times).value - self._targets)
+        knots = KNOT_S * np.arange(1, max(1, round(horizon_s / KNOT_S)) + 1)
+        self._weights = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
+        self.start = np.zeros(len(knots) * len(CHANNELS))
+
+    def targets(self, numbers: Array) -> Array:
+        """Targets (T, 4) every ``STEP_S``, as far and as fast as the device lets them, from any real numbers (n,)."""
+        offsets = self._weights @ (np.reshape(numbers, (-1, len(CHANNELS))) * SIZE)
+        goals = np.clip(self._targets + offsets, np.array(LOWEST), HIGHEST)
+        path: Array = followed(goals[None], STEP_S)[0]
+        return path
+
+    def maneuver(self, numbers: Array, about: dict[str, str]) -> Maneuver:
+        """The maneuver of numbers (n,), with name, title, description and source; it goes back to rest and repeats."""
+        return maneuver_of_targets(self.targets(numbers), STEP_S, about, return_s=RETURN_S)
+
+
+def length_s(maneuver: Maneuver) -> float:
+    """How long a maneuver of keyframes lasts before it goes back to rest (s); 0 for one that has other signals."""
+    signals = [maneuver.channels.signal(name) for name in CHANNELS]
+    keyframes = [signal for signal in signals if isinstance(signal, Keyframes)]
+    last = max((signal.points[-1].t_s for signal in keyframes), default=0.0)
+    return max(0.0, last - RETURN_S) if len(keyframes) == len(signals) else 0.0
 
 
 def _maneuver(spec: str) -> Maneuver:
@@ -243,48 +289,54 @@ class Found(NamedTuple):
 def search(
     design: Design,
     log: Path,
-    report: Callable[[int, Found], None],
+    report: Callable[[int, float], None],
     judge: Callable[[Sequence[Maneuver]], list[Judged]] | None = None,
 ) -> Found:
-    """Search, and keep the losses of every generation in ``log``, from which a search that was stopped goes on.
-
-    CMA-ES draws its candidates from its seed and the losses so far, so that the losses are all there is to keep.
+    """Search, and keep the state after every generation in ``log``, from which a search that was stopped goes on.
 
     Args:
         design: what is searched.
-        log: text file, one line of losses for each generation; made if it does not exist.
-        report: called after each generation with the number done and the best so far.
+        log: a pickle of cma's; made if it does not exist. Reading it can run code: it must be the user's own.
+        report: called after each generation with the number done and the lowest loss so far.
         judge: of candidates; ``Judge`` by default.
 
     Returns:
         The best candidate.
 
     Raises:
-        InputError: the log is damaged, or of another search.
+        InputError: the log is damaged, of another search, or of more generations.
     """
-    judge, form = judge or Judge(design), design.form()
-    options = {"popsize": design.population, "seed": design.seed + 1, "verbose": -9, "maxiter": design.generations}
-    options["CMA_diagonal"] = bool(design.refine)
-    strategy = cma.CMAEvolutionStrategy(form.start, design.sigma, options)
-    settings = {name: value for name, value in design.about().items() if name != "generations"}
-    if isinstance(form, Knots):
-        settings["refined"] = hashlib.sha256(form.base.model_dump_json().encode()).hexdigest()[:16]
-    losses_so_far = SearchLog(log, settings, design.population)
-    kept = losses_so_far.rows()
-    best: Array | None = None
-    lowest = np.inf
-    for generation in range(design.generations):
+    judge, knots = judge or Judge(design), design.knots()
+    settings = design.about() | {"generations": None, "refined": knots.base.model_dump_json()}
+    if log.exists():
+        strategy = _resumed(log, settings)
+    else:
+        options = {"popsize": design.population, "seed": design.seed + 1, "verbose": -9, "CMA_diagonal": True}
+        strategy = cma.CMAEvolutionStrategy(knots.start, design.sigma, options)
+    if strategy.countiter > design.generations:
+        raise InputError(f"generations is {design.generations}; allowed: {strategy.countiter}, done so far, or more")
+    while strategy.countiter < design.generations:
         asked = strategy.ask()
-        if generation < len(kept):
-            losses = kept[generation]
-        else:
-            losses = [one.loss for one in judge([form.maneuver(numbers, CANDIDATE) for numbers in asked])]
-            losses_so_far.append(losses)
-        strategy.tell(asked, losses)
-        if min(losses) < lowest:
-            lowest, best = min(losses), asked[int(np.argmin(losses))]
-        if generation + 1 > len(kept):
-            assert best is not None
-            report(generation + 1, Found(best, Judged(lowest, lowest, *[np.nan] * 4)))
-    assert best is not None
-    return Found(best, judge([form.maneuver(best, CANDIDATE)])[0])
+        strategy.tell(asked, [one.loss for one in judge([knots.maneuver(numbers, CANDIDATE) for numbers in asked])])
+        with atomic_write(log) as unfinished:
+            # cma draws from NumPy's global stream.
+            unfinished.write_bytes(pickle.dumps((settings, strategy.pickle_dumps(), np.random.get_state())))
+        report(strategy.countiter, strategy.best.f)
+    best = strategy.best.x
+    return Found(best, judge([knots.maneuver(best, CANDIDATE)])[0])
+
+
+def _resumed(log: Path, settings: dict[str, Any]) -> Any:
+    """The strategy as a search has left it, and NumPy's global stream with it."""
+    try:
+        kept, strategy, stream = pickle.loads(read_bytes(log))
+        if kept == settings:
+            np.random.set_state(stream)
+            return pickle.loads(strategy)
+    except InputError:
+        raise
+    except Exception as error:  # a damaged pickle can raise anything
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InputError(f"{log} is damaged: {reason}; --overwrite begins anew") from None
+    other = [name for name, value in settings.items() if kept.get(name) != value]
+    raise InputError(f"{log} is of another search ({', '.join(other)}); allowed: the same settings, or --overwrite")

@@ -8,6 +8,7 @@ back to rest, and all again.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from agents.array_files import load_arrays, save_arrays
 from agents.planning import Plan, Planner
 from agents.replay import maneuver_of_targets, targets_of
 from jawenv.envs.configuration import configure
@@ -24,8 +26,7 @@ from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.protocol import Array, Mask
 from jawenv.playing.rollout import play
 from jawenv.seeds import TUNING
-from training.search.log import SearchLog
-from training.search.settings import SearchSettings
+from training.search.session import SearchSettings
 
 Goal = Literal["mixed", "worst", "uncertainty"]
 Over = Literal["mean", "tail"]
@@ -135,9 +136,8 @@ class _Designer(Planner):
             InputError: the log cannot be read, is damaged, or is of another search.
         """
         super().attach(env)
-        self._log = SearchLog(self._path, self._design.about(), self._planned[0].size)
-        rows = self._log.rows()
-        self.kept, self._left = len(rows), iter(rows)
+        kept = read_plans(self._path, self._design, self._planned.shape[1:])
+        self.kept, self._left = len(kept), iter(kept)
 
     def actions(self, steps: int) -> Array:
         """Actions (steps, 4) that follow each plan until the next."""
@@ -149,12 +149,43 @@ class _Designer(Planner):
         if kept is None:
             super()._search(step, due)
         else:
-            self._planned[due] = np.reshape(kept, self._planned.shape[1:])
+            self._planned[due] = kept
             self._planned_at[due] = step[due]
-        plan = self._planned[np.flatnonzero(due)[0]].copy()  # all worlds have the same
+        self.plans.append(self._planned[np.flatnonzero(due)[0]].copy())  # all worlds have the same
         if kept is None:
-            self._log.append(plan.ravel().tolist())
-        self.plans.append(plan)
+            write_plans(self._path, self._design, np.array(self.plans))
+
+
+def write_plans(path: Path, design: SequentialDesign, plans: Array) -> None:
+    """Keep the plans (n, H, 4) of a design so far."""
+    save_arrays(path, plans=plans, settings=_settings(design))
+
+
+def read_plans(path: Path, design: SequentialDesign, shape: tuple[int, ...]) -> Array:
+    """The plans (n, H, 4) of a design so far; none if there is no such file.
+
+    Args:
+        path: where they are kept (.npz).
+        design: whose they must be.
+        shape: of a plan.
+
+    Raises:
+        InputError: the file cannot be read, is damaged, or is of another design.
+    """
+    if not path.exists():
+        return np.zeros((0, *shape))
+    plans, settings = load_arrays(path, ("plans", "settings"), "plans of a design")
+    if settings.tolist() != _settings(design):
+        raise InputError(f"{path} is of another search; allowed: the same settings, or --overwrite")
+    if plans.shape[1:] != shape or plans.dtype != np.float64 or not np.isfinite(plans).all():
+        raise InputError(
+            f"{path} is damaged: plans must be (n, {shape[0]}, {shape[1]}) numbers; --overwrite begins anew"
+        )
+    return plans
+
+
+def _settings(design: SequentialDesign) -> str:
+    return json.dumps(design.about(), sort_keys=True)
 
 
 def design_maneuver(
@@ -165,7 +196,7 @@ def design_maneuver(
     Args:
         design: what is designed.
         about: name, title, description and source.
-        log: text file, one line for each plan; made if it does not exist.
+        log: an .npz; made if it does not exist.
         report: called after each control step with the number done and whether its plan was made now, not kept.
 
     Returns:

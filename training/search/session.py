@@ -1,21 +1,21 @@
-"""What the commands that search have in common: one output in use, progress, and going on after they were stopped."""
+"""What the commands that search have in common: settings, one output in use, progress, going on after a stop."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Self, TypeVar, get_args
 
 import typer
 import yaml
 from rich.console import Console
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import write_text
 from jawenv.locks import alone
 from jawenv.progress import Progress
-from training.search.settings import SearchSettings
 
 INTERRUPTED = 130
 Found = TypeVar("Found")
@@ -26,6 +26,44 @@ ManeuverFile = Annotated[
 Anew = Annotated[
     bool, typer.Option("--overwrite", help="Replace the file, and begin anew where a search was left off.")
 ]
+
+
+class SearchSettings:
+    """Base of frozen dataclasses."""
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Self:
+        """From arguments of the fields' names, among others.
+
+        Raises:
+            InputError: a field has a value that is not allowed.
+        """
+        return cls(**{field.name: given[field.name] for field in fields(cls)})  # type: ignore[arg-type]
+
+    def about(self) -> dict[str, Any]:
+        """All fields."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+
+    def check_choices(self, **kinds: Any) -> None:
+        """Make sure that fields are among the values of a ``Literal``.
+
+        Raises:
+            InputError: one is not.
+        """
+        for name, kind in kinds.items():
+            if getattr(self, name) not in get_args(kind):
+                allowed = ", ".join(get_args(kind))
+                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: {allowed}")
+
+    def check_least(self, **least: int) -> None:
+        """Make sure that fields are not below a number.
+
+        Raises:
+            InputError: one is.
+        """
+        for name, number in least.items():
+            if getattr(self, name) < number:
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: {number} or more")
 
 
 def quiet_console() -> Console:
@@ -58,20 +96,22 @@ def until_stopped(
 
 def search_maneuver(
     output: Path,
+    log: Path,
     overwrite: bool,
     total: float,
     unit: str,
-    search: Callable[[Path, Progress], tuple[Found, bool]],
+    search: Callable[[Progress], tuple[Found, bool]],
     write: Callable[[Found], str],
 ) -> int:
     """Search a maneuver, and keep what was found so far in a log beside its file.
 
     Args:
         output: the maneuver file, checked by `check_output`.
+        log: beside it, keeps what the search has found so far; it goes where all begins anew.
         overwrite: begin anew.
         total: how much there is to do.
         unit: what is counted, in the plural.
-        search: from log and progress to what was found, and whether anything of it was found now.
+        search: from progress to what was found, and whether anything of it was found now.
         write: writes the file, and says what is in it.
 
     Returns:
@@ -82,8 +122,11 @@ def search_maneuver(
     """
     console = quiet_console()
     with alone(output):
-        log = _search_log(output, overwrite)
-        done = until_stopped(lambda progress: search(log, progress), total, unit, console, f"from {log}")
+        if overwrite:
+            log.unlink(missing_ok=True)
+        elif output.exists() and not log.exists():
+            raise InputError(f"--output: {output} exists already; replace it with --overwrite")
+        done = until_stopped(search, total, unit, console, f"from {log}")
         if done is None:
             return INTERRUPTED
         found, new = done
@@ -127,18 +170,8 @@ def write_found(output: Path, content: dict[str, Any], command: str, design: Sea
         command: of ``python -m training``.
         design: its fields that are not the defaults are the command's options.
     """
-    defaults = type(design)().about()
+    defaults = {field.name: field.default for field in fields(design)}  # type: ignore[arg-type]
     options = [f"--{k.replace('_', '-')} {v}" for k, v in design.about().items() if v != defaults[k]]
     line = " ".join([f"python -m training {command}", f"--output {output.name}", *options])
     text = yaml.safe_dump(content, sort_keys=False, width=110, default_flow_style=None)
     write_text(output, f"# Found, not made by hand, by\n# {line}\n{text}")
-
-
-def _search_log(output: Path, overwrite: bool) -> Path:
-    """The file beside a maneuver file that keeps what its search has found so far; it goes where all begins anew."""
-    log = output.with_suffix(".search.txt")
-    if overwrite:
-        log.unlink(missing_ok=True)
-    elif output.exists() and not log.exists():
-        raise InputError(f"--output: {output} exists already; replace it with --overwrite")
-    return log

@@ -8,12 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from agents.registry import world_of
 from eval.benchmark import submission
 from eval.benchmark.run import cells_of
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.cli import main
 from jawenv.errors import InputError
+from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
 from tests.eval.runs import save_run
 
@@ -91,14 +93,18 @@ def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
 
 
 def test_a_runs_files_are_copied_so_that_they_load(tmp_path):
-    run = save_run(tmp_path / "my_run", CIRCLES)
+    run = save_run(tmp_path / "my_run", Maneuver.load(CIRCLES))
     jaw = tasks_named(["jaw-exact"])
-    cells = cells_of([str(run), str(run / "checkpoints" / "step_1.zip")], jaw)
-    kept = submission.keep_agents(cells, tmp_path / "out")
+    cells = cells_of([str(run)], jaw)
+    specs = [str(run), str(run / "checkpoints" / "step_1.zip")]
+    kept = submission.keep_agents(dict(zip(("run", "checkpoint"), specs, strict=True)), tmp_path / "out")
     assert [each.copy_at for each in kept] == ["agents/0/my_run", "agents/1/my_run/checkpoints/step_1.zip"]
-    loaded = cells_of([str(tmp_path / "out" / each.copy_at) for each in kept], jaw)
+    loaded = cells_of([str(tmp_path / "out" / kept[0].copy_at)], jaw)
     assert [cell.levels for cell in loaded] == [cell.levels for cell in cells]
-    assert submission.fingerprint_of(str(tmp_path / "out" / kept[0].copy_at)) == kept[0].fingerprint
+    for each, spec in zip(kept, specs, strict=True):
+        copied = str(tmp_path / "out" / each.copy_at)
+        assert submission.fingerprint_of(copied) == each.fingerprint == submission.fingerprint_of(spec)
+        assert world_of(copied) == world_of(run)
 
 
 def test_agents_of_one_name_are_told_apart(tmp_path):

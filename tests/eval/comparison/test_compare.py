@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
+from agents.card import CARD, Environment
 from eval.cli import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
@@ -17,7 +18,10 @@ from eval.kept.parts import Run
 from eval.settings import Settings
 from eval.studies.design import Design
 from eval.studies.grid import cells_of
+from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
+from tests.eval.runs import save_checkpoint
+from tests.plain_policies import write_policy
 
 SHORT = ["--patients", "2", "--episode-s", "0.5"]
 
@@ -184,28 +188,17 @@ def test_settings_are_kept_with_the_results(tmp_path):
 @pytest.fixture(scope="module")
 def trained_run(tmp_path_factory):
     """A run folder with an untrained policy, said to have been trained under trajectory control."""
-    import gymnasium as gym
-    from stable_baselines3 import PPO
-
-    import jawenv  # noqa: F401  (registers the environment)
-    from training.run.config import TrainingConfig
-
     folder = tmp_path_factory.mktemp("runs") / "ppo-test"
-    (folder / "checkpoints").mkdir(parents=True)
-    model = PPO("MlpPolicy", gym.make("jawenv/Jaw-v2", control="force"), device="cpu", n_steps=8, batch_size=8)
-    model.save(folder / "best_model.zip")
-    model.save(folder / "checkpoints" / "step_0000000008.zip")
-    settings = {"env": {"kwargs": {"control": "trajectory", "episode_s": 20.0}}}
-    TrainingConfig.model_validate(settings).save(folder / "config.yaml")
-    return folder
+    world = configure({"control": "trajectory", "episode_s": 20.0})
+    return write_policy(folder, environment=Environment.of(world).model_dump(mode="json"))
 
 
 def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained_run, tmp_path, capsys):
     assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v2"
     other = tmp_path / "other"
     shutil.copytree(trained_run, other)
-    text = (other / "config.yaml").read_text()
-    (other / "config.yaml").write_text(text.replace("jawenv/Jaw-v2", "jawenv/JawBilateral-v2"))
+    text = (other / CARD).read_text()
+    (other / CARD).write_text(text.replace("jawenv/Jaw-v2", "jawenv/JawBilateral-v2"))
     assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v2"
     output = tmp_path / "study"
     for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
@@ -216,14 +209,14 @@ def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained
     assert not output.exists()
 
 
-def test_a_bare_policy_of_another_environment_is_refused(trained_run, tmp_path, capsys):
-    shutil.copy(trained_run / "best_model.zip", tmp_path / "policy.zip")
+def test_a_bare_policy_of_another_environment_is_refused(tmp_path, capsys):
+    save_checkpoint(tmp_path / "policy.zip")
     arguments = [str(tmp_path / "policy.zip"), "--env", "sides", *SHORT, "--output", str(tmp_path / "study")]
     assert run(*arguments) == 2
     told = capsys.readouterr().err
-    assert "policy.zip: no config.yaml beside it" in told and "--trust" in told and told.count("\n") == 1
+    assert "policy.zip" in told and "--trust" in told and told.count("\n") == 1
     assert run(*arguments, "--trust") == 2
-    assert "was trained on observations of 63 values, the environment gives 47" in capsys.readouterr().err
+    assert "observations of 75 values, jawenv/JawSides-v2 gives 47" in capsys.readouterr().err
 
 
 def test_another_environment_is_another_study(tmp_path, plays):
@@ -232,9 +225,9 @@ def test_another_environment_is_another_study(tmp_path, plays):
     assert plays.names == ["hold_still", "hold_still"]
 
 
-@pytest.mark.parametrize("checkpoint", ["", "checkpoints/step_0000000008.zip"])
-def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, checkpoint):
-    (entry,) = load_entries([str(trained_run / checkpoint)], Settings.of(control="force").world)
+@pytest.mark.parametrize("file", ["", "card.json"])
+def test_a_trained_run_keeps_its_own_control_mode_and_says_so(trained_run, file):
+    (entry,) = load_entries([str(trained_run / file)], Settings.of(control="force").world)
     assert entry.trained
     assert entry.env_kwargs["control"] == "trajectory"
     assert entry.env_kwargs["episode_s"] == 30.0

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from agents.residual import BASE_FILE
 from eval.cli import main
 from eval.entries import load_entries
 from eval.kept import digest as kept
@@ -15,53 +14,38 @@ from eval.kept.digest import fingerprint
 from eval.settings import Settings
 from jawenv import versions
 from jawenv.anatomy import cohort
-from jawenv.files import write_json
-from jawenv.playing.maneuvers import Maneuver
 from tests.eval.runs import save_checkpoint, save_run
+from tests.plain_policies import write_corrector
 
 
 def print_of(spec: str | Path, **settings: str) -> str:
     """The fingerprint of an entry, loaded anew."""
-    (entry,) = load_entries([str(spec)], Settings.of(**{"control": "targets", **settings}).world)
+    world = Settings.of(**{"control": "targets", **settings}).world
+    (entry,) = load_entries([str(spec)], world, trust=True)
     return fingerprint(entry, {})
 
 
-def change_scale(run: Path) -> None:
-    text = (run / "config.yaml").read_text()
-    assert "scale: 0.3" in text
-    (run / "config.yaml").write_text(text.replace("scale: 0.3", "scale: 0.4"))
-
-
-def change_weights(run: Path) -> None:
-    for file in ("best_model.zip", "checkpoints/step_1.zip"):
-        save_checkpoint(run / file, seed=2)
-
-
-PARTS: dict[str, Callable[[Path], None]] = {
-    "checkpoint": change_weights,
-    "configuration": change_scale,
-    "maneuver": lambda run: write_json(run / BASE_FILE, Maneuver.named("chirp")),
+PARTS: dict[str, Callable[[Path], object]] = {
+    "weights": lambda run: write_corrector(run, "slow_opening", gain=0.5),
+    "scale": lambda run: write_corrector(run, "slow_opening", scale=0.4),
+    "maneuver": lambda run: write_corrector(run, "chirp"),
 }
 
 
 @pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("file", ["", "best_model.zip", "checkpoints/step_1.zip"])
+@pytest.mark.parametrize("file", ["", "card.json", "checkpoints/step_1.zip"])
 def test_it_changes_with_every_part_of_a_run(tmp_path: Path, part: str, file: str) -> None:
     run = save_run(tmp_path / "run")
-    write_json(run / BASE_FILE, Maneuver.named("slow_opening"))
     before = print_of(run / file)
     assert print_of(run / file) == before
     PARTS[part](run)
     assert print_of(run / file) != before
 
 
-def test_it_changes_with_the_file_of_the_maneuver_where_the_run_has_no_copy(tmp_path: Path) -> None:
-    file = tmp_path / "base.json"
-    write_json(file, Maneuver.named("slow_opening"))
-    run = save_run(tmp_path / "run", str(file))
-    before = print_of(run)
-    write_json(file, Maneuver.named("chirp"))
-    assert print_of(run) != before
+def test_it_changes_with_the_weights_of_a_checkpoint(tmp_path: Path) -> None:
+    run = save_run(tmp_path / "run")
+    prints = {print_of(save_checkpoint(run / "checkpoints" / "step_1.zip", seed=seed)) for seed in (1, 2)}
+    assert len(prints) == 2
 
 
 def test_it_changes_with_the_file_of_the_cohort(tmp_path: Path) -> None:

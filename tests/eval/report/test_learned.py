@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from agents.card import CARD
 from eval.comparison.ranking import rank
 from eval.report.learned import learned
+from jawenv.playing.maneuvers import Maneuver
 from tests.eval.studies import IDLE, TRAINED, study
+from tests.plain_policies import write_corrector
 
 STILL, WIDE = [0.0, 0.0, 0.0, 0.0], [0.5, 0.8, 0.0, -0.4]
 
@@ -15,7 +18,7 @@ def motion(commands: list[list[float]]) -> dict:
 
 def trained_on(base: str, folder, patients: int = 12, control: str = "targets"):
     """The study, whose trained entry corrects another one."""
-    (folder / "config.yaml").write_text(f"residual: {{maneuver: {base}}}\n")
+    write_corrector(folder, Maneuver.named("hold_still").model_copy(update={"name": base}))
     (folder / "evaluations.csv").write_text(
         "steps,return,worst_sd_10s,worst_sd,discomfort_s\n0,1,1,1,0\n9600,2,1,1,0\n"
     )
@@ -46,5 +49,5 @@ def test_commands_of_other_control_modes_are_no_targets(tmp_path):
 def test_runs_that_are_gone_or_correct_nothing_of_the_study_are_left_out(tmp_path):
     made = trained_on("chirp", tmp_path)
     assert learned(made, rank(made)) == ()
-    (tmp_path / "config.yaml").unlink()
+    (tmp_path / CARD).unlink()
     assert learned(made, rank(made)) == ()

@@ -1,4 +1,4 @@
-"""An exported policy of random weights."""
+"""A policy of random weights and its card, as a training run or an export leaves them."""
 
 import hashlib
 from pathlib import Path
@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import save
 
-from agents.card import CARD, WEIGHTS, ModelCard
+from agents.card import CARD, WEIGHTS, Environment, ModelCard
+from agents.residual import N_FEATURES
+from jawenv.envs.configuration import configure
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.files import validate, write_json
+from jawenv.playing.maneuvers import Maneuver
 
 LAYERS = (OBSERVATION_SIZE, 5, 4)
 
@@ -51,10 +54,27 @@ def fields(content: bytes = b"", **changed: object) -> dict:
     } | changed
 
 
-def write_exported(folder: Path, weights: dict[str, np.ndarray] | None = None, **changed: object) -> Path:
+def write_policy(folder: Path, weights: dict[str, np.ndarray] | None = None, **changed: object) -> Path:
     """Write card and weights that belong together."""
     content = save(random_weights() if weights is None else weights)
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / WEIGHTS).write_bytes(content)
     write_json(folder / CARD, validate(ModelCard, fields(content, **changed), "card"))
     return folder
+
+
+def write_corrector(
+    folder: Path, maneuver: str | Maneuver, scale: float = 0.3, gain: float = 1.0, **world: object
+) -> Path:
+    """Write a policy that corrects a maneuver, in targets control; with a gain of 0 it plays the maneuver."""
+    layers = (OBSERVATION_SIZE + N_FEATURES, *LAYERS[1:])
+    base = Maneuver.named(maneuver) if isinstance(maneuver, str) else maneuver
+    where = Environment.of(configure({"control": "targets", **world}))
+    return write_policy(
+        folder,
+        {name: (gain * values).astype(np.float32) for name, values in random_weights(layers).items()},
+        observation_size=layers[0],
+        architecture={"layers": layers, "activation": "tanh", "squash": "clip"},
+        residual={"maneuver": base, "scale": scale},
+        environment=where.model_dump(mode="json"),
+    )

@@ -1,4 +1,4 @@
-"""A native Gymnasium `VectorEnv` as the `VecEnv` that stable-baselines3 trains on.
+"""The worlds of a training: a native Gymnasium `VectorEnv` as the `VecEnv` that stable-baselines3 trains on.
 
 Both step all worlds with one call, so the adapter only translates the end of an episode. stable-baselines3
 needs the last observation of the old episode and the first of the new one in the same step: that is
@@ -8,16 +8,21 @@ Gymnasium's autoreset mode ``same_step``, the only one accepted here.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
+import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
+from agents.controller import ControlledWorlds
+from agents.following import TargetsLaw
+from agents.residual import BaseTargets
+from jawenv.controls import mode_of
 from jawenv.errors import InputError
-from training.run.comfort import Multiplier
+from jawenv.seeds import TRAINING
+from training.run.config import EnvConfig
 
 EPISODE_FIGURES = ("information_claimed", "information_true", "violation")
 """Keys of ``final_info`` that are copied into the ``episode`` record of a finished world, where present."""
@@ -25,6 +30,56 @@ DISCOMFORT_PER_S = 30.0
 """Discomfort is the integral of the cost over so many seconds."""
 EARLY_S = 10.0
 """When the worst sd is noted for the first time; the second is the end of the episode."""
+
+
+def world_seed(seed: int, from_step: int) -> int:
+    """Seed of the first training world; a resumed run gets another one, and so new patients."""
+    return TRAINING.start + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
+
+
+def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
+    """N worlds of the environment in its native vector form, reset in the step that ends an episode.
+
+    Raises:
+        InputError: no such environment, no native vector form, or arguments that it refuses.
+    """
+    import jawenv  # noqa: F401  registers its environments
+
+    kwargs: dict[str, Any] = {"autoreset_mode": "same_step", **config.kwargs}
+    try:
+        return gym.make_vec(config.id, n, vectorization_mode="vector_entry_point", **kwargs)
+    except (gym.error.Error, ModuleNotFoundError) as error:
+        raise InputError(f"env.id {config.id!r}: {' '.join(str(error).split())}") from error
+    except TypeError as error:
+        raise InputError(f"env.kwargs {config.kwargs} of {config.id}: {error}") from error
+
+
+def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price: Price | None = None) -> NativeVecEnv:
+    """N worlds as a policy is trained on them.
+
+    Args:
+        config: of the environment.
+        n: how many.
+        base: the maneuver that the policy corrects. Where the device does not follow targets, a law does.
+        price: of discomfort, which the rewards are less by.
+
+    Raises:
+        InputError: what `make_worlds` refuses, or control steps that do not fit the policy's decisions.
+    """
+    env = make_worlds(config, n)
+    if base is not None:
+        mode = mode_of(config.kwargs)
+        if not mode.takes_targets:
+            hz: Any = config.kwargs.get("control_hz")
+            env = ControlledWorlds(env, TargetsLaw(mode.name, hz, base.decision_hz))
+        env = ControlledWorlds(env, base)
+    return NativeVecEnv(env, price)
+
+
+class Price(Protocol):
+    """What a second of discomfort costs now, nats."""
+
+    value: float
 
 
 class NativeVecEnv(VecEnv):
@@ -48,7 +103,7 @@ class NativeVecEnv(VecEnv):
         InputError: the environment resets its worlds in another mode, or its observation is not a Box.
     """
 
-    def __init__(self, env: VectorEnv[Any, Any, Any], price: Multiplier | None = None) -> None:
+    def __init__(self, env: VectorEnv[Any, Any, Any], price: Price | None = None) -> None:
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
             actual = mode.name.lower() if isinstance(mode, AutoresetMode) else mode
@@ -175,11 +230,6 @@ class NativeVecEnv(VecEnv):
     def env_is_wrapped(self, wrapper_class: type[Any], indices: VecEnvIndices = None) -> list[bool]:
         """No world is wrapped by a single-environment wrapper."""
         return [False] * len(list(self._get_indices(indices)))
-
-    def get_images(self) -> Sequence[np.ndarray | None]:
-        """The frame (height, width, 3) of every world."""
-        frames = self.env.render()
-        return [None] * self.num_envs if frames is None else [np.asarray(frame) for frame in frames]
 
 
 def _last(info: dict[str, Any], key: str, done: np.ndarray) -> np.ndarray | None:

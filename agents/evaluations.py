@@ -1,0 +1,50 @@
+"""The evaluations of a training run, ``evaluations.csv``: read for learning curves, without PyTorch."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import NamedTuple
+
+from jawenv.errors import InputError
+from jawenv.reading import read_text
+
+FILE = "evaluations.csv"
+Table = list[dict[str, float]]
+"""Evaluations of one run, a row each, by the names of the columns."""
+
+
+class Curve(NamedTuple):
+    """A column of which learning curves are drawn, what its axis says, and the factor to that unit."""
+
+    column: str
+    label: str
+    factor: float
+
+
+CURVES = (
+    Curve("worst_sd_10s", "worst sd at 10 s, %", 100.0),
+    Curve("worst_sd", "worst sd at the end, %", 100.0),
+    Curve("discomfort_s", "discomfort, s per 30 s", 1.0),
+)
+
+
+def read_evaluations(run: Path) -> Table:
+    """The evaluations so far of the run in a folder; none if there is no such file.
+
+    Raises:
+        InputError: the table is damaged.
+    """
+    path = run / FILE
+    if not path.exists():
+        return []
+    try:
+        lines = read_text(path).splitlines()
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+        if any(not {"steps", "return"} <= set(row) for row in rows):
+            raise ValueError("a column 'steps' or 'return' is missing")
+    except InputError:
+        raise
+    except (ValueError, TypeError, AttributeError, csv.Error) as error:
+        raise InputError(f"{path} is damaged: {' '.join(str(error).split())[:120]}") from error
+    return rows

@@ -1,0 +1,159 @@
+"""Evaluation of a policy on a fixed cohort, which is the best, and the learned price of discomfort."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
+from rich.console import Console
+
+from jawenv.progress import Progress
+from training.run.callbacks import Multiplier
+from training.run.config import ComfortConfig
+from training.run.evaluations import Evaluation, Evaluations, evaluate
+from training.run.folder import RunFolder
+from training.run.worlds import NativeVecEnv
+
+
+def worlds(start: float = 1.0) -> NativeVecEnv:
+    return NativeVecEnv(PointVectorEnv(6, "same_step", start=start))
+
+
+class Policy:
+    """Actions by a function of the observation, with noise where they are drawn; remembers where episodes began."""
+
+    def __init__(self, act: Callable[[np.ndarray], np.ndarray]) -> None:
+        self.act, self.starts, self.memories = act, [], []
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):  # noqa: ANN001, ANN201
+        self.starts.append(np.array(episode_start))
+        self.memories.append(state)
+        action = self.act(observation)
+        return action if deterministic else action + 0.5, (len(self.starts),)
+
+
+def to_origin() -> Policy:
+    return Policy(lambda observation: -observation[:, :2])
+
+
+def outward() -> Policy:
+    return Policy(lambda observation: np.ones((6, 2)))
+
+
+def test_same_seed_is_the_same_cohort_whatever_was_played_before() -> None:
+    used = worlds()
+    first = evaluate(to_origin(), used, seed=20_000)
+    evaluate(outward(), used, seed=1)
+    again = evaluate(to_origin(), used, seed=20_000)
+    assert first is not None and again is not None
+    np.testing.assert_array_equal(first.figures["return"], again.figures["return"])
+    assert first.figures["return"].mean() == pytest.approx(1.0 - 0.9**EPISODE_STEPS, abs=1e-6)
+
+
+def test_only_the_first_episode_of_a_world_counts() -> None:
+    outcome = evaluate(outward(), worlds(start=1.45), seed=5)
+    assert outcome is not None
+    lengths, violation = outcome.figures["length"], outcome.figures["violation"]
+    assert lengths.min() == 1.0 and lengths.max() > 10.0
+    np.testing.assert_array_equal(violation, lengths < EPISODE_STEPS)
+    assert outcome.averages()["violation"] == violation.mean()
+
+
+def test_evaluation_is_given_up_when_asked() -> None:
+    asked = iter([False] * 5 + [True])
+    assert evaluate(to_origin(), worlds(), seed=0, stopped=lambda: next(asked)) is None
+
+
+def test_drawn_actions_and_memory_are_asked_for() -> None:
+    policy = to_origin()
+    drawn = evaluate(policy, worlds(), seed=20_000, deterministic=False)
+    likely = evaluate(to_origin(), worlds(), seed=20_000)
+    assert drawn is not None and likely is not None
+    assert drawn.figures["return"].mean() < likely.figures["return"].mean() - 0.1
+    assert policy.starts[0].all() and not policy.starts[1].any()
+    assert policy.memories[:3] == [None, (1,), (2,)]
+
+
+def test_worst_sd_is_that_at_10_s_and_at_the_end_and_its_median_counts() -> None:
+    outcome = evaluate(outward(), worlds(), seed=5)
+    assert outcome is not None
+    length, figures = outcome.figures["length"], outcome.figures
+    np.testing.assert_allclose(figures["worst_sd"], 0.5 / (1.0 + length))
+    at_10_s = np.ceil(10.0 / DT_S)
+    np.testing.assert_allclose(figures["worst_sd_10s"], 0.5 / (1.0 + np.minimum(length, at_10_s)))
+    assert length.min() < at_10_s < length.max()
+    assert outcome.averages()["worst_sd"] == np.median(figures["worst_sd"])
+    np.testing.assert_allclose(figures["discomfort_s"], 30.0 * figures["cost"] / length)
+
+
+def test_intervals_hold_the_median_in_95_of_100_cohorts() -> None:
+    rng = np.random.default_rng(0)
+    held = []
+    for _ in range(400):
+        ends = Evaluation({"worst_sd": rng.exponential(size=32), "return": np.zeros(32)}).averages()
+        held.append(ends["worst_sd_low"] <= np.log(2.0) <= ends["worst_sd_high"])
+    assert 0.94 <= np.mean(held) <= 1.0
+
+
+def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> None:
+    progress = Progress(1, "steps", Console(quiet=True))
+    evaluations = Evaluations(
+        RunFolder(tmp_path),
+        None,
+        None,
+        lambda: None,
+        progress,
+        largest_discomfort_s=0.05,  # type: ignore[arg-type]
+    )
+    for steps, mean_return, discomfort, better in (
+        (0, 50.0, 0.9, True),
+        (1, 40.0, 0.5, True),
+        (2, 60.0, 0.6, False),
+        (3, 10.0, 0.05, True),
+        (4, 70.0, 0.06, False),
+        (5, 11.0, 0.01, True),
+    ):
+        row = {"steps": steps, "return": mean_return, "discomfort_s": discomfort}
+        assert evaluations._compare(row) is better, row
+
+
+PRICE = ComfortConfig(target_discomfort_s=0.1, initial_multiplier=8.0, rate=0.5, largest_multiplier=1000.0, episodes=2)
+
+
+def test_the_price_follows_the_mean_of_enough_episodes() -> None:
+    price = Multiplier(PRICE)
+    assert price.note([0.3]) is None and price.value == 8.0
+    assert price.note([0.1]) == pytest.approx(0.2) and price.value == pytest.approx(8.0 * np.exp(0.5))
+    price.note([0.1, 0.1])
+    assert price.value == pytest.approx(8.0 * np.exp(0.5)), "it rests at the target"
+    price.note([0.0, 0.0])
+    assert price.value == pytest.approx(8.0), "it falls below the target"
+
+
+def test_one_terrible_batch_does_not_blow_the_price_up_and_it_has_an_end() -> None:
+    price = Multiplier(PRICE)
+    price.update(1e6)
+    assert price.value == pytest.approx(8.0 * np.exp(0.5 * 2.0))
+    for _ in range(100):
+        price.update(1e6)
+    assert price.value == 1000.0
+
+
+def test_reward_is_less_by_price_times_discomfort_also_in_the_last_step() -> None:
+    priced, native = (NativeVecEnv(PointVectorEnv(4, "same_step"), price) for price in (Multiplier(PRICE), None))
+    for each in (priced, native):
+        each.seed(3)
+        each.reset()
+    spent, episode_cost = np.zeros(4), 0.0
+    for _ in range(EPISODE_STEPS):
+        actions = np.tile([0.6, 0.0], (4, 1))
+        _, reward, done, infos = priced.step(actions)
+        _, plain, _, _ = native.step(actions)
+        np.testing.assert_allclose(plain - reward, 8.0 * priced.discomfort_s, atol=1e-6)
+        spent += priced.discomfort_s
+        for i in np.flatnonzero(done):
+            assert spent[i] == pytest.approx(DT_S * infos[i]["episode"]["cost"], rel=1e-5)
+            episode_cost += infos[i]["episode"]["cost"]
+            spent[i] = 0.0
+    assert episode_cost > 0.5
