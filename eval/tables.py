@@ -44,7 +44,8 @@ class Table:
         """Print it, each interval below its figure."""
         printed = printed_table(self.title)
         for place, name in enumerate(self.head):
-            printed.add_column(name.replace(", ", "\n"), justify="left" if place in self.texts else "right")
+            texts = place in self.texts
+            printed.add_column(name.replace(", ", "\n"), justify="left" if texts else "right", no_wrap=not texts)
         for row in self.rows:
             printed.add_row(*(_two_lines(text, intervals) for text in row))
         console.print(printed)

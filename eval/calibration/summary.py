@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 from rich.console import Console
@@ -38,7 +40,7 @@ NOTE = (
     "posterior Cramér-Rao bound, mean over the p parameters. Ended: the episode was over before that time; diverged: "
     "the filter had no belief any more."
 )
-_PRINTED = (*COLUMNS[1:5], COLUMNS[6], *COLUMNS[8:], "largest mean z")
+_PRINTED, _BIAS = (*COLUMNS[1:5], COLUMNS[6], *COLUMNS[8:]), (*COLUMNS[:3], "largest mean z")
 _WITH_ENDS = ("nees_per_parameter", "claimed", "true", "gap", "rmse_over_bound")
 
 
@@ -138,20 +140,26 @@ def tables(table: pd.DataFrame) -> list[Table]:
 
 
 def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> None:
-    """Print a summary: two tables of each maneuver, of precision and of bias.
+    """Print a summary: a table of each maneuver, and one of bias.
 
     Args:
         table: the summary.
         console: where.
         details: whether to print the nuisances too.
     """
-    places = [COLUMNS.index(name) for name in _PRINTED]
+    lost = {"ended early": ENDED, "diverged": DIVERGED}
+    printed = [name for name in _PRINTED if name not in lost or table[lost[name]].any()]
     for entry, rows in table.groupby("entry", sort=False):
-        texts = [[cells(row)[place] for place in places] for _, row in rows.iterrows()]
-        Table(_PRINTED, texts, (0, len(_PRINTED) - 1), title=words.label(str(entry))).show(console)
+        Table(printed, _columns(rows, printed), title=words.label(str(entry))).show(console)
+    Table(_BIAS, _columns(table, _BIAS), (0, 1, 3), title="Bias: the parameter with the largest mean z").show(console)
     console.print(Text(NOTE, style="dim"))
     if details and nuisances.groups_in(table):
         nuisances.table_of(table, intervals=False).show(console)
+
+
+def _columns(table: pd.DataFrame, names: Sequence[str]) -> list[list[str]]:
+    places = [COLUMNS.index(name) for name in names]
+    return [[cells(row)[place] for place in places] for _, row in table.iterrows()]
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
