@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import sys
 from collections.abc import Collection, Mapping, Sequence
@@ -44,8 +45,8 @@ class Table:
         """Print it, each interval below its figure."""
         printed = printed_table(self.title)
         for place, name in enumerate(self.head):
-            texts = place in self.texts
-            printed.add_column(name.replace(", ", "\n"), justify="left" if texts else "right", no_wrap=not texts)
+            texts, broken = place in self.texts, re.sub(r", | (?=[/−] )", "\n", name)
+            printed.add_column(broken, justify="left" if texts else "right", no_wrap=not texts)
         for row in self.rows:
             printed.add_row(*(_two_lines(text, intervals) for text in row))
         console.print(printed)
