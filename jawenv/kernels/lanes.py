@@ -277,7 +277,7 @@ def _(context: Any) -> Callable[..., Any]:
 
 
 @lower_builtin(operator.setitem, types.Array, AllLines, Lanes)
-@lower_builtin(operator.setitem, types.Array, types.BaseTuple, Lanes)
+@lower_builtin(operator.setitem, types.Array, types.Tuple, Lanes)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """A number into every row."""
     kind, index, lanes = signature.args
@@ -290,8 +290,8 @@ def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     return context.get_dummy_value()
 
 
-@lower_builtin(operator.getitem, types.Array, types.BaseTuple)
+@lower_builtin(operator.getitem, types.Array, types.Tuple)
 def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """Numba's own where no index stands for all lines: the tuple's type is no part of what it chooses by."""
+    """Of indices of different types; Numba's own where none stands for all lines."""
     chosen = _gather if isinstance(signature.return_type, Lanes) else getitem_array_tuple
     return chosen(context, builder, signature, values)
