@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 KNOWN_SD = 0.05
 """What counts as known: the ranking's target."""
-JAW_SIZE = (640, 376)
+JAW_SIZE = (640, 402)
 """Width and height of a film of the jaw alone, design units."""
 _FOOTER_Y = 696.0
 _NAMES = 128.0  # room of the muscles' names
@@ -40,7 +40,7 @@ class JawRenderer:
 
     def draw(self, scene: Scene) -> NDArray[np.uint8]:
         """A new array (height, width, 3); all scenes must be of one model."""
-        side, front = (0.0, 36.0, 320.0, 340.0), (320.0, 36.0, 320.0, 340.0)
+        side, front = (0.0, 58.0, 320.0, 340.0), (320.0, 58.0, 320.0, 340.0)
         if not self._begun:
             self._canvas.rect((0, 0, *JAW_SIZE), palette.CARD)
             _draw_backgrounds(self._canvas, side, front, scene)
