@@ -7,8 +7,11 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -19,12 +22,13 @@ PAGE = ROOT / "docs" / "environment.md"
 _BLOCK = re.compile(r"(<!-- table: arguments -->\n).*?(<!-- end of table -->)", re.S)
 
 
-def table() -> str:
-    """The arguments in their order."""
+def table(changed: Mapping[str, Any] = MappingProxyType({})) -> str:
+    """The arguments in their order; some environments have other defaults."""
     lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
     for argument in fields(Configuration):
         kind, meaning = str(argument.type).replace("|", "or"), argument.metadata["help"].rstrip(".")
-        lines.append(f"| `{argument.name}` | `{kind}` | `{argument.default!r}` | {meaning} |")
+        default = changed.get(argument.name, argument.default)
+        lines.append(f"| `{argument.name}` | `{kind}` | `{default!r}` | {meaning} |")
     return "\n".join(lines) + "\n"
 
 

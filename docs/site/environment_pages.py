@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import inspect
 import re
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import arguments
 import gymnasium as gym
 
 import jawenv  # noqa: F401  registers the environments
-from jawenv.envs.configuration import Configuration
 from jawenv.envs.jaw import JawEnv, action_space, observation_space
 from jawenv.envs.observation import observation_layout, observation_size
 from jawenv.envs.registration import ENVIRONMENTS
@@ -50,7 +49,7 @@ def _page(env_id: str) -> str:
         if title == "Observation Space":
             parts.append(_observation(model))
         if title == "Arguments":
-            parts.append(_arguments(spec))
+            parts.append(arguments.table(spec.kwargs).rstrip())
     return "\n\n".join(parts) + "\n"
 
 
@@ -95,16 +94,6 @@ def _observation(model: Model) -> str:
         last = place.stop - 1
         indices = f"{place.start}–{last}" if last > place.start else f"{last}"
         lines.append(f"| {indices} | `{name}` | {content[name]} |")
-    return "\n".join(lines)
-
-
-def _arguments(spec: Any) -> str:
-    """Names, types, defaults and meanings from the code."""
-    lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
-    for field in fields(Configuration):
-        default = spec.kwargs.get(field.name, field.default)
-        kind, meaning = str(field.type).replace("|", "or"), field.metadata["help"].rstrip(".")
-        lines.append(f"| `{field.name}` | `{kind}` | `{default!r}` | {meaning} |")
     return "\n".join(lines)
 
 

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 KNOWN_SD = 0.05
 """What counts as known: the ranking's target."""
-JAW_SIZE = (640, 376)
+JAW_SIZE = (640, 402)
 """Width and height of a film of the jaw alone, design units."""
 _FOOTER_Y = 696.0
 _NAMES = 128.0  # room of the muscles' names
 
 
 class JawRenderer:
-    """Draws the jaw from the right and from the front, off-screen, with what is known so far below.
+    """Draws the jaw from the right and from the front, off-screen, and above it what is known so far.
 
     Args:
         width: of the pictures in pixels; `height` follows from it.
@@ -40,7 +40,7 @@ class JawRenderer:
 
     def draw(self, scene: Scene) -> NDArray[np.uint8]:
         """A new array (height, width, 3); all scenes must be of one model."""
-        side, front = (0.0, 0.0, 320.0, 340.0), (320.0, 0.0, 320.0, 340.0)
+        side, front = (0.0, 58.0, 320.0, 340.0), (320.0, 58.0, 320.0, 340.0)
         if not self._begun:
             self._canvas.rect((0, 0, *JAW_SIZE), palette.CARD)
             _draw_backgrounds(self._canvas, side, front, scene)
@@ -49,8 +49,8 @@ class JawRenderer:
         self._canvas.restore()
         _draw_views(self._canvas, side, front, scene)
         words = f"{_known(scene)}, the worst to {100 * scene.belief_sd.max():.1f} %"
-        self._canvas.text(f"{scene.time_s:.1f} s", (14, 357), 20, SOFT_INK)
-        self._canvas.text(words, (626, 357), 20, INK, bold=True, anchor="right", fit=530)
+        self._canvas.text(f"{scene.time_s:.1f} s", (14, 20), 20, SOFT_INK)
+        self._canvas.text(words, (626, 20), 20, INK, bold=True, anchor="right", fit=530)
         return self._canvas.pixels()
 
 

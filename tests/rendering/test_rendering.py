@@ -57,12 +57,6 @@ def test_a_scene_leaves_nothing_behind(draw):
     assert (draw(scene()) == before).all()
 
 
-def test_opening_moves_the_jaw_in_both_views(draw):
-    closed, opened = draw(scene(opening=0.0)), draw(scene(opening=0.3))
-    assert differ(closed, opened, SIDE) > 5000
-    assert differ(closed, opened, FRONT) > 5000
-
-
 def test_the_chin_goes_down_when_the_jaw_opens(draw):
     def chin(picture: np.ndarray) -> int:
         bone = np.abs(picture[SIDE].astype(int) - palette.BONE_LINE).max(axis=-1) < 40

@@ -8,6 +8,8 @@ import jawenv  # noqa: F401  (registers the environments)
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.ladder import MODELS
 from jawenv.rendering import Renderer, palette
+from jawenv.rendering.canvas import Canvas
+from jawenv.rendering.film import JawRenderer
 from jawenv.rendering.frame import CARDS
 from jawenv.rendering.posterior import lay_out
 from tests.rendering import jaw_scenes as scenes
@@ -17,10 +19,10 @@ TITLE_BAND = (0.0, 0.0, 1280.0, 54.0)
 OPENING = np.array([0.6, 0.6, 0.0, 0.0], dtype=np.float32)
 
 
-def written(renderer: Renderer) -> list[tuple[float, float, float, float]]:
+def written(canvas: Canvas) -> list[tuple[float, float, float, float]]:
     """Left, top, right and bottom of the ink of every text in the last picture."""
     rects = []
-    for image, (x, y) in renderer._frame._canvas._texts:
+    for image, (x, y) in canvas._texts:
         ink = image.get_bounding_rect()
         if ink.width:
             rects.append((x + ink.left, y + ink.top, x + ink.right, y + ink.bottom))
@@ -45,11 +47,24 @@ def test_every_text_stays_in_its_panel_and_covers_no_other(model, moment):
     plane = model in ("hinge", "sagittal")
     renderer = Renderer("rgb_array", 20)
     renderer.draw(scenes.scene(model=model, **({**moment, "yaw": 0.0} if plane else moment)))
-    rects = written(renderer)
+    rects = written(renderer._frame._canvas)
     assert len(rects) > 60
     for rect in rects:
         assert any(inside(rect, box) for box in (*CARDS, TITLE_BAND)), rect
     for i, rect in enumerate(rects):
+        assert [other for other in rects[:i] if overlap(rect, other)] == [], rect
+
+
+@models
+@pytest.mark.parametrize("lift_m", [0.0, -1e-3])
+def test_no_text_of_a_film_covers_another(model, lift_m):
+    yaw = 0.0 if model in ("hinge", "sagittal") else 0.06
+    renderer = JawRenderer()
+    renderer.draw(scenes.scene(model=model, opening=0.3, yaw=yaw, lift_m=lift_m))
+    rects = written(renderer._canvas)
+    assert len(rects) >= 5
+    for i, rect in enumerate(rects):
+        assert inside(rect, (0, 0, 640, renderer.height)), rect
         assert [other for other in rects[:i] if overlap(rect, other)] == [], rect
 
 
