@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import expit
 
 from agents.card import CARD, WEIGHTS, Architecture, ModelCard, card_of, policy_folder, read_card
 from agents.following import decision_hz
@@ -39,11 +40,6 @@ ENTRIES = ("data", "policy.pth")
 def elu(x: Array) -> Array:
     """Exponential linear unit."""
     return np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
-
-
-def sigmoid(x: Array) -> Array:
-    """Logistic function, without overflow."""
-    return 0.5 * (1.0 + np.tanh(0.5 * x))
 
 
 ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
@@ -103,8 +99,8 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
         (hidden, cell), weights = memory.of_worlds, self._weights
         gates = rows.astype(np.float64) @ weights["lstm.input"].T + hidden @ weights["lstm.hidden"].T
         enter, forget, new, leave = np.split(gates + weights["lstm.bias"], 4, axis=1)
-        cell = sigmoid(forget) * cell + sigmoid(enter) * np.tanh(new)
-        hidden = sigmoid(leave) * np.tanh(cell)
+        cell = expit(forget) * cell + expit(enter) * np.tanh(new)
+        hidden = expit(leave) * np.tanh(cell)
         return self._act(hidden), Memory((hidden, cell))
 
 
@@ -147,8 +143,7 @@ class TrainedPolicy(BatchAgent):
 def load_policy(path: str | Path, *, env_id: str | None = None, trust: bool = False) -> Agent:
     """Load a policy by its folder (a run's, or an exported policy's), its card, or a checkpoint (.zip).
 
-    Neither needs a policy PyTorch nor can it run code, but for a checkpoint. One that lies in a run's folder comes with
-    the maneuver that the run corrects.
+    A checkpoint in a run's folder comes with the maneuver that the run corrects.
 
     Args:
         path: folder, card or checkpoint.

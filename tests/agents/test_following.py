@@ -6,12 +6,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents import load_agent
 from agents.controller import ControlledAgent
 from agents.following import DECISION_HZ, TargetsLaw, decision_hz
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
-from jawenv.playing.protocol import Agent
 
 ID = "jawenv/Jaw-v2"
 TARGET = OBSERVATION_LAYOUT["motor_target"]
@@ -124,11 +122,3 @@ def test_rates() -> None:
     assert TargetsLaw("force").steps_per_decision == 4 and TargetsLaw("force", 50.0).steps_per_decision == 10
     assert decision_hz({"control": "force", "control_hz": 50.0}) == DECISION_HZ == decision_hz({"control": "targets"})
     assert decision_hz({"control": "targets", "control_hz": 4.0}) == 4.0
-
-
-@pytest.mark.parametrize("control", ["force", "trajectory"])
-def test_a_policy_of_targets_plays_in_every_control_mode(control: str) -> None:
-    agent = load_agent("ppo_trismus", control=control)
-    assert isinstance(agent, ControlledAgent) and isinstance(agent, Agent) and agent.name == "ppo_trismus"
-    seen = played(control, agent, 40, worlds=3)
-    assert np.isfinite(seen).all() and np.ptp(seen[:, :, OBSERVATION_LAYOUT["jaw"]][:, :, 0], axis=0).min() > 0.2

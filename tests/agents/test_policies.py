@@ -66,22 +66,6 @@ def test_elu_goes_on_smoothly_below_zero() -> None:
     np.testing.assert_allclose(elu(np.array([-1000.0, -1e-9, 0.0, 2.0])), [-1.0, -1e-9, 0.0, 2.0], atol=1e-15)
 
 
-def test_a_memory_is_of_each_world_and_ends_with_its_episode(tmp_path: Path) -> None:
-    units, stream = 3, np.random.default_rng(1)
-    shapes = {"lstm.input": (12, OBSERVATION_SIZE), "lstm.hidden": (12, units), "lstm.bias": (12,)}
-    weights = random_weights((units, 4)) | {
-        name: stream.normal(size=shape).astype(np.float32) for name, shape in shapes.items()
-    }
-    architecture = {"layers": (OBSERVATION_SIZE, 4), "activation": "tanh", "squash": "clip", "lstm_units": units}
-    agent = load_policy(write_policy(tmp_path / "recurrent", weights, architecture=architecture))
-    first, state = agent.predict(observations(2))
-    second, _ = agent.predict(observations(2), state)
-    anew, _ = agent.predict(observations(2), state, np.array([False, True]))
-    assert (first != second).any(axis=1).all()
-    np.testing.assert_array_equal(anew[0], second[0])
-    np.testing.assert_array_equal(anew[1], first[1])
-
-
 def test_neither_torch_nor_pickle_is_needed(folder: Path) -> None:
     code = (
         "import agents, numpy, pickle, sys\n"

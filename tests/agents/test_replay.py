@@ -1,6 +1,5 @@
 """An agent's averaged targets as a maneuver that anyone can play."""
 
-import os
 import zipfile
 from pathlib import Path
 
@@ -98,12 +97,6 @@ def test_actions_of_another_kind_or_none_are_refused(tmp_path, actions):
     np.savez(tmp_path / "wrong.npz", name="wrong", actions=actions, decision_hz=5.0)
     with pytest.raises(InputError):
         Replay.load(tmp_path / "wrong.npz")
-
-
-def test_a_pipe_is_no_recording_of_actions(tmp_path):
-    os.mkfifo(tmp_path / "pipe.npz")
-    with pytest.raises(InputError):
-        agents.load_agent(tmp_path / "pipe.npz", control="targets")
 
 
 def test_a_policy_in_force_control_is_replayed_by_its_targets(tmp_path):

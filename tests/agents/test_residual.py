@@ -3,11 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
-from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
 
 NAME = "opening_with_swings_and_fore_aft"
@@ -91,17 +89,3 @@ def test_state_handed_back_and_state_kept_give_the_same_actions() -> None:
         np.testing.assert_array_equal(action, kept.predict(seen)[0])
         handed._memory = None
     assert state is not None and state.shared[1][0].tolist() == [4.0, 4.0]  # the policy's own memory went along
-
-
-def test_one_world_without_a_leading_axis() -> None:
-    action, _ = agent().predict(observations(1)[0])
-    assert action.shape == (4,)
-
-
-def test_wrong_sizes_are_named() -> None:
-    policy = agent()
-    with pytest.raises(InputError):
-        policy.predict(np.zeros((2, 5), np.float32))
-    policy.predict(observations(2))
-    with pytest.raises(InputError):
-        policy.predict(observations(3))

@@ -121,14 +121,11 @@ def test_a_comfortable_policy_is_better_than_any_that_is_not(tmp_path: Path) -> 
 PRICE = ComfortConfig(target_discomfort_s=0.1, initial_multiplier=8.0, rate=0.5, largest_multiplier=1000.0, episodes=2)
 
 
-def test_the_price_follows_the_mean_of_enough_episodes() -> None:
+def test_the_price_rises_above_the_target_falls_below_it_and_rests_at_it() -> None:
     price = Multiplier(PRICE)
-    assert price.note([0.3]) is None and price.value == 8.0
-    assert price.note([0.1]) == pytest.approx(0.2) and price.value == pytest.approx(8.0 * np.exp(0.5))
-    price.note([0.1, 0.1])
-    assert price.value == pytest.approx(8.0 * np.exp(0.5)), "it rests at the target"
-    price.note([0.0, 0.0])
-    assert price.value == pytest.approx(8.0), "it falls below the target"
+    for discomfort, expected in ((0.1, 8.0), (0.2, 8.0 * np.exp(0.5)), (0.0, 8.0)):
+        price.update(discomfort)
+        assert price.value == pytest.approx(expected)
 
 
 def test_one_terrible_batch_does_not_blow_the_price_up_and_it_has_an_end() -> None:

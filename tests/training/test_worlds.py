@@ -66,14 +66,6 @@ def test_seed_is_used_once() -> None:
     assert not np.array_equal(first, second)
 
 
-def test_shared_empty_info_does_not_outlive_its_step() -> None:
-    worlds = NativeVecEnv(PointVectorEnv(3, "same_step"))
-    worlds.seed(0)
-    worlds.reset()
-    worlds.step(np.zeros((3, 2)))[3][0]["mark"] = 1
-    assert worlds.step(np.zeros((3, 2)))[3] == [{}, {}, {}]
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
 def test_reward_that_would_ruin_the_network_is_named(value: float, monkeypatch: pytest.MonkeyPatch) -> None:
     worlds = NativeVecEnv(PointVectorEnv(3, "same_step"))

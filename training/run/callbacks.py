@@ -71,18 +71,7 @@ class Multiplier:
 
     def __init__(self, config: ComfortConfig) -> None:
         self._config = config
-        self._finished: list[float] = []
         self.value = config.initial_multiplier
-
-    def note(self, discomfort_s: list[float]) -> float | None:
-        """Take in episodes, s per 30 s each; after enough of them the price moves, and their mean is returned."""
-        self._finished += discomfort_s
-        if len(self._finished) < self._config.episodes:
-            return None
-        mean = float(np.mean(self._finished))
-        self._finished.clear()
-        self.update(mean)
-        return mean
 
     def update(self, discomfort_s: float) -> None:
         """Dual ascent by the mean discomfort of some episodes, s per 30 s."""
@@ -143,10 +132,11 @@ class Upkeep(BaseCallback):
                 if key not in ("r", "l", "t"):  # stable-baselines3 logs these itself
                     self.logger.record(f"rollout/{key}", float(np.mean([episode[key] for episode in episodes])))
             self._progress.note("return", f"return {np.mean([episode['r'] for episode in episodes]):.4g}")
-        if self._multiplier is None:
-            return
-        mean, self._discomfort = self._multiplier.note(self._discomfort), []
-        if mean is not None:
+        comfort = self._config.comfort
+        if self._multiplier is not None and comfort is not None and len(self._discomfort) >= comfort.episodes:
+            mean = float(np.mean(self._discomfort))
+            self._discomfort.clear()
+            self._multiplier.update(mean)
             self._keep_price()
             self.logger.record("comfort/multiplier", self._multiplier.value)
             self.logger.record("comfort/discomfort_s", mean)

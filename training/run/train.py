@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -212,7 +213,7 @@ class Session:
         try:
             with interrupt, Progress(total, "steps", self._console, self._from_step) as progress:
                 upkeep = Upkeep(config, run, interrupt, progress, self._multiplier)
-                evaluations = self.evaluations(progress, interrupt, report)
+                evaluations = self.evaluations(progress, interrupt.wanted, report)
                 model.learn(
                     config.steps - self._from_step,
                     CallbackList([upkeep, evaluations]),
@@ -237,7 +238,10 @@ class Session:
         return 0
 
     def evaluations(
-        self, progress: Progress, interrupt: Interrupt | None = None, report: Report | None = None
+        self,
+        progress: Progress,
+        interrupted: Callable[[], bool] = lambda: False,
+        report: Report | None = None,
     ) -> Evaluations:
         """Evaluations on the validation patients, which keep the best policy in the run's folder."""
         comfort = self.config.comfort
@@ -247,7 +251,7 @@ class Session:
             self._validation,
             self.keep,
             progress,
-            interrupted=(interrupt or Interrupt()).wanted,
+            interrupted=interrupted,
             largest_discomfort_s=None if comfort is None else comfort.target_discomfort_s,
             report=report,
         )

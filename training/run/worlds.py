@@ -37,25 +37,8 @@ def world_seed(seed: int, from_step: int) -> int:
     return TRAINING.start + int(np.random.SeedSequence([seed, from_step]).generate_state(1)[0] % 2**30)
 
 
-def make_worlds(config: EnvConfig, n: int) -> VectorEnv:
-    """N worlds of the environment in its native vector form, reset in the step that ends an episode.
-
-    Raises:
-        InputError: no such environment, no native vector form, or arguments that it refuses.
-    """
-    import jawenv  # noqa: F401  registers its environments
-
-    kwargs: dict[str, Any] = {"autoreset_mode": "same_step", **config.kwargs}
-    try:
-        return gym.make_vec(config.id, n, vectorization_mode="vector_entry_point", **kwargs)
-    except (gym.error.Error, ModuleNotFoundError) as error:
-        raise InputError(f"env.id {config.id!r}: {' '.join(str(error).split())}") from error
-    except TypeError as error:
-        raise InputError(f"env.kwargs {config.kwargs} of {config.id}: {error}") from error
-
-
 def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price: Price | None = None) -> NativeVecEnv:
-    """N worlds as a policy is trained on them.
+    """N worlds as a policy is trained on them, reset in the step that ends an episode.
 
     Args:
         config: of the environment.
@@ -64,14 +47,22 @@ def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price
         price: of discomfort, which the rewards are less by.
 
     Raises:
-        InputError: what `make_worlds` refuses, or control steps that do not fit the policy's decisions.
+        InputError: no such environment, no native vector form, arguments that it refuses, or control steps that do not
+            fit the policy's decisions.
     """
-    env = make_worlds(config, n)
+    import jawenv  # noqa: F401  registers its environments
+
+    kwargs: dict[str, Any] = {"autoreset_mode": "same_step", **config.kwargs}
+    try:
+        env: VectorEnv = gym.make_vec(config.id, n, vectorization_mode="vector_entry_point", **kwargs)
+    except (gym.error.Error, ModuleNotFoundError) as error:
+        raise InputError(f"env.id {config.id!r}: {' '.join(str(error).split())}") from error
+    except TypeError as error:
+        raise InputError(f"env.kwargs {config.kwargs} of {config.id}: {error}") from error
     if base is not None:
         mode = mode_of(config.kwargs)
         if not mode.takes_targets:
-            hz: Any = config.kwargs.get("control_hz")
-            env = ControlledWorlds(env, TargetsLaw(mode.name, hz, base.decision_hz))
+            env = ControlledWorlds(env, TargetsLaw(mode.name, kwargs.get("control_hz"), base.decision_hz))
         env = ControlledWorlds(env, base)
     return NativeVecEnv(env, price)
 
