@@ -23,7 +23,7 @@ help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s  %s\n", $$1, $$2 }' Makefile
 
 live: ## a page on which you move the jaw of a patient
-	@.ci/setup live
+	@.ci/setup
 	$(BIN)/jawenv live --open
 
 demo: ## train a correction of a maneuver for a few minutes, compare it with every maneuver: runs/demo/report.html

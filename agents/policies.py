@@ -237,7 +237,7 @@ def _on_maneuver(policy: Agent, path: Path, card: ModelCard) -> Agent:
 
 def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str, np.ndarray]:
     """The weights in a file, of the shapes of an architecture."""
-    with needs("a policy", "safetensors", "train"):
+    with needs("a policy", "safetensors", group="train"):
         from safetensors import SafetensorError
         from safetensors.numpy import load
     try:

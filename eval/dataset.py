@@ -67,10 +67,10 @@ def write_all(
     Raises:
         InputError: a planner, an entry that cannot be loaded, or a data set that is there already.
     """
-    with needs("python -m eval dataset", "minari", "dataset"):
+    with needs("python -m eval dataset", "minari", group="dataset"):
         import minari
     if file_format == "hdf5":
-        with needs("--format hdf5", "h5py", "dataset"):
+        with needs("--format hdf5", "h5py", group="dataset"):
             import h5py  # noqa: F401
     git = made_with(command)["git"]
     made = f"Made by: {command}; jawenv {jawenv.__version__}" + (f", commit {git['commit']}" if git else "")

@@ -1,4 +1,4 @@
-"""Packages that only a part of jawenv needs, and that come with an extra of the installation."""
+"""Packages that only a part of jawenv needs: they come with an extra of the wheel, or with a group of the clone."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ __all__ = ["needs"]
 
 
 @contextmanager
-def needs(user: str, package: str, extra: str) -> Iterator[None]:
+def needs(user: str, package: str, extra: str = "", group: str = "") -> Iterator[None]:
     """Around the import of a package that may not be installed.
 
     Args:
         user: the part of jawenv that needs it, as the message names it.
         package: name that is imported.
         extra: the extra of jawenv that brings it.
+        group: the group of the clone that brings it, where no extra does.
 
     Raises:
         MissingPackageError: the package is not installed. Whatever else its import raises passes through.
@@ -27,4 +28,5 @@ def needs(user: str, package: str, extra: str) -> Iterator[None]:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] != package:
             raise
-        raise MissingPackageError(f'{user} needs {package}: pip install "jawenv[{extra}]"') from None
+        remedy = f'pip install "jawenv[{extra}]"' if extra else f".ci/setup {group}"
+        raise MissingPackageError(f"{user} needs {package}: {remedy}") from None

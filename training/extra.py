@@ -1,4 +1,4 @@
-"""What a command says when the packages of its extra are missing. It imports nothing that has to be installed."""
+"""What a command says when the packages of its group are missing. It imports nothing that has to be installed."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ OWN = ("jawenv", "agents", "training", "eval")
 
 
 @contextmanager
-def installed(command: str, extra: str) -> Iterator[None]:
+def installed(command: str, group: str) -> Iterator[None]:
     """Around a command: where a package is missing, one line says how to install it, and the exit code is 2.
 
     What standard output cannot encode is written as a question mark.
 
     Args:
         command: as the message names it.
-        extra: of the project's installation, with all that the command needs.
+        group: of the clone's requirements, with all that the command needs.
 
     Raises:
         ModuleNotFoundError: a module of the project itself is missing.
@@ -31,5 +31,5 @@ def installed(command: str, extra: str) -> Iterator[None]:
         package = (error.name or "").split(".")[0]
         if not package or package in OWN:
             raise
-        print(f'error: {command} needs {package}: pip install -e ".[{extra}]", or .ci/setup {extra}', file=sys.stderr)
+        print(f"error: {command} needs {package}: .ci/setup {group}", file=sys.stderr)
         raise SystemExit(2) from None

@@ -1,7 +1,7 @@
 """Run tests/foreign and write the table of docs/compatibility.md: ``python docs/site/compatibility.py``.
 
 A row is a test function: its library, the version that is installed, the test's docstring, and how many of its cases
-passed, failed or were skipped. What is not installed is skipped, so install the extra ``foreign`` first. The exit code
+passed, failed or were skipped. What is not installed is skipped, so install the group ``foreign`` first. The exit code
 is that of the tests.
 """
 

@@ -55,7 +55,6 @@ def compare_command(
     """
     from eval.comparison.admission import Admission
     from eval.comparison.compare import compare
-    from eval.comparison.replayed import play_patient
     from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.settings import Settings
 
@@ -72,8 +71,7 @@ def compare_command(
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
-    study = play_patient(study, None, console, trust=trust)
-    _present(study, output, reference, admission, console, details)
+    _present(study, output, reference, admission, console, details, trust=trust)
 
 
 def report_command(
@@ -91,12 +89,10 @@ def report_command(
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
     from eval.comparison.admission import Admission
-    from eval.comparison.replayed import play_patient
 
     admission = Admission(largest_discomfort_s, largest_violation)
-    console = terminal()
-    study = play_patient(results.load(folder), patient, console, trust=trust)
-    _present(study, folder, reference, admission, console, details)
+    study = results.load(folder)
+    _present(study, folder, reference, admission, terminal(), details, patient, trust=trust)
 
 
 def card_command(
@@ -144,13 +140,22 @@ def replay_command(
 
 
 def _present(
-    study: Results, output: Path, reference: str | None, admission: Admission, console: Console, details: bool
+    study: Results,
+    output: Path,
+    reference: str | None,
+    admission: Admission,
+    console: Console,
+    details: bool,
+    patient: int | None = None,
+    *,
+    trust: bool = False,
 ) -> None:
     from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
+    from eval.comparison.replayed import play_patient
     from eval.comparison.trainings import gains
+    from eval.report import films, page, table
     from eval.report import gains as gained
-    from eval.report import page, table
     from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
@@ -158,8 +163,10 @@ def _present(
     table.show_adaptations(adaptations(study), console)
     found = gains(study, reference)
     gained.show(found, console)
-    console.print("drawing the report")
     with alone(output):
+        labels = films.candidates(ranking, learned(study, ranking))
+        study = play_patient(study, labels, console, patient, trust=trust)
+        console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
         if found:
             gained.write(found, output / "gains.md")

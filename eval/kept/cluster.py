@@ -25,7 +25,7 @@ def connect(workers: int | None = None) -> int:
         MissingPackageError: ray is not installed.
         InputError: the cluster cannot be reached.
     """
-    with needs("--backend ray", "ray", "cluster"):
+    with needs("--backend ray", "ray", group="cluster"):
         import ray
         from ray.util.joblib.ray_backend import RayBackend
 

@@ -18,7 +18,7 @@
 #
 # Three ways from one recording to the posterior of a hinge's two parameters: a neural estimator that has only seen
 # simulations (NPE, of the package [sbi](https://sbi.readthedocs.io)), importance sampling with the likelihood, and
-# the environment's filter. sbi comes with `pip install -e ".[sbi]"`; without it the neural one is left out.
+# the environment's filter. sbi comes with `.ci/setup sbi`; without it the neural one is left out.
 
 # %%
 import os
@@ -77,7 +77,7 @@ try:
     from torch.utils.tensorboard import SummaryWriter
 except ModuleNotFoundError:
     NPE = None
-    print('no sbi here: pip install -e ".[sbi]"')
+    print("no sbi here: .ci/setup sbi")
 
 MOVING = [0, 2, 3, 6, 8, 10]  # mouthpiece forward and up, pitch, and their rates
 

@@ -14,6 +14,7 @@ from rich.console import Console
 from eval.comparison.ranking import Ranking, Row
 from eval.comparison.results import Results
 from eval.film import write_mp4
+from eval.report.learned import Learned
 from jawenv.anatomy import default_mandible
 from jawenv.ladder import Model, model_of_env
 from jawenv.progress import Progress
@@ -28,6 +29,17 @@ LONGEST_S, PICTURES_PER_S, SPEED = 12.0, 8, 1.5
 """What is filmed of an episode, s; pictures for each of these; how much quicker the film is."""
 QUALITY = ("-crf", "32", "-preset", "slow")
 _SMOOTH = ("contact", "turn", "moved")
+
+
+def candidates(ranking: Ranking, trained: Sequence[Learned]) -> set[str]:
+    """Labels of the entries that `filmed` may choose from.
+
+    Args:
+        ranking: of the comparison.
+        trained: trainings beside what they began as.
+    """
+    rows = [*ranking.rows[:ENOUGH], *(row for each in trained for row in (each.entry, each.base))]
+    return {BESIDE, *(row.entry for row in rows)}
 
 
 def beside(study: Results, ranking: Ranking) -> list[Row]:

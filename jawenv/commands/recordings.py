@@ -114,5 +114,5 @@ def _page_writer() -> Any:
     except ModuleNotFoundError as error:
         raise MissingPackageError(
             f"--page: {error.name} is not installed; allowed in a clone of the project, with its extra eval "
-            "(pip install -e '.[eval]')"
+            "(.ci/setup eval)"
         ) from None

@@ -50,7 +50,7 @@ def test_a_strangers_run_is_compared_and_runs_no_code(
     make_it_run_code(run / "checkpoints" / "step_1.zip", tmp_path / "ran")
     settings = ["--patients", "1", "--episode-s", "0.5", "--output", str(tmp_path / "out")]
     assert main(["compare", str(run), *settings, *trust]) == 0
-    assert "run: done" in capsys.readouterr().out and not (tmp_path / "ran").exists()
+    assert "results: " in capsys.readouterr().out and not (tmp_path / "ran").exists()
 
 
 def test_an_environment_of_a_run_that_names_a_module_imports_nothing(

@@ -25,17 +25,21 @@ def pins() -> dict[str, str]:
     return found
 
 
-def requirements(*extras: str) -> list[Requirement]:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    found = [Requirement(line) for line in project["dependencies"]]
-    pending = list(extras)
+def requirements(*names: str) -> list[Requirement]:
+    """What jawenv needs, and its extras and the groups of these names."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    parts = project["project"]["optional-dependencies"] | project["dependency-groups"]
+    needed = [Requirement(line) for line in project["project"]["dependencies"]]
+    pending = list(names)
     while pending:
-        for requirement in map(Requirement, project["optional-dependencies"][pending.pop()]):
-            if requirement.name == "jawenv":  # an extra that holds others
+        for line in parts[pending.pop()]:
+            if isinstance(line, dict):
+                pending.append(line["include-group"])
+            elif (requirement := Requirement(line)).name == "jawenv":  # an extra that holds others
                 pending += requirement.extras
             else:
-                found.append(requirement)
-    return found
+                needed.append(requirement)
+    return needed
 
 
 def imported(folder: Path) -> set[str]:
@@ -72,10 +76,14 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
         # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing. rich only in
         # jawenv.progress, for the commands, which bring it.
         ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all"]),
-        ("agents", {"jawenv", "agents"}, ["train"]),
-        ("training", {"jawenv", "agents", "training"}, ["train"]),
-        ("eval", {"jawenv", "agents", "training", "eval", "examples"}, ["train", "eval", "cluster", "dataset", "sbi"]),
-        ("research", {"jawenv", "agents", "eval", "tests"}, ["train", "eval"]),
+        ("agents", {"jawenv", "agents"}, ["all", "train"]),
+        ("training", {"jawenv", "agents", "training"}, ["all", "train"]),
+        (
+            "eval",
+            {"jawenv", "agents", "training", "eval", "examples"},
+            ["all", "train", "eval", "cluster", "dataset", "sbi"],
+        ),
+        ("research", {"jawenv", "agents", "eval", "tests"}, ["all", "train", "eval"]),
     ],
 )
 def test_what_is_imported_is_required(folder: str, own: set[str], extras: list[str]) -> None:

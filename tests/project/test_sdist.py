@@ -16,7 +16,7 @@ STRAYS = (
     "jawenv/notes.txt",
     "core.1",
 )
-BUILD = "import sys; sys.path.insert(0, '.ci'); import backend; backend.build_sdist('dist')"
+BUILD = "from setuptools import build_meta; build_meta.build_sdist('dist')"
 
 
 def tracked() -> list[str]:

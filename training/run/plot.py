@@ -43,7 +43,7 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
     if output.suffix.lower() != ".png":
         raise InputError(f"output {output}: must end in .png")
     groups = _grouped(runs)
-    with needs("python -m training plot", "matplotlib", "train"):
+    with needs("python -m training plot", "matplotlib", group="train"):
         picture = figure(groups)
     with alone(output), atomic_write(output) as unfinished:
         picture.savefig(unfinished, format="png", dpi=150)

@@ -267,10 +267,10 @@ def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):
 def test_another_patient_is_played_again_for_the_films(tmp_path):
     assert run("hold_still", "slow_opening", *SHORT, "--output", str(tmp_path)) == 0
     kept, quiet = results.load(tmp_path), Console(quiet=True)
-    first, other = (play_patient(kept, seed, quiet) for seed in (None, 1))
+    first, other = (play_patient(kept, kept.entries, quiet, seed) for seed in (None, 1))
     assert set(other.motions) == set(first.motions) == set(kept.entries)
     assert (first.about["played_seed"], other.about["played_seed"]) == (0, 1)
     assert other.motions["slow_opening"] != first.motions["slow_opening"]
     with pytest.raises(InputError):
-        play_patient(kept, 2, quiet)
+        play_patient(kept, kept.entries, quiet, 2)
     assert main(["report", str(tmp_path), "--patient", "1"]) == 0

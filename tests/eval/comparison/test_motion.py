@@ -11,7 +11,7 @@ from eval.settings import Settings
 
 
 def watched(specs, settings):
-    return play_patient(compare(load_entries(specs, settings.world), settings), None, Console(quiet=True))
+    return play_patient(compare(load_entries(specs, settings.world), settings), specs, Console(quiet=True))
 
 
 @pytest.fixture(scope="module")

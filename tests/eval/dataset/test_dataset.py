@@ -15,7 +15,7 @@ SMALL = ("--env", "JawHinge", "--patients", "2", "--episode-s", "1")
 def test_without_minari_there_is_one_line(monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(sys.modules, "minari", None)
     assert main(["dataset", *SMALL, "--output", str(tmp_path)]) == 2
-    assert 'needs minari: pip install "jawenv[dataset]"' in capsys.readouterr().err
+    assert "needs minari: .ci/setup dataset" in capsys.readouterr().err
 
 
 def test_another_format_is_refused(tmp_path, capsys):

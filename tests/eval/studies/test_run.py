@@ -137,7 +137,7 @@ def test_parts_of_another_size_give_the_same_numbers(alone, tmp_path, monkeypatc
 
 
 def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
-    ray = pytest.importorskip("ray", reason='ray is not installed: pip install -e ".[cluster]"')
+    ray = pytest.importorskip("ray", reason="ray is not installed: .ci/setup cluster")
     try:
         rows = played(tmp_path, Run(workers=2, backend="ray"))
         pd.testing.assert_frame_equal(rows, alone, check_exact=True)
@@ -150,4 +150,4 @@ def test_ray_gives_the_same_numbers_and_the_same_refusals(alone, tmp_path):
 def test_without_ray_the_remedy_is_one_line(study, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "ray", None)
     assert study("--backend", "ray") == 2
-    assert capsys.readouterr().err == 'error: --backend ray needs ray: pip install "jawenv[cluster]"\n'
+    assert capsys.readouterr().err == "error: --backend ray needs ray: .ci/setup cluster\n"
