@@ -112,10 +112,10 @@ class Record:
         if not (0.0 <= self.disturbance_time_s < np.inf and (self.disturbance_sd >= 0.0).all()):
             raise InputError(
                 f"record: disturbance_time_s is {self.disturbance_time_s}, disturbance_sd {self.disturbance_sd}; "
-                "allowed are numbers from 0 on"
+                "allowed: numbers from 0 on"
             )
         if size == N_BODY and not self.knowledge.exact:
-            raise InputError("record: knowledge is not exact; allowed with two condyles is exact")
+            raise InputError("record: knowledge is not exact; allowed with two condyles: exact")
         self._check_force_sensor(size)
 
     def _check_force_sensor(self, size: int) -> None:
