@@ -15,7 +15,7 @@ DEFAULT_CONTROL: Final[Control] = "targets"
 
 @dataclass(frozen=True)
 class ControlMode:
-    """What all else asks of a control mode.
+    """A control mode, as all other parts need it.
 
     Attributes:
         name: as arguments have it.

@@ -53,9 +53,9 @@ class UnknownAttributeError(InputError, AttributeError):
     """An attribute that worlds do not have; an ``AttributeError`` as well, which callers of ``get_attr`` expect."""
 
 
-def meant(name: str, known: Iterable[str]) -> str:
+def meant(name: str, names: Iterable[str]) -> str:
     """A question after the known names that are like an unknown one, with a blank at its end; empty if none is."""
-    near = difflib.get_close_matches(name[:LONGEST_SHOWN_VALUE], known, n=3)
+    near = difflib.get_close_matches(name[:LONGEST_SHOWN_VALUE], names, n=3)
     return f"did you mean {' or '.join(near)}? " if near else ""
 
 
@@ -68,13 +68,13 @@ def not_among(field: str, value: object, names: Iterable[str], more: str = "") -
         names: what is allowed.
         more: what else is allowed, in words.
     """
-    known = tuple(names)
-    near = meant(value, known) if isinstance(value, str) else ""
-    return InputError(f"{field} is {shown(value)}; {near}allowed: {', '.join(known)}{more}")
+    allowed = tuple(names)
+    near = meant(value, allowed) if isinstance(value, str) else ""
+    return InputError(f"{field} is {shown(value)}; {near}allowed: {', '.join(allowed)}{more}")
 
 
 def out_of_memory(error: MemoryError) -> str:
-    """What a command says when there is too little memory, without the description of the array."""
+    """A command's message when memory is too small, without the description of the array."""
     reason = str(error).partition(" for an array")[0]
     return f"too little memory{': ' if reason else ''}{reason}"
 

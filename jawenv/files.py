@@ -101,7 +101,7 @@ def validate(model: type[Model], data: object, source: str) -> Model:
         InputError: one line that names source, field, value and what is allowed.
     """
     if not isinstance(data, Mapping):
-        raise InputError(f"{source}: must hold a mapping of keys to values, not {_kind(data)}")
+        raise InputError(f"{source}: content is {_kind(data)}; allowed: a mapping of keys to values")
     try:
         return model.model_validate(dict(data))
     except ValidationError as error:
@@ -194,7 +194,7 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, Any]:
     except ValueError as error:
         raise InputError(f"{damaged}: {_flat(error)}") from None
     if not isinstance(data, dict):
-        raise InputError(f"{path}: must hold a mapping of keys to values, not {_kind(data)}")
+        raise InputError(f"{path}: content is {_kind(data)}; allowed: a mapping of keys to values")
     return data
 
 
@@ -253,7 +253,7 @@ def write_json(path: str | os.PathLike[str], model: BaseModel) -> None:
     """
     path = Path(path)
     if path.suffix.lower() != ".json":
-        raise InputError(f"{path}: is written as JSON, its name must end in .json")
+        raise InputError(f"file is {path}, and written as JSON; allowed: a name that ends in .json")
     write_text(path, model.model_dump_json(indent=2) + "\n")
 
 
@@ -320,7 +320,9 @@ def _problem(problem: Any, model: type[BaseModel]) -> str:
         return f"unknown key '{field}'" + (f"; allowed: {', '.join(allowed)}" if allowed else "")
     if kind == "value_error" and isinstance(problem["input"], Mapping | BaseModel):
         return f"{field}: {message}" if field else message
-    return f"{field} = {shown(problem['input'])} {message}"
+    value = shown(problem["input"])
+    allowed_values, limits = re.subn(r"^must (be|have) ", "", message)
+    return f"{field} is {value}; allowed: {allowed_values}" if limits else f"{field} = {value} {message}"
 
 
 def _brief(part: int | str) -> str:

@@ -30,12 +30,12 @@ def alone(output: Path) -> Iterator[None]:
     Raises:
         InputError: another process is at work there, or that folder cannot be made or written.
     """
-    place = output.resolve()
-    path = place.with_name(f".{place.name}.lock")
-    made = [folder for folder in place.parents if not folder.exists()]
+    target = output.resolve()
+    path = target.with_name(f".{target.name}.lock")
+    made = [folder for folder in target.parents if not folder.exists()]
     lock = FileLock(path, timeout=0)
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except Timeout:
         raise InputError(f"{output}: in use by another process; wait for it, or name another output") from None
@@ -43,9 +43,9 @@ def alone(output: Path) -> Iterator[None]:
         raise InputError(f"output {output}: its file system has no locks; allowed: one on another") from None
     except OSError as error:
         reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
-        raise InputError(f"output {output}: cannot be {'written' if place.exists() else 'made'}: {reason}") from None
+        raise InputError(f"output {output}: cannot be {'written' if target.exists() else 'made'}: {reason}") from None
     try:
-        remove_unfinished(place)
+        remove_unfinished(target)
         yield
     finally:
         with contextlib.suppress(OSError):  # Windows removes no file that is open

@@ -18,7 +18,7 @@ from jawenv.files import read_into
 __all__ = ["NumericField", "NumericFields", "number"]
 
 _TO_SI = {"mm": (1.0, 1e3), "mm/s": (1.0, 1e3), "ms": (1.0, 1e3), "deg": (pi / 180.0, 1.0)}
-"""What a number in other than SI units is multiplied and divided by."""
+"""Factor and divisor of a unit, from it to SI units."""
 
 
 class NumericField(NamedTuple):
@@ -70,7 +70,7 @@ class NumericFields:
     @classmethod
     def numeric_fields(cls) -> dict[str, NumericField]:
         """Range and unit of each field."""
-        return {each.name: each.metadata["number"] for each in fields(cls)}
+        return {entry.name: entry.metadata["number"] for entry in fields(cls)}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
@@ -82,8 +82,8 @@ class NumericFields:
         allowed = cls.numeric_fields()
         for name in data:
             if name not in allowed:
-                known = ", ".join(allowed)
-                raise InputError(f"{cls._called()}.{name} is not a field of {cls.__name__}; allowed: {known}")
+                names = ", ".join(allowed)
+                raise InputError(f"{cls._called()}.{name} is not a field of {cls.__name__}; allowed: {names}")
         return cls(**data)
 
     @classmethod
@@ -98,7 +98,9 @@ class NumericFields:
     def changes(self) -> dict[str, float]:
         """The fields that have not their defaults, as ``from_dict`` takes them."""
         return {
-            each.name: getattr(self, each.name) for each in fields(self) if getattr(self, each.name) != each.default
+            entry.name: getattr(self, entry.name)
+            for entry in fields(self)
+            if getattr(self, entry.name) != entry.default
         }
 
     def in_si(self) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What a command shows while it works: a bar on a terminal, a plain line every ten seconds elsewhere.
+"""Progress of a command: a bar on a terminal, a plain line every ten seconds elsewhere.
 
 It needs rich, which the commands of `training` and `eval` bring and the library itself does not need.
 """
@@ -143,7 +143,7 @@ class Progress:
 
 
 def _rate(since: tuple[float, float], now: tuple[float, float]) -> float:
-    """What was done per second between two moments, each a time and what was done; 0 where it cannot be said."""
+    """Units done per second between two moments (time, units done); 0 if either has not grown."""
     return (now[1] - since[1]) / (now[0] - since[0]) if now[0] > since[0] and now[1] > since[1] else 0.0
 
 

@@ -1,4 +1,4 @@
-"""What results were made with: packages, the commit of the clone, the machine."""
+"""The origin of results: packages, the commit of the clone, the machine."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def package_versions() -> dict[str, str]:
 
 
 def made_with(**more: Any) -> dict[str, Any]:
-    """What is given, versions of Python and the packages, the state of the clone that runs, and the machine.
+    """A command's settings, versions of Python and the packages, the state of the clone, and the machine.
 
     ``git`` holds the commit and whether files differ from it, new ones that git does not ignore included; it is None
     where there is no clone, or no git.

@@ -30,9 +30,9 @@ class FrozenArrays:
             try:
                 number = np.array(value, dtype=np.float64)
             except (TypeError, ValueError):
-                raise InputError(f"{field.name} must be made of numbers, not {value!r}") from None
+                raise InputError(f"{field.name} is {value!r}; allowed: numbers") from None
             if not np.all(np.isfinite(number)):
-                raise InputError(f"{field.name} = {number.tolist()} must be finite")
+                raise InputError(f"{field.name} is {number.tolist()}; allowed: finite numbers")
             number.setflags(write=False)
             object.__setattr__(self, field.name, float(number) if number.ndim == 0 else number)
 
@@ -43,7 +43,7 @@ class FrozenArrays:
     def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
         value = getattr(self, name)
         if np.shape(value) != shape:
-            raise InputError(f"{name} has shape {np.shape(value)}, must be {shape}")
+            raise InputError(f"{name} has shape {np.shape(value)}; allowed: {shape}")
 
 
 def _is_names_or_indices(value: object) -> bool:

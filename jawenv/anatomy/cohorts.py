@@ -1,7 +1,7 @@
 """Named populations of simulated patients, each with the prior that a filter starts from.
 
 A cohort is defined once, as one or more equally likely groups of independent log-normal parameters, each
-truncated at 2 sd. Its prior is computed from that definition: the mean and the sd of what is drawn. So
+truncated at 2 sd. Its prior is computed from that definition: the mean and the sd of the draws. So
 
 - the NEES of the 12 parameters at the prior is 12 on average: the prior is as honest as a normal one can be;
 - truncation at 2 sd leaves 0.88 of a group's sd: 44 % of F_o where the group is said to have 50 %;
@@ -75,7 +75,7 @@ class Stiffness:
             value = getattr(self, name)
             number = real_number(value)
             if number is None or number <= 0:
-                raise InputError(f"{name} = {shown(value)} must be finite and greater than 0")
+                raise InputError(f"{name} is {shown(value)}; allowed: finite numbers above 0")
             object.__setattr__(self, name, number)
 
     def log_mean(self) -> tuple[float, float]:
@@ -259,15 +259,15 @@ class Cohort:
             if number is None or number < 0:
                 raise InputError(f"{name} is {shown(value)}; allowed: a whole number, 0 or more")
         rng = np.random.default_rng(seed)
-        kept, drawn, missing = [np.empty((0, self.mean.shape[1]))], 0, int(n)
+        accepted, drawn, missing = [np.empty((0, self.mean.shape[1]))], 0, int(n)
         while missing > 0:
             if drawn > MOST_DRAWS * n:
                 raise InputError(f"cohort {self.name!r}: fewer than one in {MOST_DRAWS} patients is accepted")
             rows = np.array([self.draw_log_parameters(rng) for _ in range(missing)])
             drawn += missing
-            kept.append(rows if accept is None else rows[accept(rows)])
-            missing -= len(kept[-1])
-        return np.concatenate(kept)
+            accepted.append(rows if accept is None else rows[accept(rows)])
+            missing -= len(accepted[-1])
+        return np.concatenate(accepted)
 
 
 _TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)
@@ -324,22 +324,22 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
 """Every cohort by its name."""
 
 
-def cohort(given: str | Cohort | Source, muscles: MuscleSet | None = None) -> Cohort:
+def cohort(source: str | Cohort | Source, muscles: MuscleSet | None = None) -> Cohort:
     """A cohort by its name in `COHORTS`, or given as itself, as a mapping or as the path of a file.
 
     Args:
-        given: a text that ends as a JSON, TOML or YAML file does is a path; see `Cohort.from_dict` for mappings.
+        source: a text that ends as a JSON, TOML or YAML file does is a path; see `Cohort.from_dict` for mappings.
         muscles: those of its patients; the six whole muscles, or a given cohort's own, by default.
 
     Raises:
         InputError: an unknown name (the message lists the known ones), or what `Cohort` refuses.
     """
-    if isinstance(given, str) and Path(given).suffix.lower() not in FILE_TYPES:
-        if given not in COHORTS:
-            raise not_among("cohort", given, COHORTS, f", or a file ({', '.join(FILE_TYPES)})")
-        chosen = COHORTS[given]
-    elif isinstance(given, Cohort | Mapping | str | os.PathLike):
-        chosen = instance_of(Cohort, given, "cohort")
+    if isinstance(source, str) and Path(source).suffix.lower() not in FILE_TYPES:
+        if source not in COHORTS:
+            raise not_among("cohort", source, COHORTS, f", or a file ({', '.join(FILE_TYPES)})")
+        chosen = COHORTS[source]
+    elif isinstance(source, Cohort | Mapping | str | os.PathLike):
+        chosen = instance_of(Cohort, source, "cohort")
     else:
-        raise InputError(f"cohort is {shown(given)}; allowed: a name, a Cohort, a mapping of its fields, or a file")
+        raise InputError(f"cohort is {shown(source)}; allowed: a name, a Cohort, a mapping of its fields, or a file")
     return chosen if muscles is None else replace(chosen, muscles=muscles)

@@ -106,7 +106,7 @@ class Anatomy:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """What a mapping says otherwise than the default anatomy; names and units are those of the classes' fields.
+        """The default anatomy with a mapping's changes; names and units are those of the classes' fields.
 
         Args:
             data: ``attachments``, ``mandible`` and ``fossa``, each a mapping and each left out where nothing differs.
@@ -128,7 +128,7 @@ class Anatomy:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``from_dict`` takes: the fields that differ from the default anatomy's."""
+        """A mapping for ``from_dict``: the fields that differ from the default anatomy's."""
         own = _numbers_of(self)
         usual = {name: attachment(*_portion(name)) for name in self.attachments}
         default = _numbers_of(Anatomy(usual))
@@ -142,7 +142,7 @@ class Anatomy:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """What a JSON, TOML or YAML file says, as ``from_dict`` takes it.
+        """The anatomy of a JSON, TOML or YAML file with the mapping that ``from_dict`` takes.
 
         Raises:
             InputError: one line that names the file and what is wrong with it.
@@ -189,38 +189,38 @@ def _mapping(value: object, where: str) -> Mapping[str, Any]:
 
 def _changed(default: Any, change: object, where: str) -> Any:
     """An object with the fields that a mapping names."""
-    names = [each.name for each in fields(default)]
-    given = _mapping(change, where)
-    for name in given:
+    names = [entry.name for entry in fields(default)]
+    changes = _mapping(change, where)
+    for name in changes:
         if name not in names:
             raise InputError(f"anatomy.{where}.{name} is not a field; allowed: {', '.join(names)}")
     try:
-        return replace(default, **given) if given else default
+        return replace(default, **changes) if changes else default
     except InputError as error:
         raise InputError(f"anatomy.{where}: {error}") from None
 
 
 def _check(where: str, part: Any) -> None:
     """Check that numbers are in range, and points within reach."""
-    for each in fields(part):
-        value = getattr(part, each.name)
-        if each.name in RANGES:
-            low, high = RANGES[each.name]
+    for entry in fields(part):
+        value = getattr(part, entry.name)
+        if entry.name in RANGES:
+            low, high = RANGES[entry.name]
             number = real_number(value)
             if number is None or not low <= number <= high:
-                raise InputError(f"anatomy.{where}.{each.name} is {shown(value)}; allowed: {low:g} to {high:g}")
-        elif each.name.endswith("_m"):
-            shape = (3, 3) if each.name == "teeth_m" else (3,)
-            least = 0.0 if "sd" in each.name else -FARTHEST_M
+                raise InputError(f"anatomy.{where}.{entry.name} is {shown(value)}; allowed: {low:g} to {high:g}")
+        elif entry.name.endswith("_m"):
+            shape = (3, 3) if entry.name == "teeth_m" else (3,)
+            least = 0.0 if "sd" in entry.name else -FARTHEST_M
             points: NDArray[np.float64] = np.asarray(value)
             if points.shape != shape or not ((points >= least) & (points <= FARTHEST_M)).all():
                 allowed = f"numbers of shape {shape}, {least:g} to {FARTHEST_M:g} m"
-                raise InputError(f"anatomy.{where}.{each.name} is {shown(points.tolist())}; allowed: {allowed}")
+                raise InputError(f"anatomy.{where}.{entry.name} is {shown(points.tolist())}; allowed: {allowed}")
 
 
 def _numbers_of(anatomy: Anatomy) -> dict[str, Any]:
     parts: dict[str, Any] = {**anatomy.attachments, "mandible": anatomy.mandible, "fossa": anatomy.fossa}
     return {
-        name: {each.name: np.asarray(getattr(part, each.name)).tolist() for each in fields(part)}
+        name: {entry.name: np.asarray(getattr(part, entry.name)).tolist() for entry in fields(part)}
         for name, part in sorted(parts.items())
     }

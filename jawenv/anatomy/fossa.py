@@ -35,7 +35,7 @@ class Fossa(FrozenArrays):
         for name in ("drop_m", "spatial_frequency"):
             self._require_shape(name, ())
             if getattr(self, name) <= 0:
-                raise InputError(f"{name} = {getattr(self, name)} must be greater than 0")
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers above 0")
 
     @property
     def crest_m(self) -> float:

@@ -1,4 +1,4 @@
-"""What is known of a patient and of how the device sits: one description for the truth and for the filter.
+"""Knowledge of a patient and of the device's mounting: one description for the truth and for the filter.
 
 The truth of each episode is drawn from it, as a patient is drawn from a cohort. The filter has the nominal values and
 the sds, as it has the cohort's prior.
@@ -84,16 +84,16 @@ LEVELS: Mapping[str, Knowledge] = MappingProxyType({"exact": Knowledge(), "image
 """All known exactly; a scan of the patient, an impression and a tared cell."""
 
 
-def knowledge(given: str | Knowledge | Source | None) -> Knowledge:
-    """What is known, by the name of a level, as a ``Knowledge``, a mapping of its fields or the path of a file.
+def knowledge(source: str | Knowledge | Source | None) -> Knowledge:
+    """A ``Knowledge`` from the name of a level, itself, a mapping of its fields or the path of a file.
 
     Raises:
         InputError: none of these, or a value that is not allowed.
     """
-    if given is None:
+    if source is None:
         return LEVELS["exact"]
-    if isinstance(given, str) and "." not in given and "/" not in given:
-        if given not in LEVELS:
-            raise not_among("knowledge", given, LEVELS, ", a mapping or a file")
-        return LEVELS[given]
-    return instance_of(Knowledge, given, "knowledge")
+    if isinstance(source, str) and "." not in source and "/" not in source:
+        if source not in LEVELS:
+            raise not_among("knowledge", source, LEVELS, ", a mapping or a file")
+        return LEVELS[source]
+    return instance_of(Knowledge, source, "knowledge")

@@ -60,19 +60,19 @@ class Mandible(FrozenArrays):
             self._require_shape(name, shape)
         for name in ("mass_kg", "tooth_stiffness", "condyle_half_width_m", "disc_stiffness", "disc_onset"):
             if getattr(self, name) <= 0:
-                raise InputError(f"{name} = {getattr(self, name)} must be greater than 0")
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers above 0")
         for name in ("damping_rotation", "damping_sliding", "disc_damping", "gravity"):
             if getattr(self, name) < 0:
-                raise InputError(f"{name} = {getattr(self, name)} must be at least 0")
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers from 0 on")
         if not np.allclose(self.inertia_kg_m2, self.inertia_kg_m2.T, rtol=1e-9, atol=0):
-            raise InputError("inertia_kg_m2 must be symmetric")
+            raise InputError(f"inertia_kg_m2 is {self.inertia_kg_m2.tolist()}; allowed: a symmetric matrix")
         moments = np.linalg.eigvalsh(self.inertia_kg_m2)
         if moments[0] <= 0:
-            raise InputError(f"inertia_kg_m2 must be positive definite; its principal moments are {moments.tolist()}")
+            raise InputError(f"inertia_kg_m2 has the principal moments {moments.tolist()}; allowed: numbers above 0")
         if moments[0] + moments[1] < moments[2]:
             raise InputError(
                 f"inertia_kg_m2 has the principal moments {moments.tolist()}; "
-                "the largest must not exceed the sum of the others"
+                "allowed: the largest up to the sum of the others"
             )
 
 

@@ -95,10 +95,10 @@ class MuscleSet(FrozenArrays):
             self._require_shape(name, (n, 3))
         self._require_shape("l_o_m", (n,))
         if sorted(set(self.muscle)) != list(range(len(self.names))):
-            raise InputError(f"muscle = {self.muscle} must give each of {len(self.names)} muscles a line")
+            raise InputError(f"muscle is {self.muscle}; allowed: a line for each of {len(self.names)} muscles")
         for muscle, l_o in zip(self.muscle, self.l_o_m, strict=True):
             if l_o <= 0:
-                raise InputError(f"l_o_m of {self.names[muscle]} = {l_o} must be greater than 0")
+                raise InputError(f"l_o_m of {self.names[muscle]} is {l_o}; allowed: numbers above 0")
 
     def __len__(self) -> int:
         """Number of muscles m."""

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from jawenv.anatomy.muscles import MUSCLE_NAMES, known_muscle_sets, parameter_names
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, Text, read_model, validate, write_json
 
 __all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
@@ -47,7 +47,7 @@ class Patient(InputModel):
         F_o_N: muscle -> force at its closed-jaw length, N, in (0, 100].
         b: muscle -> stiffness exponent, in (0, 60].
         head_tilt_deg: pitch of the head, positive nose down, in [-90, 90].
-        anatomy_seed: of what is known of the patient's anatomy only within sds (`jawenv.Knowledge`), so that it is the
+        anatomy_seed: of the anatomy that is known only within sds (`jawenv.Knowledge`), so that it is the
             same in all episodes, 0 to 2**32 - 1; drawn anew in each by default.
 
     Raises:
@@ -86,13 +86,13 @@ class Patient(InputModel):
         try:
             values = np.asarray(theta, dtype=np.float64)
         except (TypeError, ValueError):
-            raise InputError("log parameters must be numbers") from None
+            raise InputError(f"log parameters are {shown(theta)}; allowed: numbers") from None
         names = parameter_names(muscles)
         if values.shape != (len(names),):
-            raise InputError(f"log parameters have shape {values.shape}, must be ({len(names)},)")
+            raise InputError(f"log parameters have shape {values.shape}; allowed: ({len(names)},)")
         for parameter, value in zip(names, values, strict=True):
             if not np.isfinite(value):
-                raise InputError(f"{parameter} = {value} must be finite")
+                raise InputError(f"{parameter} is {value}; allowed: finite numbers")
         with np.errstate(over="ignore"):
             F_o, b = np.exp(values[0::2]), np.exp(values[1::2])
         data = {

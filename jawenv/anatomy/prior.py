@@ -1,4 +1,4 @@
-"""What the filter believes before the first measurement."""
+"""The filter's belief before the first measurement."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Prior(FrozenArrays):
         """Check shapes and signs."""
         super().__post_init__()
         if np.ndim(self.mean) != 1:
-            raise InputError(f"prior mean has shape {np.shape(self.mean)}, must have one axis")
+            raise InputError(f"prior mean has shape {np.shape(self.mean)}; allowed: one axis")
         self._require_shape("sd", np.shape(self.mean))
         for i, sd in enumerate(self.sd):
             if sd <= 0:
-                raise InputError(f"prior sd of parameter {i} = {sd} must be greater than 0")
+                raise InputError(f"prior sd of parameter {i} is {sd}; allowed: numbers above 0")

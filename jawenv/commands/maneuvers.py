@@ -18,7 +18,7 @@ def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -
     """
     player, env_id = Player(maneuver, control=world.control, control_hz=world.control_hz), world.env_id
     reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
-    medians = (np.median(each, axis=0) for each in (reached.sd, np.abs(reached.error), reached.bound_sd))
+    medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
     print(f"{player.name} in {env_id} on {patients} patients, medians over them\n")
     print(f"{'parameter':32s}{'claimed sd':>12}{'error':>9}{'bound':>9}")
     for name, sd, error, bound in zip(reached.parameter_names, *medians, strict=True):

@@ -42,19 +42,21 @@ def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., A
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         stated = inspect.signature(command, eval_str=True)
         options = _options(without)
-        kept = [each for each in stated.parameters.values() if each.name != "world"]
-        place = next((i for i, each in enumerate(kept) if each.default is not each.empty), len(kept))
+        parameters = [parameter for parameter in stated.parameters.values() if parameter.name != "world"]
+        index = next(
+            (i for i, parameter in enumerate(parameters) if parameter.default is not parameter.empty), len(parameters)
+        )
         names = [option.name for option in options]
 
         @wraps(command)
-        def run(**given: Any) -> Any:
-            world = {name: given.pop(name) for name in names}
+        def run(**arguments: Any) -> Any:
+            world = {name: arguments.pop(name) for name in names}
             return command(
-                **given, world=_world({name: value for name, value in world.items() if value not in (None, [])})
+                **arguments, world=_world({name: value for name, value in world.items() if value not in (None, [])})
             )
 
-        vars(run)["__signature__"] = stated.replace(parameters=[*kept[:place], *options, *kept[place:]])
-        run.__annotations__ = {each.name: each.annotation for each in (*kept, *options)}
+        vars(run)["__signature__"] = stated.replace(parameters=[*parameters[:index], *options, *parameters[index:]])
+        run.__annotations__ = {parameter.name: parameter.annotation for parameter in (*parameters, *options)}
         return run
 
     return decorated
@@ -63,7 +65,9 @@ def takes_world(*without: str) -> Callable[[Callable[..., Any]], Callable[..., A
 def _options(without: tuple[str, ...]) -> list[inspect.Parameter]:
     from jawenv.envs.configuration import Configuration
 
-    kinds = {ENVIRONMENT: ENV} | {each.name: _option(each) for each in fields(Configuration) if each.metadata["option"]}
+    kinds = {ENVIRONMENT: ENV} | {
+        argument.name: _option(argument) for argument in fields(Configuration) if argument.metadata["option"]
+    }
     return [
         inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=None, annotation=kind)
         for name, kind in kinds.items()
@@ -73,13 +77,13 @@ def _options(without: tuple[str, ...]) -> list[inspect.Parameter]:
 
 def _option(argument: Field[Any]) -> Any:
     """The option of an argument: its name, its help and its kind of value."""
-    about, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
-    kind = {"fields": list[str], "number": float}.get(about["option"], str)
+    metadata, name = argument.metadata, f"--{argument.name.replace('_', '-')}"
+    kind = {"fields": list[str], "number": float}.get(metadata["option"], str)
     default = "" if argument.default is None else f" [default: {argument.default}]"
-    return Annotated[kind | None, typer.Option(name, help=about["help"] + default, metavar=about["metavar"])]
+    return Annotated[kind | None, typer.Option(name, help=metadata["help"] + default, metavar=metadata["metavar"])]
 
 
-def _world(given: Mapping[str, Any]) -> dict[str, Any]:
+def _world(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments as the environment takes them.
 
     Raises:
@@ -87,8 +91,8 @@ def _world(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     from jawenv.envs.configuration import Configuration, plain_value
 
-    kinds = {each.name: each.metadata["option"] for each in fields(Configuration)}
-    world = {name: _fields(name, value) if kinds.get(name) == "fields" else value for name, value in given.items()}
+    kinds = {argument.name: argument.metadata["option"] for argument in fields(Configuration)}
+    world = {name: _fields(name, value) if kinds.get(name) == "fields" else value for name, value in arguments.items()}
     return {name: plain_value(name, value) if name in _MAY_BE_FILES else value for name, value in world.items()}
 
 
@@ -97,14 +101,14 @@ _MAY_BE_FILES = ("cohort", "device", "reality", "knowledge", "comfort", "anatomy
 
 
 def _fields(option: str, texts: list[str]) -> Any:
-    """What ``FIELD=VALUE`` say, or the one file that is named."""
+    """A mapping from texts ``FIELD=VALUE``, or the one file that is named."""
     if len(texts) == 1 and texts[0].lower().endswith(FILE_TYPES):
         return texts[0]
-    found = {}
+    numbers = {}
     for text in texts:
         name, _, value = text.partition("=")
         try:
-            found[name] = float(value)
+            numbers[name] = float(value)
         except ValueError:
             raise InputError(f"{option} is {shown(text)}; allowed: FIELD=VALUE with a number, or a file") from None
-    return found
+    return numbers

@@ -42,25 +42,25 @@ def identify(path: Path, reading: Mapping[str, Any], page: Path | None) -> int:
     rate = findings(record)[0]
     if not rate.plausible:
         raise InputError(f"{path}: {rate.columns} makes {rate.value}; allowed: {rate.allowed}")
-    found = identified(record)
+    result = identified(record)
     print(f"{path}: {record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz")
-    fitted = found.rows - found.refused
-    print(f"rows:    {found.rows:,} read, {fitted:,} fitted, {found.refused:,} refused by the filter's gate")
-    print(f"numbers: {found.numbers:,} read, {found.left_out:,} left out (out of range, or of a frozen sensor)")
-    known = "exactly (--knowledge imaged: as a scan gives them)" if record.knowledge.exact else "within sds"
-    print(f"assumed: anatomy and mounting are known {known}")
-    print(f"alarm:   {'silent' if found.misfit <= 1.0 else 'RINGS'}, misfit {found.misfit:.3g} (it rings above 1)\n")
-    _print_estimates(record, found)
+    fitted = result.rows - result.refused
+    print(f"rows:    {result.rows:,} read, {fitted:,} fitted, {result.refused:,} refused by the filter's gate")
+    print(f"numbers: {result.numbers:,} read, {result.left_out:,} left out (out of range, or of a frozen sensor)")
+    certainty = "exactly (--knowledge imaged: as a scan gives them)" if record.knowledge.exact else "within sds"
+    print(f"assumed: anatomy and mounting are known {certainty}")
+    print(f"alarm:   {'silent' if result.misfit <= 1.0 else 'RINGS'}, misfit {result.misfit:.3g} (it rings above 1)\n")
+    _print_estimates(record, result)
     if record.parameter_names[::2] == tuple(f"log_F_o/{name}" for name in MUSCLE_NAMES):
-        _print_muscles(found)
+        _print_muscles(result)
     if write_page is not None:
-        print(f"\npage: {write_page(record, found, path, page)}")
-    if not found.believable:
+        print(f"\npage: {write_page(record, result, path, page)}")
+    if not result.believable:
         print("\nNOT TO BE BELIEVED:")
-        for doubt in found.doubts:
+        for doubt in result.doubts:
             print(f"- {doubt}")
         print(f"Look at {LOOK_AT}.")
-    return 0 if found.believable else NOT_BELIEVABLE
+    return 0 if result.believable else NOT_BELIEVABLE
 
 
 def check(path: Path, reading: Mapping[str, Any]) -> int:
@@ -69,14 +69,15 @@ def check(path: Path, reading: Mapping[str, Any]) -> int:
     Returns:
         Exit code: 0, or 3 where a quantity is not plausible.
     """
-    found = findings(load_record(path, **reading))
-    for each in found:
-        print(f"{'ok ' if each.plausible else 'NOT'} {each.columns:20} {each.value:40} allowed: {each.allowed}")
-    return 0 if all(each.plausible for each in found) else NOT_BELIEVABLE
+    checks = findings(load_record(path, **reading))
+    for finding in checks:
+        word = "ok " if finding.plausible else "NOT"
+        print(f"{word} {finding.columns:20} {finding.value:40} allowed: {finding.allowed}")
+    return 0 if all(finding.plausible for finding in checks) else NOT_BELIEVABLE
 
 
-def _print_estimates(record: Record, found: Identification) -> None:
-    mean, sd = found.estimate.mean[-1], found.estimate.sd[-1]
+def _print_estimates(record: Record, result: Identification) -> None:
+    mean, sd = result.estimate.mean[-1], result.estimate.sd[-1]
     print(f"{'':32}{'estimate':>10}{'sd':>9}{'' if record.truth is None else 'truth':>9}".rstrip())
     for symbol, title in BLOCKS.items():
         print(title)
@@ -86,14 +87,14 @@ def _print_estimates(record: Record, found: Identification) -> None:
                 print(f"{name.removeprefix('log_'):32}{np.exp(mean[i]):10.2f}{100.0 * sd[i]:7.1f} %{truth}")
 
 
-def _print_muscles(found: Identification) -> None:
+def _print_muscles(result: Identification) -> None:
     """The verdict on every muscle, left beside right, with the ratio of their pulls."""
-    mean, cov = found.estimate.mean[-1], found.estimate.cov[-1]
-    said = verdicts(mean, cov) if found.believable else [WITHHELD] * len(MUSCLE_NAMES)
+    mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
+    judgements = verdicts(mean, cov) if result.believable else [WITHHELD] * len(MUSCLE_NAMES)
     print(f"\n{'':20}{'left':30}{'right':30}F_o left : right, 95 %")
     for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
         left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
-        words = [_in_words(said[left]), _in_words(said[right])]
+        words = [_in_words(judgements[left]), _in_words(judgements[right])]
         ratio = mean[2 * left] - mean[2 * right]
         pair = [2 * left, 2 * right]
         reach = SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))
@@ -101,10 +102,10 @@ def _print_muscles(found: Identification) -> None:
         print(f"{kind:20}{words[0]:30}{words[1]:30}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
 
 
-def _in_words(said: Verdict) -> str:
-    if said.word in (NO_VERDICT, UNKNOWN):
-        return said.word
-    return f"{said.word}, {'above 99.9' if said.probability > 0.999 else f'{100.0 * said.probability:.3g}'} %"
+def _in_words(verdict: Verdict) -> str:
+    if verdict.word in (NO_VERDICT, UNKNOWN):
+        return verdict.word
+    return f"{verdict.word}, {'above 99.9' if verdict.probability > 0.999 else f'{100.0 * verdict.probability:.3g}'} %"
 
 
 def _page_writer() -> Any:

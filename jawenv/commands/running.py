@@ -15,7 +15,7 @@ from typer.core import TyperArgument, TyperGroup, TyperOption
 from jawenv.errors import InputError, out_of_memory
 
 _NO_NUMBER = re.compile(r"Input should be a valid (integer|number), unable to parse string as an? \1")
-"""What typer says of a word where a number has to be."""
+"""Typer's message about a word in place of a number."""
 _WORDS = {"integer": "whole number", "number": "number"}
 
 
@@ -105,8 +105,8 @@ def run(app: typer.Typer, name: str, arguments: list[str] | None, less_memory: s
         _give_up_stdout()  # a full disk, say
         message = f"the standard output cannot be written: {error.strerror}"
     except typer.TyperException as error:
-        given = _given(error)
-        message = _NO_NUMBER.sub(lambda said: f"{given}allowed: a {_WORDS[said[1]]}", error.format_message())
+        prefix = _given(error)
+        message = _NO_NUMBER.sub(lambda match: f"{prefix}allowed: a {_WORDS[match[1]]}", error.format_message())
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
     return 2
 
@@ -118,6 +118,6 @@ def _give_up_stdout() -> None:
 
 
 def _given(error: typer.TyperException) -> str:
-    """What stood where the ``error`` is, with a semicolon behind; nothing where typer's cause does not say it."""
+    """The faulty value of ``error`` and a semicolon; empty where typer's cause does not name it."""
     problems = getattr(error.__cause__, "errors", None)
     return f"'{problems()[0]['input']}'; " if callable(problems) else ""

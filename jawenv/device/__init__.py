@@ -1,4 +1,4 @@
-"""What drives and feels the jaw: motors and linkage, load cell and encoders, comfort limits and governor."""
+"""The device at the jaw: motors and linkage, load cell and encoders, comfort limits and governor."""
 
 from jawenv.device.device import MOTOR_NAMES, Device
 

@@ -25,4 +25,4 @@ TRACKER = record_dtype(
         ("begun", "u1"),
     ],
 )
-"""What the device remembers while it follows targets."""
+"""The device's memory while it follows targets."""

@@ -1,4 +1,4 @@
-"""What the patient tolerates: limits relative to the patient's own rest pose and painless range.
+"""Limits of comfort, relative to the patient's own rest pose and painless range.
 
 A used fraction is the quantity over its soft limit; above 1 it costs, at the hard limit (a multiple of the soft one)
 the cost is 1 and the episode ends. The numbers are ``comfort_settings``.
@@ -89,7 +89,7 @@ def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
 
 @njit
 def set_general_limits(comfort, limits):
-    """What is the same for every patient: ``limits`` of force, speed and condyles' side, and all hard ones.
+    """Limits common to all patients: ``limits`` of force, speed and condyles' side, and all hard ones.
 
     ``comfort`` is a record of dtype ``COMFORT``.
     """

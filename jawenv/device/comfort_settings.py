@@ -41,7 +41,7 @@ SMALLEST_RANGE_MM = 5.0  # of a patient whom the device can treat: a painless ra
 
 @dataclass(frozen=True)
 class Comfort(NumericFields):
-    """What a patient tolerates, and which multiple of it ends an episode.
+    """A patient's limits of comfort, and the multiple of them that ends an episode.
 
     Attributes:
         force_N: Soft limit of the force of the device on the mouthpiece (G).

@@ -127,12 +127,12 @@ def motor_forces(linkage, body_to_head, wrench):
 def motor_rates(linkage, jaw, q, u):
     """Rates (m/s) of the four motors' points along their directions, of a jaw on its path."""
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(jaw, q, u, ON_PATH, body_to_head)
+    point, velocity = mouthpiece_motion(jaw, q, u, ON_PATH, body_to_head)
     omega = (u[2], u[3], u[4])
-    _, _, _, one = motor_point(linkage, jaw, 0, body_to_head, place, velocity, omega)
-    _, _, _, two = motor_point(linkage, jaw, 1, body_to_head, place, velocity, omega)
-    _, _, _, three = motor_point(linkage, jaw, 2, body_to_head, place, velocity, omega)
-    _, _, _, four = motor_point(linkage, jaw, 3, body_to_head, place, velocity, omega)
+    _, _, _, one = motor_point(linkage, jaw, 0, body_to_head, point, velocity, omega)
+    _, _, _, two = motor_point(linkage, jaw, 1, body_to_head, point, velocity, omega)
+    _, _, _, three = motor_point(linkage, jaw, 2, body_to_head, point, velocity, omega)
+    _, _, _, four = motor_point(linkage, jaw, 3, body_to_head, point, velocity, omega)
     return one, two, three, four
 
 
@@ -163,7 +163,7 @@ def moving_motors(shares, first, last, part, dt):
 
 @njit
 def error_wrench(linkage, errors, motors, body_to_head):
-    """What acts beyond what is read, force and moment (body axes), for ``errors`` (4, 6).
+    """The wrench beyond the readings, force and moment (body axes), for ``errors`` (4, 6).
 
     ``motors`` is (forces, shares of Coulomb's friction, rates), of four each.
     """
@@ -181,13 +181,13 @@ def error_wrench(linkage, errors, motors, body_to_head):
 
 @njit
 def read_one(errors, i, force, share, rate):
-    """What the sensor of motor i reads of its ``force``."""
+    """The reading of motor i's sensor under ``force``."""
     return (force + errors[i, 1] * share + errors[i, 2] * rate) / (1.0 + errors[i, 0])
 
 
 @njit
 def read_forces(errors, forces, shares, rates):
-    """What the four sensors read of the motors' ``forces``."""
+    """The readings of the four sensors under the motors' ``forces``."""
     return (
         read_one(errors, 0, forces[0], shares[0], rates[0]),
         read_one(errors, 1, forces[1], shares[1], rates[1]),

@@ -35,7 +35,7 @@ LARGEST_INTEGRAL = (12.0, 0.3, 0.2)  # N, N m, N m
 
 
 class Felt(NamedTuple):
-    """What is sensed.
+    """The sensed motion and forces.
 
     Opening and side in mm, roll from rest and pitch in rad, forces forward and down in N, and how far the jaw is open,
     as a share of its painless range.
@@ -89,35 +89,35 @@ def set_motors(action, down, forward, roll, yaw, full):
 
 
 @njit
-def servo_rates(device, wanted, felt, action):
+def servo_rates(device, targets, felt, action):
     """Rates of the motors' targets, as shares of the largest, into ``action`` (4)."""
     vertical_arm, horizontal_arm = arms_mm(device)
-    down = within(wanted.opening_rate + CORRECTION * (wanted.opening - felt.opening), FASTEST)
-    side = within(wanted.side_rate + CORRECTION * (wanted.side - felt.side), FASTEST)
-    roll = vertical_arm * (wanted.roll_rate + CORRECTION * (wanted.roll - felt.roll))
-    forward = ADMITTANCE * (wanted.forward - felt.forward) - height_over_lever(felt.pitch) * down
+    down = within(targets.opening_rate + CORRECTION * (targets.opening - felt.opening), FASTEST)
+    side = within(targets.side_rate + CORRECTION * (targets.side - felt.side), FASTEST)
+    roll = vertical_arm * (targets.roll_rate + CORRECTION * (targets.roll - felt.roll))
+    forward = ADMITTANCE * (targets.forward - felt.forward) - height_over_lever(felt.pitch) * down
     yaw = side * horizontal_arm / SIDE_LEVER
     set_motors(action, down, within(forward, FASTEST), roll, yaw, 1e3 * device.max_rate)
 
 
 @njit
-def thrusts(device, wanted, felt, holds_roll, integral, dt, action):
+def thrusts(device, targets, felt, holds_roll, integral, dt, action):
     """Thrusts of the motors, as shares of full scale, into ``action`` (4); changes ``integral`` (3)."""
     opened = min(max(felt.opened, 0.0), 1.0)
     # How much stiffer than typical: a typical jaw takes twice its stiffness times the opening, as it must be lifted off
     # the teeth first.
     stiffer = min(max(felt.down / (2.0 * STIFFNESS[0] * max(felt.opening, 5.0)), 1.0), 5.0)
-    place = (wanted.opening, wanted.side, wanted.roll)
-    error = (wanted.opening - felt.opening, wanted.side - felt.side, wanted.roll - felt.roll)
+    position = (targets.opening, targets.side, targets.roll)
+    error = (targets.opening - felt.opening, targets.side - felt.side, targets.roll - felt.roll)
     push = (0.0, 0.0, 0.0)
     for k in range(3):
         stiffness = STIFFNESS[k] + opened * STIFFENING[k]
         grown = integral[k] + stiffer * stiffness * INTEGRAL[k] * error[k] * dt
         integral[k] = within(grown, LARGEST_INTEGRAL[k])
-        value = stiffness * place[k] + integral[k]
+        value = stiffness * position[k] + integral[k]
         push = (value if k == 0 else push[0], value if k == 1 else push[1], value if k == 2 else push[2])
-    down = push[0] + wanted.forward * height_over_lever(felt.pitch)
+    down = push[0] + targets.forward * height_over_lever(felt.pitch)
     vertical_arm, horizontal_arm = arms_mm(device)
     yaw = 1e3 * push[1] / (2.0 * horizontal_arm)
     roll = 1e3 * push[2] / (2.0 * vertical_arm) if holds_roll else 0.0
-    set_motors(action, down / 2.0, wanted.forward / 2.0, roll, yaw, device.full_scale)
+    set_motors(action, down / 2.0, targets.forward / 2.0, roll, yaw, device.full_scale)

@@ -13,7 +13,7 @@ def path_at(limits, opening):
 
 
 @njit_inlined
-def excursions(limits, jaw, place):
+def excursions(limits, jaw, point):
     """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
-    opening = jaw.mouthpiece[2] - place[2] - limits.rest_opening
-    return opening, place[1] - limits.rest_side, place[0] - path_at(limits, opening)
+    opening = jaw.mouthpiece[2] - point[2] - limits.rest_opening
+    return opening, point[1] - limits.rest_side, point[0] - path_at(limits, opening)

@@ -56,9 +56,9 @@ def mouthpiece_motion(jaw, q, u, lift, body_to_head):
     """
     arm = vector3(jaw.mouthpiece)
     _, slope, _, _ = fossa(jaw, q[0])
-    place = add(add(contact_point(jaw, q), (0.0, 0.0, lift[0])), apply(body_to_head, arm))
+    point = add(add(contact_point(jaw, q), (0.0, 0.0, lift[0])), apply(body_to_head, arm))
     spin = cross((u[2], u[3], u[4]), arm)
-    return place, add((u[0], u[1], slope * u[0] + lift[1]), apply(body_to_head, spin))
+    return point, add((u[0], u[1], slope * u[0] + lift[1]), apply(body_to_head, spin))
 
 
 @njit
@@ -69,10 +69,10 @@ def command_motors(device, jaw, motors, motion, action, trajectory, dt):
     """
     q, u, lift = motion
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
+    point, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     follow = 1.0 - exp(-dt / device.lag)
     for i in range(N_MOTORS):
-        _, _, position, rate = motor_point(device, jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
+        _, _, position, rate = motor_point(device, jaw, i, body_to_head, point, velocity, (u[2], u[3], u[4]))
         limit = device.thrust_peak if motors.heat[i] < 1.0 else device.thrust_continuous
         limit = limit * max(0.0, 1.0 - abs(rate) / device.no_load_speed)
         motors.cap[i] = limit
@@ -84,8 +84,8 @@ def command_motors(device, jaw, motors, motion, action, trajectory, dt):
             motors.target[i] = min(max(motors.target[i], low), high)
         else:
             step = device.slew * dt
-            wanted = action[i] * device.full_scale
-            motors.command[i] += min(max(wanted - motors.command[i], -step), step)
+            goal = action[i] * device.full_scale
+            motors.command[i] += min(max(goal - motors.command[i], -step), step)
             motors.thrust[i] += follow * (motors.command[i] - motors.thrust[i])
             motors.thrust[i] = min(max(motors.thrust[i], -limit), limit)
         load = motors.thrust[i] / device.thrust_continuous
@@ -101,19 +101,19 @@ def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
     """
     q, u, lift = motion
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
+    point, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     omega = (u[2], u[3], u[4])
-    each = all_lines(motors.thrust)
-    arm, axis, position, rate = motor_point(device, jaw, each, body_to_head, place, velocity, omega)
-    thrust = motors.thrust[each]
+    all_motors = all_lines(motors.thrust)
+    arm, axis, position, rate = motor_point(device, jaw, all_motors, body_to_head, point, velocity, omega)
+    thrust = motors.thrust[all_motors]
     if trajectory:
-        lead = motors.target[each] + motors.rate[each] * since - position
-        thrust = device.servo_stiffness * lead + device.servo_damping * (motors.rate[each] - rate)
-        thrust = min(max(thrust, -motors.cap[each]), motors.cap[each])
-        motors.thrust[each] = thrust
+        lead = motors.target[all_motors] + motors.rate[all_motors] * since - position
+        thrust = device.servo_stiffness * lead + device.servo_damping * (motors.rate[all_motors] - rate)
+        thrust = min(max(thrust, -motors.cap[all_motors]), motors.cap[all_motors])
+        motors.thrust[all_motors] = thrust
     pushes = scale(thrust, axis)
     force, moment = totals(pushes), totals(cross(arm, pushes))
-    stops = end_stops(device, jaw, limits, place, velocity)
+    stops = end_stops(device, jaw, limits, point, velocity)
     slide = condyle_stop(device, limits, q, u)
     pressed = norm(stops) + norm(slide)
     acted = STOPPED if pressed > 0.0 else IDLE
@@ -144,9 +144,9 @@ def end_stop(device, travel, limit, rate):
 
 
 @njit_inlined
-def end_stops(device, jaw, limits, place, velocity):
+def end_stops(device, jaw, limits, point, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
-    opening, side, fore_aft = excursions(limits, jaw, place)
+    opening, side, fore_aft = excursions(limits, jaw, point)
     side_limit = limits.side * limits.onset[SIDE]
     forward_limit = limits.fore_aft * limits.onset[FORE_AFT]
     up = end_stop(device, opening, limits.opening * limits.onset[OPENING], -velocity[2])

@@ -40,8 +40,8 @@ def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]
         raise InputError(f"action has shape {array.shape}; allowed: {shape}")
     wrong = ~(np.abs(array) <= 1.0 + SLACK)
     if wrong.any():
-        place = tuple(int(i) for i in np.argwhere(wrong)[0])
-        where = ", ".join(map(str, place))
-        raise InputError(f"action[{where}] is {array[place]}; allowed: -1 to 1")
+        index = tuple(int(i) for i in np.argwhere(wrong)[0])
+        where = ", ".join(map(str, index))
+        raise InputError(f"action[{where}] is {array[index]}; allowed: -1 to 1")
     clipped: NDArray[np.float64] = np.clip(array, -1.0, 1.0)
     return clipped

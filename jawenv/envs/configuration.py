@@ -167,7 +167,7 @@ class Configuration:
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> Configuration:
-        """What ``to_mapping`` wrote, or a user: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments.
+        """A configuration from a mapping: ``env``, as `jawenv.ladder.env_id_of` takes it, and arguments.
 
         Raises:
             InputError: an unknown environment or argument, or a value that is not allowed.
@@ -197,9 +197,9 @@ class Configuration:
         """
         own = configure({"control": self.control} | registered_arguments(self.env_id))
         changed = [
-            each.name
-            for each in fields(self)
-            if each.name in STATED or getattr(self, each.name) != getattr(own, each.name)
+            argument.name
+            for argument in fields(self)
+            if argument.name in STATED or getattr(self, argument.name) != getattr(own, argument.name)
         ]
         return {name: _plain(name, getattr(self, name)) for name in changed if name != "model"}
 
@@ -211,11 +211,13 @@ class Configuration:
 
     def differences(self, other: Configuration) -> tuple[str, ...]:
         """Names of the arguments in which another one is not the same."""
-        return tuple(each.name for each in fields(self) if getattr(self, each.name) != getattr(other, each.name))
+        return tuple(
+            argument.name for argument in fields(self) if getattr(self, argument.name) != getattr(other, argument.name)
+        )
 
     @property
     def mode(self) -> ControlMode:
-        """What its control mode is."""
+        """Its control mode."""
         return CONTROLS[self.control]
 
     @property
@@ -264,7 +266,7 @@ class Configuration:
         return model.muscles if self.anatomy is None else self.build_anatomy().muscle_sets()[model.muscle_set]
 
     def build_comfort(self) -> Comfort:
-        """What is allowed of patients, with the fields that the user changed."""
+        """The comfort limits, with the user's changes."""
         return comfort_of(self.comfort)
 
     def build_cohort(self) -> Cohort:
@@ -276,11 +278,11 @@ class Configuration:
         return device_of(self.device)
 
     def build_knowledge(self) -> Knowledge:
-        """What the filter knows within an sd, and the truth is drawn from."""
+        """The sds of anatomy and mounting, for the filter and for the draw of the truth."""
         return knowledge(self.knowledge)
 
     def build_reality(self) -> Reality:
-        """What the filter does not know, with the fields that the user changed."""
+        """The effects of reality that the filter lacks, with the user's changes."""
         return check_reality(self.reality)
 
 
@@ -296,22 +298,24 @@ def registered_arguments(env_id: str) -> dict[str, Any]:
 def described() -> str:
     """All arguments, a line each: name, default and meaning."""
     listed = fields(Configuration)
-    return "\n".join(f"* ``{each.name}`` ({each.default!r}): {each.metadata['help']}" for each in listed)
+    return "\n".join(
+        f"* ``{argument.name}`` ({argument.default!r}): {argument.metadata['help']}" for argument in listed
+    )
 
 
-def plain_value(name: str, given: object) -> Any:
-    """What an argument says as text, numbers and mappings: of a file its content.
+def plain_value(name: str, value: object) -> Any:
+    """An argument as text, numbers and mappings: of a file its content.
 
     Raises:
         InputError: it is not allowed, or a file cannot be read or is damaged.
     """
-    return _plain(name, getattr(configure({name: given}), name))
+    return _plain(name, getattr(configure({name: value}), name))
 
 
 def _plain(name: str, value: object) -> Any:
     if isinstance(value, Cohort):
-        known = COHORTS.get(value.name)
-        return value.name if known is not None and known.groups == value.groups else value.to_dict()
+        shipped = COHORTS.get(value.name)
+        return value.name if shipped is not None and shipped.groups == value.groups else value.to_dict()
     if isinstance(value, NumericFields):
         return value.changes()
     if isinstance(value, Anatomy):

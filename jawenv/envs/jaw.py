@@ -85,7 +85,8 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
-    * v2: targets control; a gentler device (12 N/s, softer servos), a filter without corrections and with a gate.
+    * v2: targets control is the default.
+    * v1: a gentler device (12 N/s, softer servos), a filter without corrections and with a gate; ``info["gated"]``.
     * v0: first version.
     """
 
@@ -121,7 +122,7 @@ class JawEnv(gym.Env[Observation, Action]):
         self._end: tuple[bool, bool] | None = None
         self._renderer: Any = None
         self.picture_title: str | None = None
-        """What stands above the pictures; model, cohort and control mode where it is None."""
+        """The title above the pictures; model, cohort and control mode where it is None."""
 
     @property
     def prior(self) -> Prior:

@@ -1,4 +1,4 @@
-"""What the agent sees: belief, filtered motion, forces, motors, comfort margins and time, scaled to about one.
+"""The agent's observation: belief, filtered motion, forces, motors, comfort margins and time, scaled to about one.
 
 Nothing here is given the truth: the estimate of the motion, the load cell, the motors and the clinician's limits are
 all that a device would have (``world.record.known_dtype``).
@@ -76,7 +76,7 @@ OBSERVATION_LAYOUT = observation_layout()
 OBSERVATION_SIZE = observation_size()
 
 OBSERVATION_REST = observation_layout(0)
-"""What follows the belief, counted from where the belief ends."""
+"""The layout behind the belief, counted from the belief's end."""
 _REST = OBSERVATION_REST
 _POSE = _REST["pose"].start
 _RATES = _REST["rates"].start
@@ -149,9 +149,9 @@ def observe_world(device, model, known, control, prior, scratch, row):
         sensed[_POSE + i] = bounded(q[i] / POSE_SCALE[i])
         sensed[_RATES + i] = bounded(u[i] / RATE_SCALE[i])
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
+    point, velocity = mouthpiece_motion(model, q, u, lift, body_to_head)
     limits = known.limits
-    excursion = excursions(limits, model, place)
+    excursion = excursions(limits, model, point)
     ranges = (limits.opening, limits.side, limits.fore_aft)
     for i in range(3):
         sensed[_JAW + i] = bounded(excursion[i] / ranges[i])
@@ -164,7 +164,7 @@ def observe_world(device, model, known, control, prior, scratch, row):
         if control.targets:
             target = known.tracker.size[i] * known.tracker.target[i]
         elif control.servo:
-            _, _, position, _ = motor_point(device, model, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
+            _, _, position, _ = motor_point(device, model, i, body_to_head, point, velocity, (u[2], u[3], u[4]))
             target = (known.motors.target[i] - position) / TARGET_SCALE
         sensed[_TARGET + i] = bounded(target)
     set_muscles(model, known.belief.mean, 0, scratch.muscles)

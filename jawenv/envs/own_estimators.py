@@ -25,7 +25,7 @@ __all__ = ["EpisodeStart", "OwnEstimator", "OwnEstimators", "is_own_estimator"]
 
 @dataclass(frozen=True, eq=False)
 class EpisodeStart:
-    """What is known before the first reading of an episode; names and units are those of a ``Record``.
+    """The start of an episode, before the first reading; names and units are those of a ``Record``.
 
     Attributes:
         parameter_names: p names, as ``log_F_o/masseter_left``.
@@ -57,7 +57,7 @@ class EpisodeStart:
 
 @runtime_checkable
 class OwnEstimator(Protocol):
-    """What an object must have to be the ``estimator`` of an environment.
+    """Protocol of an object that can be the ``estimator`` of an environment.
 
     ``belief`` is an attribute or a property: mean (p,) and covariance (p, p) of the natural-log parameters.
     """

@@ -1,4 +1,4 @@
-"""What ``reset`` is given, checked: patients and seeds; and the random numbers that an episode begins with."""
+"""Options of ``reset``, checked: patients and seeds; and the first random numbers of an episode."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ NORM = 6.0  # of the sds: near to the largest, and still smooth
 
 
 def potential(reward: str, worlds: NDArray[np.void]) -> NDArray[np.float64]:
-    """What (N,) a reward pays the increments of, in nats; 0 for a belief that is not a number.
+    """The potential (N,) of a reward, which pays its increments, in nats; 0 for a belief that is not a number.
 
     ``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the
     posterior Cramer-Rao bound at the truth. ``"score"``: log posterior less log prior density at the truth.

@@ -28,7 +28,7 @@ from jawenv.envs.world.kept_ticks import true_tick_dtype
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.record import world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
-from jawenv.envs.world.step_kernel import Rows, Shared, advance, scratch_dtype, settings_dtype
+from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype, settings_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
@@ -69,15 +69,15 @@ class Simulation:
         self._motor_sds = sds_of_sensor(configuration.force_sensor, device)
         self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
-        bilateral, known = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
+        bilateral, filter_bilateral = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
         self._jaw = build_jaw(
             muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
         )
-        self._known_condyles = 2 if known else 1
+        self._known_condyles = 2 if filter_bilateral else 1
         self.knowledge = configuration.build_knowledge()
         self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical, self._motor_sds)
         disturbance = N_WRENCH if self.device[0]["unmodelled_time"] > 0.0 else 0
-        sizes = len(muscles), len(muscles.muscle), N_BODY if known else N_STATES, len(self._sds), disturbance
+        sizes = len(muscles), len(muscles.muscle), N_BODY if filter_bilateral else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))
         self.models = record_zeros(num_worlds, self._jaw.dtype)
@@ -111,8 +111,8 @@ class Simulation:
         """How many ticks of an episode are kept: all to be recorded or read again, or those that the filter replays."""
         configuration = self.configuration
         ticks = configuration.steps * configuration.ticks_per_step
-        kept = configuration.record or configuration.own_estimator is not None
-        return ticks if kept else min(ticks, LAST_WINDOW)
+        whole = configuration.record or configuration.own_estimator is not None
+        return ticks if whole else min(ticks, LAST_WINDOW)
 
     def _kept_truths(self) -> int:
         """How many rows of the truth are kept: of an episode to be recorded, of the bound's last period, or one."""
@@ -141,10 +141,10 @@ class Simulation:
         configuration = self.configuration
         settings["motion_only"] = isinstance(configuration.estimator, str) and configuration.estimator == NO_ESTIMATOR
         settings["used"] = used_readings(configuration.sensors)
-        about = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self._sds, self._jaw
+        parts = self._jaw, self.cohort.muscles, self.cohort.prior, self.knowledge, self._sds, self._jaw
         noise = noise_of(configuration.build_device(), configuration.force_sensor, TICK)
         sd = start_sd(self._jaw, self._known_condyles)
-        fill_settings(settings, Geometry(*about, self.force_errors), noise, sd)
+        fill_settings(settings, Geometry(*parts, self.force_errors), noise, sd)
 
     def _set_disturbance(self, settings: Any) -> None:
         """The true wrench that is not known: what is new in every tick, and how fast what lasts decays."""
@@ -235,7 +235,7 @@ class Simulation:
         truth = self.worlds["truth"][index]
         truth["jaw"], truth["log_parameters"] = self._jaw, log_parameters
         values = draw_truth(truth, self.knowledge, self.reality, self.cohort.muscles, streams, anatomy_seed)
-        truth["nuisances"] = [along(values, each) for each in self._sds]
+        truth["nuisances"] = [along(values, sds) for sds in self._sds]
         truth["no_cell"], truth["slack_below"] = self._motor_sds is not None, self._slack_below
         truth["friction_share"] = truth["motor_rate"] = 0.0  # at rest
         if self._motor_sds is not None:
@@ -273,18 +273,18 @@ class Simulation:
         show_beliefs(shared, self.models, self.worlds, chosen, self.observation)
 
     def _episode_start(self, index: int) -> EpisodeStart:
-        """What an own estimator of world ``index`` is told."""
-        known, noise = self.settings["filter"][0], self.settings["noise_variance"][0]
+        """The start of an episode for the own estimator of world ``index``."""
+        settings, noise = self.settings["filter"][0], self.settings["noise_variance"][0]
         states = self.ticks["believed"].shape[2]
         return EpisodeStart(
             parameter_names=self.parameter_names,
             prior=self.cohort.prior,
             jaw=self.models[index].copy(),
             start_mean=self.ticks["believed"][index, 0].copy(),
-            start_sd=known["start_sd"][:states].copy(),
+            start_sd=settings["start_sd"][:states].copy(),
             tick_s=TICK,
             ticks_per_step=self.configuration.ticks_per_step,
-            measurement_sd=np.sqrt(known["measurement_variance"]),
+            measurement_sd=np.sqrt(settings["measurement_variance"]),
             wrench_sd=np.sqrt(noise[:N_WRENCH]),
             cell_sd=np.sqrt(noise[N_WRENCH:]),
             gain_sd=float(self.device[0]["cell_gain"]),
@@ -292,7 +292,7 @@ class Simulation:
 
     def _advance_compiled(self, actions: NDArray[np.float64], active: NDArray[np.bool_]) -> None:
         shared = Shared(self.device, self.settings, self._scratches)
-        rows = Rows(self.ticks, self.paths, self.observation)
+        rows = StepRows(self.ticks, self.paths, self.observation)
         advance(shared, self.models, self.worlds, actions, active, rows)
 
     def _track_bound(self, active: NDArray[np.bool_]) -> None:

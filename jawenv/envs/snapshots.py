@@ -14,7 +14,7 @@ from jawenv.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """What the future of an environment follows from; made by ``env.snapshot()``, and never changed by its use.
+    """The full state of an environment, which decides its future; made by ``env.snapshot()``, never changed by its use.
 
     Attributes:
         kind: what the environment is: only an environment of the same is restored from it.
@@ -52,8 +52,8 @@ def restore_snapshot(env: Any, snapshot: Any) -> None:
     if snapshot.kind != _kind(env):
         raise InputError("snapshot is of an environment that was made otherwise; allowed: one with the same arguments")
     simulation = env.simulation
-    for array, kept in zip(_arrays(simulation), snapshot.arrays, strict=True):
-        array[...] = kept
+    for array, values in zip(_arrays(simulation), snapshot.arrays, strict=True):
+        array[...] = values
     if snapshot.jaws is not None:
         simulation._contact._jaws = copy.deepcopy(snapshot.jaws)
     if snapshot.estimators is not None:
@@ -73,10 +73,12 @@ def _jaws(simulation: Simulation) -> Any:
 
 
 def _kind(env: Any) -> tuple[Any, ...]:
-    """What must be alike for a snapshot to fit: form, number of worlds and arguments."""
+    """The kind of an environment, which a snapshot must share: form, number of worlds and arguments."""
     configuration, cohort = env.configuration, env.simulation.cohort
     arguments = tuple(
-        getattr(configuration, each.name) for each in fields(configuration) if each.name not in ("cohort", "estimator")
+        getattr(configuration, argument.name)
+        for argument in fields(configuration)
+        if argument.name not in ("cohort", "estimator")
     )
     own = configuration.own_estimator
     estimator = configuration.estimator if own is None else type(own)  # copies of one object need not be equal

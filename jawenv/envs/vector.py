@@ -96,7 +96,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         self._all = np.ones(self.num_envs, dtype=np.bool_)
         self._pictures = WorldPictures(self.simulation, fps) if render_mode == "rgb_array" else None
         self.picture_title: tuple[str | None, ...] = (None,) * self.num_envs
-        """What stands above the pictures of each world; model, cohort and control mode where it is None."""
+        """The title above the pictures of each world; model, cohort and control mode where it is None."""
 
     @property
     def prior(self) -> Prior:
@@ -145,12 +145,12 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             InputError: an option is unknown or has the wrong shape, or a patient is not usable.
         """
-        given = checked_options(options, ("patients", "reset_mask"))
-        mask = given.get("reset_mask")
+        checked = checked_options(options, ("patients", "reset_mask"))
+        mask = checked.get("reset_mask")
         chosen = self._all if mask is None else checked_mask(mask, self.num_envs)
         if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
-        patients = checked_patients(given.get("patients"), self.num_envs)
+        patients = checked_patients(checked.get("patients"), self.num_envs)
         generators, seeds = self._reseeded(seed, chosen)
         self._begin(chosen, patients, generators)
         self._generators, self._seeds, self._begun = generators, seeds, True
@@ -165,12 +165,12 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
 
         A world that gets None keeps its generator.
         """
-        given = checked_seeds(seed, self.num_envs)
+        checked = checked_seeds(seed, self.num_envs)
         self._make_generators()
         generators, seeds = list(self._generators), list(self._seeds)
         for i in np.flatnonzero(chosen).tolist():
-            if given[i] is not None:
-                generators[i], seeds[i] = np_random(given[i])
+            if checked[i] is not None:
+                generators[i], seeds[i] = np_random(checked[i])
         return generators, tuple(seeds)
 
     def _begin(
@@ -266,9 +266,9 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             UnknownAttributeError: worlds have no such attribute; both an ``InputError`` and an ``AttributeError``.
             InputError: arguments are given, which neither takes.
         """
-        given = [*args, *kwargs]
-        if given:
-            raise InputError(f"call({shown(name)}) has the argument {shown(given[0])}; allowed: none")
+        arguments = [*args, *kwargs]
+        if arguments:
+            raise InputError(f"call({shown(name)}) has the argument {shown(arguments[0])}; allowed: none")
         if name == "render":
             return self.render() or (None,) * self.num_envs
         return attribute_of_worlds(self, name)

@@ -1,4 +1,4 @@
-"""What ``call``, ``get_attr`` and ``set_attr`` reach in the worlds of the native vector form."""
+"""Attributes of the native vector form's worlds, for ``call``, ``get_attr`` and ``set_attr``."""
 
 from __future__ import annotations
 

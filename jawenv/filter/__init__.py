@@ -1,1 +1,1 @@
-"""What every step runs to learn: the filter of the environments, and the joint recursion of the bound."""
+"""Learning in every step: the filter of the environments, and the joint recursion of the bound."""

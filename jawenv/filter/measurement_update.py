@@ -133,7 +133,7 @@ def add_nuisances(belief, scratch):
 
 @njit
 def judge_innovation(belief, start_sd, scratch):
-    """What explains the innovation: ``EXPECTED`` and so on; widens the motion if nothing does. Leaves ``factor``."""
+    """The innovation's explanation, ``EXPECTED`` and so on; widens the motion if there is none. Leaves ``factor``."""
     nis = normalised_innovation(belief, scratch)
     if nis <= GATE:
         return EXPECTED

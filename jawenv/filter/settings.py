@@ -1,4 +1,4 @@
-"""What the filter is told of a patient, a device and a disturbance: its settings, filled here alone."""
+"""The filter's settings from patient, device and disturbance, filled here alone."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def wrench_variances(device: Device, force_sensor: ForceSensor) -> Array:
 
 
 def noise_of(device: Device, force_sensor: ForceSensor, dt: float) -> Noise:
-    """What the filter believes of a device in ticks of ``dt`` (10 ms)."""
+    """The filter's noise for a device in ticks of ``dt`` (10 ms)."""
     record, variances = device_with_sensor(force_sensor, device)[0], wrench_variances(device, force_sensor)
     time = float(record["unmodelled_time"])
     lasting = np.repeat([float(record[f"unmodelled_{kind}"]) for kind in ("force", "moment")], 3)
@@ -115,8 +115,8 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
     set_prior(settings, geometry.jaw, geometry.prior)
     if geometry.sds:
         assert geometry.muscles is not None
-        about = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds
-        write_nuisances(settings["nuisances"], *about, geometry.force)
+        parts = geometry.upright, geometry.knowledge, geometry.muscles, geometry.sds
+        write_nuisances(settings["nuisances"], *parts, geometry.force)
     if noise.disturbance_time_s > 0.0:
         variance = noise.disturbance_sd**2
         settings["start_sd"][-N_WRENCH:] = np.sqrt(variance)

@@ -62,7 +62,7 @@ def filter_settings_dtype(
         ("motion_only", "u1"),  # whether the motion is filtered at the prior's mean, and nothing is learnt
         ("start_sd", "f8", n_states + n_disturbance),  # of motion and disturbance before the first reading
         ("disturbance_decay", "f8"),  # over a tick, of a disturbance with memory
-        ("disturbance_variance", "f8", (n_disturbance,)),  # of what is new in it after a tick
+        ("disturbance_variance", "f8", (n_disturbance,)),  # of its innovation in a tick
         ("basis", basis_dtype(n_muscles)),
         ("prior_mean", "f8", (2 * n_muscles,)),
         ("prior_sd", "f8", (2 * n_muscles,)),
@@ -73,7 +73,7 @@ def filter_settings_dtype(
 
 @cache
 def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of what a replay of the filter reads of one tick: encoders at its end, load cell during it."""
+    """Dtype of one tick's readings for a replay of the filter: encoders at its end, load cell during it."""
     fields = [
         ("measured", "f8", N_MEASUREMENTS),
         ("samples", "f8", (N_SAMPLES, N_WRENCH)),
@@ -147,7 +147,7 @@ def _known_jaw(jaw, belief):
 
 @where(has_nuisances, otherwise=_known_jaw)
 def model_of(jaw, belief):
-    """The filter's model, or where there are nuisances that at their mean."""
+    """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
     return belief.jaw
 
 

@@ -1,1 +1,1 @@
-"""What Bayesian design and simulation-based inference call: who can be treated, simulation in batches, likelihoods."""
+"""For Bayesian design and simulation-based inference: treatable patients, simulation in batches, likelihoods."""

@@ -24,7 +24,7 @@ DEGREES_OF_FREEDOM = 10
 
 @dataclass(frozen=True)
 class InformationGain:
-    """What one record has told of its patient, nats; means over patients of the law bound the expected gain.
+    """The information of one record about its patient, nats; means over patients of the law bound the expected gain.
 
     Attributes:
         lower: contrastive lower bound; NaN without contrasts.

@@ -1,4 +1,4 @@
-"""What a record says of parameters: their log-likelihood, and the information that is expected of it."""
+"""The log-likelihood of parameters in a record, and its expected information."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jawenv.laboratory.references.initial import working_memory
 
 
 def log_likelihood(record: Record, theta: ArrayLike) -> Array:
-    """Log-density of what the encoders of a record have read, given the load cell's readings and the parameters.
+    """Log-density of a record's encoder readings, given the load cell's readings and the parameters.
 
     The innovations form (Schweppe 1965, IEEE Trans. Inf. Theory 11:61): with nu_k the encoders' innovations in an
     extended Kalman filter of motion and load-cell gain at fixed parameters, and S_k their covariance, it is the sum of

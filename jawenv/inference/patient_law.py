@@ -54,11 +54,11 @@ class PatientLaw:
         """
         whole = cohort_of(cohort, configuration_of(env_id, None, {}).build_cohort().muscles)
         drawn = whole.sample(draws, seed)
-        kept = drawn[treatable(drawn, env_id=env_id)]
-        if not len(kept):
-            kept = whole.sample(1, seed, accept=partial(treatable, env_id=env_id))
-        share = len(kept) / max(draws, 1)
-        return cls(whole, env_id, share, float(log(share) - _log_density(whole, kept).mean()))
+        treated = drawn[treatable(drawn, env_id=env_id)]
+        if not len(treated):
+            treated = whole.sample(1, seed, accept=partial(treatable, env_id=env_id))
+        share = len(treated) / max(draws, 1)
+        return cls(whole, env_id, share, float(log(share) - _log_density(whole, treated).mean()))
 
     def sample(self, n: int, seed: int) -> Array:
         """(n, p) natural-log parameters of patients, other ones than those of an environment with this seed."""
@@ -88,6 +88,6 @@ def _log_density(cohort: Cohort, theta: Array) -> Array:
     standard = (theta - cohort.mean[:, None]) / cohort.sd[:, None]  # (groups, n, p)
     inside = (np.abs(standard) <= TRUNCATION_SD).all(axis=-1)
     scale = cohort.sd * np.sqrt(2.0 * np.pi) * (1.0 - 2.0 * ndtr(-TRUNCATION_SD))
-    each = -0.5 * (standard**2).sum(axis=-1) - np.log(scale).sum(axis=-1)[:, None]
-    density: Array = logsumexp(np.where(inside, each, -np.inf), axis=0) - log(len(cohort.mean))
+    terms = -0.5 * (standard**2).sum(axis=-1) - np.log(scale).sum(axis=-1)[:, None]
+    density: Array = logsumexp(np.where(inside, terms, -np.inf), axis=0) - log(len(cohort.mean))
     return density

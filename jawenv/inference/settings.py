@@ -1,4 +1,4 @@
-"""What the functions of this room are given, checked: an environment's id and arguments, and parameters of patients."""
+"""Inputs of this room's functions, checked: an environment's id and arguments, and parameters of patients."""
 
 from __future__ import annotations
 

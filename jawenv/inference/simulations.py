@@ -31,7 +31,7 @@ MOST_WORLDS = 256
 
 @dataclass(frozen=True, eq=False)
 class Simulations:
-    """What the devices of n simulated patients have read in T ticks of 10 ms; NaN where there is nothing.
+    """Readings of the devices of n simulated patients in T ticks of 10 ms; NaN where there is none.
 
     There is nothing of patients who cannot be treated, and after an episode has ended before its time. SI units, m
     states of the motion as the filter's model has them.
@@ -72,7 +72,7 @@ def simulate(
     env_id: str = DEFAULT_ENV,
     env_kwargs: Mapping[str, Any] | None = None,
 ) -> Simulations:
-    """What the device reads while it moves n patients by given actions.
+    """Simulate the device's readings while it moves n patients by given actions.
 
     Row i is the episode of a single environment with ``reset(seed=seed + i, options={"patient": ...})`` and these
     actions, bit for bit, whatever the other rows are. It ends early where the environment terminates.
@@ -99,11 +99,11 @@ def simulate(
     checked = checked_actions(actions, (*shape[:-2], shape[-2], 4))
     if len(shape) == 3 and len(checked) != len(rows):
         raise InputError(f"actions has shape {shape}; allowed with {len(rows)} patients: ({len(rows)}, K, 4)")
-    each = np.broadcast_to(checked, (len(rows), shape[-2], 4))
+    repeated = np.broadcast_to(checked, (len(rows), shape[-2], 4))
     records: list[Record | None] = []
     for first in range(0, len(rows), MOST_WORLDS):
         part = slice(first, first + MOST_WORLDS)
-        records += _play(configuration, rows[part], each[part], number + first)
+        records += _play(configuration, rows[part], repeated[part], number + first)
     return _together(rows, records, configuration, states)
 
 

@@ -1,1 +1,1 @@
-"""What every kernel stands on: how kernels are compiled and kept, small algebra, vectors, noise."""
+"""The base of every kernel: compiler and cache, small algebra, vectors, noise."""

@@ -48,7 +48,7 @@ def cache_folder() -> Path:
 
 
 def kernel_folder(function: FunctionType, kind: str = "") -> Path:
-    """The folder of one kernel: its name, the digest of what it is made of, and in which form it is compiled."""
+    """The folder of one kernel: name, digest of its sources, form."""
     name = f"{function.__module__}.{function.__qualname__}-{kernel_digest(function)}{kind}"
     return cache_folder() / name.replace("<", "")
 
@@ -91,7 +91,7 @@ def kernel_digest(function: FunctionType) -> str:
 
 
 def _pieces_of(code: CodeType, doc: str | None) -> Iterator[bytes]:
-    """What a function's code says, without its documentation and line numbers."""
+    """The code of a function, without documentation and line numbers, in pieces."""
     yield code.co_code + repr((code.co_names, code.co_varnames, code.co_freevars)).encode()
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
@@ -125,7 +125,7 @@ def _function_of(value: Any) -> FunctionType | None:
 
 @cache
 def _module_of(function: FunctionType) -> tuple[bytes, list[FunctionType]]:
-    """The module of what is no kernel: its text and functions. What generates code may stand anywhere in it."""
+    """Text and functions of the module of a function that is no kernel: any part of it may generate code."""
     module = sys.modules[function.__module__]
     members = [_function_of(member) for _, member in sorted(vars(module).items())]
     functions = [member for member in members if member is not None and member.__module__ == module.__name__]
@@ -197,7 +197,7 @@ class KernelCache:
 
 
 def _checked_content(path: Path) -> bytes | None:
-    """What a kept file holds behind its checksum; None where there is none, or it is damaged."""
+    """A kept file's content behind its checksum; None if the file is missing or damaged."""
     try:
         content = path.read_bytes()
     except OSError:

@@ -1,4 +1,4 @@
-"""What follows from a Cholesky factor, for matrices of any size, and the solution of other square systems.
+"""Solutions and determinants by a Cholesky factor, for matrices of any size, and by elimination for other ones.
 
 A *factor* is what ``linalg.decompose`` leaves of a symmetric positive definite matrix L L^T: L in the lower half, with
 the inverse of its diagonal on the diagonal, so that nothing is divided by it. ``linalg.whiten`` solves for all columns

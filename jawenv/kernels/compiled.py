@@ -58,7 +58,7 @@ LINKS = numba.version_info.short == (0, 68)
 
 
 class Kernel:
-    """A kernel that kernels call, and now and then Python: in two forms, each compiled when it is first asked for.
+    """A kernel in two forms, one for other kernels and one for Python, each compiled at its first use.
 
     What kernels call is linked into them (``linked``); what Python calls is machine code with an entry for Python. An
     error that such a kernel raises has no values in its message: Numba keeps these with machine code.
@@ -124,7 +124,7 @@ def where(
             return function if condition(*(by_name[name] for name in asked)) else elsewhere
 
         update_wrapper(part, function)
-        part.__dict__[MADE_OF] = tuple(each for each in (function, otherwise, condition) if each is not None)
+        part.__dict__[MADE_OF] = tuple(piece for piece in (function, otherwise, condition) if piece is not None)
         numba.extending.overload(part, inline="always")(update_wrapper(choose, function))
         return cast(Function, part)
 
@@ -143,16 +143,16 @@ class WorldKernel:
     ``numba.get_num_threads()`` says.
     """
 
-    def __init__(self, function: Callable[..., None], place: int) -> None:
+    def __init__(self, function: Callable[..., None], position: int) -> None:
         """Declare the kernel; it is compiled at its first call, or read from the cache."""
         self._function: Any = function
-        self._place = place
+        self._position = position
         self._begun: set[np.dtype[Any]] = set()
         self._kernel = _compile(function, nogil=True)
 
     def __call__(self, *arguments: Any) -> None:
         """Run the kernel on all worlds; says on stderr when it has to be compiled first."""
-        worlds = arguments[self._place]
+        worlds = arguments[self._position]
         if worlds.dtype not in self._begun:
             self._begin(worlds.dtype, arguments)
         threads = min(numba.get_num_threads(), len(worlds) // WORLDS_AT_ONCE)
@@ -195,13 +195,13 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_threads.cache_clear)
 
 
-def world_kernel(place: int) -> Callable[[Callable[..., None]], WorldKernel]:
-    """Decorator that makes a ``WorldKernel``; ``place`` is the position of an argument with one entry per world."""
-    return lambda function: WorldKernel(function, place)
+def world_kernel(position: int) -> Callable[[Callable[..., None]], WorldKernel]:
+    """Decorator that makes a ``WorldKernel``; ``position`` is the position of an argument with one entry per world."""
+    return lambda function: WorldKernel(function, position)
 
 
 LINKED = {"pipeline_class": LinkedCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""What Numba is asked for where a kernel is to be linked into others."""
+"""Numba's options of a kernel for other kernels, into which it is linked."""
 
 
 def _compile(function: Function, linked: bool = False, **options: Any) -> Function:

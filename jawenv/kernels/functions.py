@@ -32,7 +32,7 @@ def sin_cos(x):
     )
     sine = r + r * z * (-1.66666666666666324348e-01 + z * s)
     cosine = (1.0 - 0.5 * z) + w * c
-    place = quarters - 4.0 * floor(0.25 * quarters)
-    turned = place == 1.0 or place == 3.0
+    quadrant = quarters - 4.0 * floor(0.25 * quarters)
+    turned = quadrant == 1.0 or quadrant == 3.0
     first, second = (cosine, sine) if turned else (sine, cosine)
-    return (-first if place >= 2.0 else first), (-second if place == 1.0 or place == 2.0 else second)
+    return (-first if quadrant >= 2.0 else first), (-second if quadrant == 1.0 or quadrant == 2.0 else second)

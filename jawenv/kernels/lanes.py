@@ -37,7 +37,7 @@ class AllLines(types.Type):
     """Type of the index that stands for all of ``count`` rows."""
 
     def __init__(self, count: int) -> None:
-        """The count is all that there is to it."""
+        """An index of as many rows as a compiler can see."""
         self.count = count
         super().__init__(name=f"AllLines({count})")
 
@@ -64,14 +64,14 @@ def _constant(kind: Lanes, value: float) -> Any:
     return ir.Constant(ir.VectorType(_NUMBER, kind.width), [value] * kind.width)
 
 
-def _as_lanes(context: Any, builder: Any, kind: Any, value: Any, wanted: Lanes) -> Any:
+def _as_lanes(context: Any, builder: Any, kind: Any, value: Any, lanes: Lanes) -> Any:
     """A value as a vector: itself, or a number in all lanes."""
     if isinstance(kind, Lanes):
         return value
     number = context.cast(builder, value, kind, types.float64)
-    nothing = ir.Constant(ir.VectorType(_NUMBER, wanted.width), ir.Undefined)
+    nothing = ir.Constant(ir.VectorType(_NUMBER, lanes.width), ir.Undefined)
     one = builder.insert_element(nothing, number, ir.Constant(_PLACE, 0))
-    return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_PLACE, wanted.width), [0] * wanted.width))
+    return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_PLACE, lanes.width), [0] * lanes.width))
 
 
 def _define_operator(function: Any, of_two: Callable[..., Any]) -> None:
@@ -208,7 +208,7 @@ def _total(typing: Any, lanes: Any) -> Any:
 
 
 @intrinsic
-def _lane(typing: Any, lanes: Any, place: Any) -> Any:
+def _lane(typing: Any, lanes: Any, lane: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return builder.extract_element(values[0], builder.trunc(values[1], _PLACE))
 
@@ -252,15 +252,15 @@ def _gather(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     array = context.make_array(kind)(context, builder, values[0])
     columns = _column(context, builder, kind, index, values[1])
     vector, first = ir.Constant(ir.VectorType(_NUMBER, result.width), ir.Undefined), None
-    for place in range(result.width):
-        if place < result.count:
-            where = [ir.Constant(_WHOLE, place), *columns]
+    for lane in range(result.width):
+        if lane < result.count:
+            where = [ir.Constant(_WHOLE, lane), *columns]
             pointer = cgutils.get_item_pointer(context, builder, kind, array, where)
             value = context.cast(builder, context.unpack_value(builder, kind.dtype, pointer), kind.dtype, types.float64)
             first = value if first is None else first
         else:
             value = first
-        vector = builder.insert_element(vector, value, ir.Constant(_PLACE, place))
+        vector = builder.insert_element(vector, value, ir.Constant(_PLACE, lane))
     return vector
 
 
@@ -283,10 +283,10 @@ def _(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     kind, index, lanes = signature.args
     array = context.make_array(kind)(context, builder, values[0])
     columns = _column(context, builder, kind, index, values[1])
-    for place in range(lanes.count):
-        where = [ir.Constant(_WHOLE, place), *columns]
+    for lane in range(lanes.count):
+        where = [ir.Constant(_WHOLE, lane), *columns]
         pointer = cgutils.get_item_pointer(context, builder, kind, array, where)
-        builder.store(builder.extract_element(values[2], ir.Constant(_PLACE, place)), pointer)
+        builder.store(builder.extract_element(values[2], ir.Constant(_PLACE, lane)), pointer)
     return context.get_dummy_value()
 
 

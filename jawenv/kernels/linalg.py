@@ -58,9 +58,9 @@ class _Matrix:
         self.blocks = _blocks(self.columns)
 
     def _at(self, row: Any, offset: Any) -> Any:
-        place = self.builder.mul(row, _index(self.columns))
+        start = self.builder.mul(row, _index(self.columns))
         offset = _index(offset) if isinstance(offset, int) else offset
-        return self.builder.gep(self.data, [self.builder.add(place, offset)])
+        return self.builder.gep(self.data, [self.builder.add(start, offset)])
 
     def number(self, row: Any, offset: Any) -> Any:
         return self.builder.load(self._at(row, offset))
@@ -92,12 +92,12 @@ def _sums(builder: Any, right: _Matrix, rows: int, count: int, factors: Callable
     totals: list[list[Any]] = [[None] * len(right.blocks) for _ in range(rows)]
     for k in range(count):
         numbers = factors(k)
-        for place, (column, width) in enumerate(right.blocks):
+        for block, (column, width) in enumerate(right.blocks):
             vector = right.vector(_index(k), column, width)
             for row in range(rows):
                 term = builder.fmul(_spread(builder, numbers[row], width), vector, flags=_FLAGS)
-                total = totals[row][place]
-                totals[row][place] = term if total is None else builder.fadd(total, term, flags=_FLAGS)
+                total = totals[row][block]
+                totals[row][block] = term if total is None else builder.fadd(total, term, flags=_FLAGS)
     return totals
 
 
@@ -119,8 +119,8 @@ def _product(name: str, sums: str) -> Any:
                     lambda k: [left.number(first, row * left.columns + k) for row in range(rows)],
                 )
                 for row in range(rows):
-                    for place, (column, width) in enumerate(out.blocks):
-                        value, offset = totals[row][place], row * out.columns + column
+                    for block, (column, width) in enumerate(out.blocks):
+                        value, offset = totals[row][block], row * out.columns + column
                         if sums != "=":
                             old = out.vector(first, offset, width)
                             value = (builder.fadd if sums == "+" else builder.fsub)(old, value, flags=_FLAGS)
@@ -157,15 +157,15 @@ def _add_squares(typing: Any, rows: Any, target: Any) -> Any:
     _checked("add_squares", (rows, target), lambda s, t: t == (s[1], s[1]) and s[1] % WIDE == 0)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        given, out = _matrices(context, builder, signature, values)
+        source, out = _matrices(context, builder, signature, values)
         blocks = _index(out.columns // WIDE)
         with cgutils.for_range(builder, blocks) as upper, cgutils.for_range(builder, blocks, start=upper.index) as left:
             first, column = (builder.mul(loop.index, _index(WIDE)) for loop in (upper, left))
             totals: list[Any] = [None] * WIDE
-            for k in range(given.rows):
-                vector = given.vector(_index(k), column, WIDE)
+            for k in range(source.rows):
+                vector = source.vector(_index(k), column, WIDE)
                 for row in range(WIDE):
-                    number = given.number(_index(k), builder.add(first, _index(row)))
+                    number = source.number(_index(k), builder.add(first, _index(row)))
                     term = builder.fmul(_spread(builder, number, WIDE), vector, flags=_FLAGS)
                     total = totals[row]
                     totals[row] = term if total is None else builder.fadd(total, term, flags=_FLAGS)
@@ -194,12 +194,12 @@ def _add_scaled(typing: Any, target: Any, start: Any, factor: Any, source: Any) 
     _checked("add_scaled", (target, start, source), lambda s, t, u: s == t == u)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kinds, given = signature.args, values
-        out, first, second = (_Matrix(context, builder, kinds[i], given[i]) for i in (0, 1, 3))
+        kinds, arrays = signature.args, values
+        out, first, second = (_Matrix(context, builder, kinds[i], arrays[i]) for i in (0, 1, 3))
 
         def some_row(row: Any, _: int) -> None:
             for column, width in out.blocks:
-                term = builder.fmul(_spread(builder, given[2], width), second.vector(row, column, width), flags=_FLAGS)
+                term = builder.fmul(_spread(builder, arrays[2], width), second.vector(row, column, width), flags=_FLAGS)
                 out.store(builder.fadd(first.vector(row, column, width), term, flags=_FLAGS), row, column, width)
 
         _in_groups(builder, out.rows, 1, some_row)
@@ -224,13 +224,13 @@ def _whiten(typing: Any, factor: Any, rows: Any) -> Any:
                 vectors = [out.vector(_index(i), column, width) for column, width in here]
                 for k in range(i):
                     share = lower.number(_index(i), k)
-                    for place, (_, width) in enumerate(here):
-                        term = builder.fmul(_spread(builder, share, width), done[k][place], flags=_FLAGS)
-                        vectors[place] = builder.fsub(vectors[place], term, flags=_FLAGS)
+                    for block, (_, width) in enumerate(here):
+                        term = builder.fmul(_spread(builder, share, width), done[k][block], flags=_FLAGS)
+                        vectors[block] = builder.fsub(vectors[block], term, flags=_FLAGS)
                 last = lower.number(_index(i), i)
-                for place, (column, width) in enumerate(here):
-                    vectors[place] = builder.fmul(vectors[place], _spread(builder, last, width), flags=_FLAGS)
-                    out.store(vectors[place], _index(i), column, width)
+                for block, (column, width) in enumerate(here):
+                    vectors[block] = builder.fmul(vectors[block], _spread(builder, last, width), flags=_FLAGS)
+                    out.store(vectors[block], _index(i), column, width)
                 done.append(vectors)
         return context.get_dummy_value()
 

@@ -46,11 +46,11 @@ class LinkedLibrary(JITCodeLibrary):
 
     @property
     def codegen(self) -> Any:
-        """What Numba asks where to put objects that the code refers to."""
+        """Numba's code generator, without places for Python objects in the code."""
         return _WithoutEnvironments(self._codegen)
 
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
-        """What the cache keeps: LLVM's code, in place of the machine's."""
+        """The library's name and its LLVM code, which the cache keeps in place of machine code."""
         self._ensure_finalized()
         return self.name, "linked", self._get_module_for_linking().as_bitcode()
 

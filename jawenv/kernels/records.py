@@ -17,16 +17,16 @@ LINE = 64  # bytes of a line of the cache
 def record_dtype(fields: list[Any]) -> np.dtype[np.void]:
     """A dtype of ``fields``, as for ``np.dtype``; those of a line or more begin at one, and so does the next record."""
     plain = np.dtype(fields, align=True)
-    names, formats, offsets, place, widest = list(plain.names or ()), [], [], 0, plain.alignment
+    names, formats, offsets, offset, widest = list(plain.names or ()), [], [], 0, plain.alignment
     for name in names:
         kind = plain.fields[name][0]  # type: ignore[index]
         step = LINE if kind.itemsize >= LINE else kind.alignment
-        place = -(-place // step) * step
+        offset = -(-offset // step) * step
         formats.append(kind)
-        offsets.append(place)
-        place += kind.itemsize
+        offsets.append(offset)
+        offset += kind.itemsize
         widest = max(widest, step)
-    size = -(-place // widest) * widest
+    size = -(-offset // widest) * widest
     return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size}, align=True)
 
 

@@ -45,10 +45,10 @@ def _plus(typing: Any, a: Any, factor: Any, b: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         first, number, second = values
         total = ir.Constant(first.type, ir.Undefined)
-        for place in range(a.count):
-            term = builder.fmul(number, builder.extract_value(second, place))
-            value = builder.fadd(builder.extract_value(first, place), term)
-            total = builder.insert_value(total, value, place)
+        for index in range(a.count):
+            term = builder.fmul(number, builder.extract_value(second, index))
+            value = builder.fadd(builder.extract_value(first, index), term)
+            total = builder.insert_value(total, value, index)
         return total
 
     return a(a, types.float64, b), generate
@@ -66,22 +66,22 @@ zeros: Any = intrinsic(_zeros)
 
 
 @njit_within
-def runge_kutta_step(rate, q, u, h, given):
+def runge_kutta_step(rate, q, u, h, arguments):
     """Coordinates and speeds after a step of ``h`` seconds.
 
     Becomes part of its caller's code, so that ``rate`` is a kernel known at compile time.
 
     Args:
-        rate: Kernel of (q, u, stage, h, given) that returns (q', u').
+        rate: Kernel of (q, u, stage, h, arguments) that returns (q', u').
         q: Tuple of coordinates.
         u: Tuple of speeds, of any length.
         h: s.
-        given: What else the rate depends on, or writes into, as a tuple.
+        arguments: Tuple of the rate's other inputs and of its memory.
     """
     start_q, start_u = q, u
     sum_q, sum_u = zeros(q), zeros(u)
     for stage in range(STAGES):
-        q_rate, u_rate = rate(q, u, stage, h, given)
+        q_rate, u_rate = rate(q, u, stage, h, arguments)
         weight, reach = stage_weight(stage, h), stage_reach(stage, h)
         sum_q, sum_u = plus(sum_q, weight, q_rate), plus(sum_u, weight, u_rate)
         q, u = plus(start_q, reach, q_rate), plus(start_u, reach, u_rate)

@@ -56,8 +56,8 @@ def settings_of_record(record: Record) -> Any:
         force = motor_sds, record.device.records()[0]
     if not record.knowledge.exact or force is not None:
         model = defaults.matching_models(record.parameter_names, states)[0]
-        known = record.jaw, model, record.knowledge, record.prior
-        upright, sds = sds_of(*known, None if force is None else force[0])
+        parts = record.jaw, model, record.knowledge, record.prior
+        upright, sds = sds_of(*parts, None if force is None else force[0])
         muscle_set = model.muscles
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
@@ -78,7 +78,7 @@ def settings_of_record(record: Record) -> Any:
 
 
 def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
-    """What the filter of an environment is told, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
+    """Settings of an environment's filter, of dtype ``filter_settings_dtype``, for the geometry ``jaw``."""
     model, muscles, device = model_named(configuration.model), configuration.muscles, configuration.build_device()
     prior, knowledge = configuration.build_cohort().prior, configuration.build_knowledge()
     sensor = configuration.force_sensor

@@ -1,4 +1,4 @@
-"""What the environments' filter finds in a recording, and whether that is to be believed."""
+"""Identification of a recording by the environments' filter, with the reasons to doubt it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EVERY = 5
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What is found in a recording.
+    """The identification of a recording.
 
     Attributes:
         estimate: the belief over time.
@@ -46,7 +46,9 @@ class Identification:
     def doubts(self) -> list[str]:
         """Why the estimates are not to be believed, and what to look at; empty where they are."""
         doubts = [
-            f"{each.columns}: {each.value}; allowed: {each.allowed}" for each in self.findings if not each.plausible
+            f"{finding.columns}: {finding.value}; allowed: {finding.allowed}"
+            for finding in self.findings
+            if not finding.plausible
         ]
         if not self.misfit <= LARGEST_MISFIT:
             doubts.append(f"the readings do not fit the model: misfit {self.misfit:.3g}; allowed: {LARGEST_MISFIT:g}")

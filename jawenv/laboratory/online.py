@@ -42,8 +42,8 @@ STEEPEST_TILT = 90.0  # degrees
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
-    """What is believed after a tick about p parameters, whose natural logs are normal.
+class OnlineBelief:
+    """The belief after a tick about p parameters, whose natural logs are normal.
 
     Attributes:
         names: p names, as ``log_F_o/masseter_left``.
@@ -227,7 +227,7 @@ class OnlineFilter:
         if begun is not None:
             self._begin(*begun)
 
-    def update(self, measured: ArrayLike, samples: ArrayLike | None = None) -> Belief:
+    def update(self, measured: ArrayLike, samples: ArrayLike | None = None) -> OnlineBelief:
         """Take the readings of one tick. The first update is the start, at which the encoders alone are read.
 
         Args:
@@ -286,10 +286,10 @@ class OnlineFilter:
             )
         )
 
-    def _present_belief(self, left_out: int) -> Belief:
-        """A copy of what is believed."""
+    def _present_belief(self, left_out: int) -> OnlineBelief:
+        """A copy of the present belief."""
         belief = self._belief
-        return Belief(
+        return OnlineBelief(
             self.names,
             self._tick * self.tick_s,
             belief["mean"].copy(),

@@ -77,7 +77,7 @@ class Arguments(NamedTuple):
 
 
 class FilterRun:
-    """What the kernels need to filter a record: the jaw, and memory as before the first reading.
+    """The kernels' inputs for the filter of a record: the jaw, and memory as before the first reading.
 
     Args:
         record: the record.

@@ -52,8 +52,8 @@ class _Setting(Struct, tag="GuiUpdateMessage", forbid_unknown_fields=True):
 _DECODER = msgpack.Decoder(_Camera | _Hotkey | _Setting)
 
 
-class Admission:
-    """What a viser server takes from browsers.
+class AccessRules:
+    """Rules for browsers of a viser server.
 
     A browser is admitted if its Host is the page's own address and its Origin is, too; who opens no websocket may have
     no Origin. Of the messages those are taken that move a camera, press a hotkey, or set a control to a value that it
@@ -101,7 +101,7 @@ class Admission:
         return isinstance(message, _Hotkey) or (isinstance(message, _Camera) and _is_finite(message))
 
     def _answering(self, process_request: Any) -> Any:
-        """What answers a request before viser does."""
+        """The handler of requests before viser's."""
 
         def answer(connection: ServerConnection, request: Request) -> Response | None:
             if not _is_own(request, self._names, connection.local_address[1]):
@@ -119,7 +119,7 @@ class Admission:
 
 
 class _Connection(ServerConnection):
-    def __init__(self, admission: Admission, *args: Any, **options: Any) -> None:
+    def __init__(self, admission: AccessRules, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._admission = admission
 

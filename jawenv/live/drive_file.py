@@ -1,4 +1,4 @@
-"""What was driven, as a maneuver file: samples at times, linear between."""
+"""A drive as a maneuver file: samples at times, linear between."""
 
 from __future__ import annotations
 
@@ -59,15 +59,15 @@ def write_maneuver(path: Path, maneuver: Maneuver) -> None:
 
 def _samples(times: Array, values: Array) -> Keyframes:
     """The samples, without those that lie on the straight line between their neighbours."""
-    kept = [0]
+    indices = [0]
     for i in range(1, len(times) - 1):
-        before, after = kept[-1], i + 1
+        before, after = indices[-1], i + 1
         share = (times[i] - times[before]) / (times[after] - times[before])
         line = values[before] + share * (values[after] - values[before])
         if abs(values[i] - line) > _SMALLEST or not _straight(times, values, before, i, after):
-            kept.append(i)
-    kept.append(len(times) - 1)
-    points = [KeyframePoint(t_s=round(float(times[i]), 6), value=round(float(values[i]), _DECIMALS)) for i in kept]
+            indices.append(i)
+    indices.append(len(times) - 1)
+    points = [KeyframePoint(t_s=round(float(times[i]), 6), value=round(float(values[i]), _DECIMALS)) for i in indices]
     return Keyframes(kind="keyframes", interpolation="linear", points=tuple(points))
 
 

@@ -1,4 +1,4 @@
-"""What is added to viser's page: colours for light and dark, a layout for narrow pages, names of fields for readers."""
+"""Additions to viser's page: colours for light and dark, a layout for narrow pages, names of fields for readers."""
 
 from __future__ import annotations
 

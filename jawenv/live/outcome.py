@@ -1,4 +1,4 @@
-"""What a drive has reached on its patient, and what maneuvers reach on the same one."""
+"""Outcomes of a drive and of maneuvers on the same patient."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ LARGEST_DISCOMFORT_S = 0.1  # in 30 s, as for the ranking of a comparison
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What one drive of one patient has reached.
+class DriveOutcome:
+    """The outcome of one drive of one patient.
 
     Attributes:
         name: who drove.
@@ -57,8 +57,8 @@ class Outcome:
 
 def outcomes_of_rivals(
     setup: Setup, agents: Mapping[str, Agent] | None = None, names: Sequence[str] = RIVALS
-) -> list[Outcome]:
-    """What agents and maneuvers that come with jawenv reach on the patient of a setup, with the same noise.
+) -> list[DriveOutcome]:
+    """Outcomes of shipped agents and maneuvers on the patient of a setup, with the same noise.
 
     Args:
         setup: whom, and how.
@@ -75,12 +75,12 @@ def outcomes_of_rivals(
     return of_agents + [_played(setup, player.name, player, setup.world.steps_per_s) for player in players]
 
 
-def _played(setup: Setup, name: str, player: Agent, control_hz: float | None) -> Outcome:
+def _played(setup: Setup, name: str, player: Agent, control_hz: float | None) -> DriveOutcome:
     kwargs = setup.world.arguments | {"track_bound": False, "record": False, "control_hz": control_hz}
     reached = score(
         play(player, patients=1, seed=setup.seed, env_kwargs=kwargs, env_id=setup.world.env_id), targets=KNOWN
     )
-    return Outcome(
+    return DriveOutcome(
         name,
         (float(reached.time_to_s[KNOWN[0]][0]), float(reached.time_to_s[KNOWN[1]][0])),
         float(reached.worst_sd[0]),

@@ -21,9 +21,9 @@ from jawenv.errors import InputError
 from jawenv.ladder import MODELS
 from jawenv.live import panels
 from jawenv.live.keys import Keys, keys_html, moved
-from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
 from jawenv.live.saving import Saves
-from jawenv.live.session import BY_HAND, Session
+from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
@@ -48,7 +48,7 @@ class Page:
         setup: of the first session.
         folder: where drives are saved.
         driver: who drives at first: ``you``, an agent or a maneuver.
-        agents: who may drive beside the maneuvers, and is in the score; see `jawenv.live.session.Session`.
+        agents: who may drive beside the maneuvers, and is in the score; see `jawenv.live.session.DriveSession`.
 
     Raises:
         InputError: the setup or the driver is refused.
@@ -65,10 +65,10 @@ class Page:
         self._saves = Saves(folder)
         self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WISHES)
         self._stopped = threading.Event()
-        self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[Outcome]()
+        self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[DriveOutcome]()
         self.steps = 0
-        self._ghost: Session | None = None
-        self.session = Session(setup, agents)
+        self._ghost: DriveSession | None = None
+        self.session = DriveSession(setup, agents)
         self.session.hand_over(driver)
         self._shown = self.session.shown()
         self._view = View(server, self._shown)
@@ -106,7 +106,7 @@ class Page:
         return 1.0 / self.session.setup.world.steps_per_s
 
     def _wait(self) -> None:
-        """Let no time pass before somebody moves, or sees a maneuver move."""
+        """Hold time until somebody steers, or a maneuver shows itself."""
         self._waiting = True
         self._remark = _BEGIN if self.session.driver == BY_HAND else ""
 
@@ -177,10 +177,10 @@ class Page:
         """Another patient, model, control or knowledge."""
         values = {name: handle.value for name, handle in self._choices.items()}
         seed = int(values.pop("seed"))
-        known = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._levels[values["knowledge"]]}
-        setup = Setup(replace(self.session.setup.world, **(values | known)), seed)
+        patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._levels[values["knowledge"]]}
+        setup = Setup(replace(self.session.setup.world, **(values | patient)), seed)
         self._say("making the environment: the first of a model compiles for up to a minute")
-        session = Session(setup, self.session.agents)
+        session = DriveSession(setup, self.session.agents)
         session.hand_over(self._driver.value)
         self.session, self._rivals = session, []
         self._view.renew(session.shown())
@@ -193,7 +193,7 @@ class Page:
         self._view.show_ghost(None)
         if name == _NOBODY:
             return
-        ghost = Session(self.session.setup, self.session.agents)
+        ghost = DriveSession(self.session.setup, self.session.agents)
         ghost.hand_over(name)
         shown = ghost.shown()
         for _ in range(self.session.steps):
@@ -287,10 +287,10 @@ class Page:
 
     def _add_choices(self, gui: Any) -> None:
         setup, world = self.session.setup, self.session.setup.world
-        cohort, known = world.build_cohort(), world.build_knowledge()
+        cohort, knowledge = world.build_cohort(), world.build_knowledge()
         self._cohorts = {**COHORTS, cohort.name: cohort}
-        level = next((name for name, level in LEVELS.items() if level == known), "as given")
-        self._levels = {**LEVELS, level: known}
+        level = next((name for name, level in LEVELS.items() if level == knowledge), "as given")
+        self._levels = {**LEVELS, level: knowledge}
         with gui.add_folder("Patient and model", expand_by_default=False):
             self._choices = {
                 "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),

@@ -1,4 +1,4 @@
-"""What stands beside the jaw, as HTML: the posteriors, comfort, and the lines of the score."""
+"""Panels beside the jaw, as HTML: the posteriors, comfort, and the lines of the score."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, Outcome
+from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
 from jawenv.live.session import Shown
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
@@ -34,14 +34,14 @@ def posterior_html(scene: Scene) -> str:
             sd = _sd_cell(float(scene.belief_sd[i]), worst)
             cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{sd}")
         rows.append(f"<tr><th style='{_NAME}'>{escape(_name(muscle))}</th>{''.join(cells)}</tr>")
-    known = " · ".join(f"{int((scene.belief_sd <= sd).sum())} to {100 * sd:.0f} %" for sd in KNOWN)
-    title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)} known: {known}</span>"
+    counts = " · ".join(f"{int((scene.belief_sd <= sd).sum())} to {100 * sd:.0f} %" for sd in KNOWN)
+    title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)} known: {counts}</span>"
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
     return f"<div id='posterior' style='{_CARD}'>{title}{table}</div>"
 
 
 def legend_html() -> str:
-    """What colours and sizes of the jaw mean."""
+    """Legend of the jaw's colours and sizes."""
     steps = [math.exp(math.log(palette.UNKNOWN_SD) * (1 - i / 6) + math.log(_BEST_SD) * i / 6) for i in range(7)]
     ramp = ",".join(_css(palette.knowledge(sd)) for sd in steps)
     scale = (
@@ -99,10 +99,10 @@ def status_html(shown: Shown, remark: str = "") -> str:
         f"<div style='color:var(--live-soft);font-size:11px;min-height:14px'>{below}</div></div>"
         for name, value, below in figures
     )
-    words = [escape(each) for each in (shown.why, remark) if each]
+    words = [escape(text) for text in (shown.why, remark) if text]
     if shown.misfit > 1.0:
         words.append("The readings do not fit the model.")
-    below = "".join(f"<div style='margin-top:4px;color:var(--live-remark)'>{each}</div>" for each in words)
+    below = "".join(f"<div style='margin-top:4px;color:var(--live-remark)'>{text}</div>" for text in words)
     grid = "display:grid;grid-template-columns:repeat(3,1fr);gap:4px 8px"
     return f"<div id='status' style='{_CARD}'><div style='{grid}'>{cells}</div>{below}</div>"
 
@@ -115,8 +115,8 @@ def ghost_html(shown: Shown) -> str:
     return f"<div id='ghost' style='{style}'>ghost of {escape(shown.driver.replace('_', ' '))}: {words}</div>"
 
 
-def score_html(outcomes: Sequence[Outcome], saved: Sequence[str] = ()) -> str:
-    """What the drive and the maneuvers reached on this patient."""
+def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> str:
+    """Scores of the drive and of the maneuvers on this patient."""
     head = f"<tr><th></th>{_heads(_SCORE_HEADS)}</tr>"
     rows = []
     for one in outcomes:
@@ -126,7 +126,7 @@ def score_html(outcomes: Sequence[Outcome], saved: Sequence[str] = ()) -> str:
             f"{100 * one.worst_sd:.1f} %",
             f"{one.discomfort_s:.2f} s{'' if one.within_comfort else ' (too much)'}",
         )
-        cells = "".join(f"<td style='text-align:right;padding-left:6px'>{each}</td>" for each in figures)
+        cells = "".join(f"<td style='text-align:right;padding-left:6px'>{figure}</td>" for figure in figures)
         rows.append(f"<tr><th style='{_NAME}'>{escape(one.name.replace('_', ' '))}</th>{cells}</tr>")
     files = "".join(f"<div style='overflow-wrap:anywhere'>saved: {escape(path)}</div>" for path in saved)
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"

@@ -6,7 +6,7 @@ import numpy as np
 
 from jawenv.laboratory.record_filter import TensionFilter
 from jawenv.laboratory.recordings.record import Record
-from jawenv.live.outcome import KNOWN, Outcome
+from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.session import Shown
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.forces import muscle_pull
@@ -49,7 +49,7 @@ class Playback:
         estimate, time = self._estimate, float(self._estimate.time[index])
         sds = estimate.sd[: index + 1]
         ten, five = (float(time_to(sds[None], estimate.time[: index + 1], threshold)[0]) for threshold in KNOWN)
-        reached = Outcome(self._name, (ten, five), float(sds[-1].max()), 0.0, time, False)
+        reached = DriveOutcome(self._name, (ten, five), float(sds[-1].max()), 0.0, time, False)
         last = index == len(self) - 1
         return Shown(
             self._scene(index), np.zeros(4), self._name, reached, 0.0, last, "the recording is over" if last else ""
@@ -58,10 +58,10 @@ class Playback:
     def _scene(self, index: int) -> Scene:
         record, tick = self._record, index * self._every
         jaw, mean, cov = record.jaw, self._estimate.mean[index], self._estimate.cov[index]
-        place, angles = self._measured[tick, :3], self._measured[tick, 3:6]
+        position, angles = self._measured[tick, :3], self._measured[tick, 3:6]
         turn = rotation((0.0, 0.0, *angles.tolist()))
         body_to_head = np.array(turn)
-        contact = place - body_to_head @ jaw["mouthpiece"]
+        contact = position - body_to_head @ jaw["mouthpiece"]
         muscles = np.exp(mean.reshape(-1, 2))[jaw["muscle"]]
         tensions = [muscle_pull(jaw, muscles, i, tuple(contact), turn)[3] for i in range(len(muscles))]
         rest = self._measured[0, :3]
@@ -77,7 +77,7 @@ class Playback:
             condyle_half_width_m=float(jaw["condyle_half_width"]),
             fossa_drop_m=float(jaw["fossa_drop"]),
             fossa_frequency=float(jaw["fossa_frequency"]),
-            mouthpiece_m=place,
+            mouthpiece_m=position,
             mouthpiece_force_N=body_to_head @ self._forces[max(tick - 1, 0)],
             parameter_names=record.parameter_names,
             belief_mean=mean,
@@ -90,9 +90,9 @@ class Playback:
             governor=0.0,
             time_s=float(self._estimate.time[index]),
             episode_s=float(record.time[-1]),
-            opening_mm=1e3 * float(jaw["mouthpiece"][2] - place[2]),
+            opening_mm=1e3 * float(jaw["mouthpiece"][2] - position[2]),
             opening_limits_mm=np.array([40.0, 50.0]),
-            excursion_mm=1e3 * np.array([place[1] - rest[1], 0.0]),
+            excursion_mm=1e3 * np.array([position[1] - rest[1], 0.0]),
             excursion_soft_mm=np.array([10.0, 10.0]),
             information_nats=float(np.log(record.prior.sd).sum() - 0.5 * np.linalg.slogdet(cov)[1]),
             title=self._name,

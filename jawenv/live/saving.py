@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from jawenv.errors import InputError
-from jawenv.live.session import Session
+from jawenv.live.session import DriveSession
 
 MOST_DRIVES = 200
 MOST_BYTES = 500 * 2**20
 
 
 class Saves:
-    """What one page has saved: of every drive a pair of files, which a later save of the same drive replaces.
+    """Saved drives of one page: a pair of files each, which a later save of the same drive replaces.
 
     Args:
         folder: where the files are.
@@ -28,7 +28,7 @@ class Saves:
         self._files: list[Path] = []
         self._steps = 0
 
-    def save(self, session: Session) -> list[Path]:
+    def save(self, session: DriveSession) -> list[Path]:
         """Write the drive of a session, unless nothing was driven since it was written last.
 
         Returns:

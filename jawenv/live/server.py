@@ -34,10 +34,10 @@ def serving(port: int = PORT) -> Iterator[Any]:
         raise InputError(f"port is {shown(port)}; allowed: a whole number, 0 to {LARGEST_PORT}")
     with needs("jawenv live", "viser", "live"):
         import viser
-    from jawenv.live.admission import Admission
+    from jawenv.live.admission import AccessRules
 
     _check_free(number)
-    admission = Admission(HOST)
+    admission = AccessRules(HOST)
     with admission.installed(), contextlib.redirect_stdout(io.StringIO()):  # its table of addresses
         server: Any = viser.ViserServer(host=HOST, port=number, label=TITLE, verbose=False)
     admission.gui = server.gui

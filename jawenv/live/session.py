@@ -20,7 +20,7 @@ from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.laboratory.recordings.record import Record
 from jawenv.live.deciding import Deciding
 from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
-from jawenv.live.outcome import KNOWN, Outcome
+from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
 from jawenv.playing.maneuvers import Maneuver
@@ -33,7 +33,7 @@ _LIMITS = np.array(LOWEST), HIGHEST
 
 @dataclass(frozen=True)
 class Shown:
-    """What a page shows of one moment.
+    """One moment, as a page shows it.
 
     Attributes:
         scene: jaw, belief and comfort.
@@ -48,13 +48,13 @@ class Shown:
     scene: Scene
     targets: Array
     driver: str
-    outcome: Outcome
+    outcome: DriveOutcome
     misfit: float
     ended: bool
     why: str
 
 
-class Session:
+class DriveSession:
     """One patient who is driven; ``begin`` starts an episode, ``drive`` makes a control step.
 
     Args:
@@ -115,7 +115,7 @@ class Session:
 
     def _deciding(self, name: str) -> Deciding:
         if not takes_targets(self.setup.world.control):
-            raise InputError(f"control: {self.setup.world.control} given; allowed where {name} drives: targets")
+            raise InputError(f"control is {self.setup.world.control}; allowed where {name} drives: targets")
         deciding = Deciding(name, self.agents[name], self.setup.world.steps_per_s)
         deciding.try_out(self._observation)
         return deciding
@@ -176,10 +176,10 @@ class Session:
             self._why,
         )
 
-    def outcome(self) -> Outcome:
-        """What has been reached so far."""
+    def outcome(self) -> DriveOutcome:
+        """The drive's outcome so far."""
         ten, five = self._reached.values()
-        return Outcome(self._name(), (ten, five), self._worst_sd, self._discomfort_s, self._time_s, self._violated)
+        return DriveOutcome(self._name(), (ten, five), self._worst_sd, self._discomfort_s, self._time_s, self._violated)
 
     @property
     def _time_s(self) -> float:
@@ -197,7 +197,7 @@ class Session:
         return " and ".join(sorted(self._drivers, reverse=True)) or BY_HAND
 
     def maneuver(self, name: str) -> Maneuver:
-        """What was driven in this episode, as a maneuver.
+        """This episode's drive, as a maneuver.
 
         Raises:
             InputError: nothing was driven yet.
@@ -205,7 +205,7 @@ class Session:
         return maneuver_of_drive(name, self._times, self._targets)
 
     def record(self) -> Record:
-        """What the device has measured in this episode.
+        """The device's record of this episode.
 
         Raises:
             InputError: no step was made.

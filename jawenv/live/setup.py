@@ -16,7 +16,7 @@ SHORTEST_S, LONGEST_S = 1.0, 600.0  # of an episode: the device's readings are k
 
 @dataclass(frozen=True)
 class Setup:
-    """What an environment is made of for a drive.
+    """The environment and the patient of a drive.
 
     Attributes:
         world: the environment. Targets are what the hand sets in every control mode; in two of them the device's law

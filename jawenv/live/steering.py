@@ -54,25 +54,25 @@ class Steering(Player):
             InputError: another shape, or a value that is not in its range.
         """
         try:
-            given = np.array(targets, dtype=np.float64)
+            values = np.array(targets, dtype=np.float64)
         except (TypeError, ValueError):
-            given = np.empty(0)
-        if given.shape != (len(CHANNELS),):
-            raise InputError(f"targets: {shown(targets)} given; allowed: {len(CHANNELS)} numbers")
-        for name, value, low in zip(CHANNELS, given.tolist(), LOWEST, strict=True):
+            values = np.empty(0)
+        if values.shape != (len(CHANNELS),):
+            raise InputError(f"targets is {shown(targets)}; allowed: {len(CHANNELS)} numbers")
+        for name, value, low in zip(CHANNELS, values.tolist(), LOWEST, strict=True):
             if not low - 1e-9 <= value <= HIGHEST + 1e-9:
-                raise InputError(f"{name}: {value:g} given; allowed: {low:g} to {HIGHEST:g}")
-        self.hand = given
+                raise InputError(f"{name} is {value:g}; allowed: {low:g} to {HIGHEST:g}")
+        self.hand = values
 
     def targets(self, time: Array) -> Targets:
         """See `Player.targets`; the hand's move no faster than the device moves them."""
         if isinstance(self.driver, Maneuver):
-            wanted = self.driver.targets(time)
+            targets = self.driver.targets(time)
         else:
             value = self._by_hand() if self.driver is None else self.driver.next(self._seen, self.asked)
-            wanted = Targets(value[None], (value - self.asked)[None] / self._dt)
-        self.asked = wanted.value[0]
-        return wanted
+            targets = Targets(value[None], (value - self.asked)[None] / self._dt)
+        self.asked = targets.value[0]
+        return targets
 
     def _by_hand(self) -> Array:
         reach = np.array(FASTEST_TARGET) * self._dt

@@ -1,4 +1,4 @@
-"""What all browsers see of a moment: the jaw, what is known of it, comfort, and how far one has come."""
+"""The view of a moment in all browsers: the jaw, the belief about it, comfort and progress."""
 
 from __future__ import annotations
 

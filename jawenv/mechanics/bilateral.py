@@ -79,15 +79,15 @@ def midline_motion(jaw, q, u):
 @njit
 def point_motion(q, u, body_to_head, arm):
     """Place (m) and velocity (m/s), head axes, of the body's point ``arm`` (m, body axes)."""
-    place = add((q[0], q[1], q[2]), apply(body_to_head, arm))
-    return place, add((u[0], u[1], u[2]), apply(body_to_head, cross((u[3], u[4], u[5]), arm)))
+    point = add((q[0], q[1], q[2]), apply(body_to_head, arm))
+    return point, add((u[0], u[1], u[2]), apply(body_to_head, cross((u[3], u[4], u[5]), arm)))
 
 
 @njit
-def disc_pressure(jaw, place, velocity):
+def disc_pressure(jaw, point, velocity):
     """Compression N (N, never negative, 0 while lifted) of the disc over a condyle, and grad(depth), head axes."""
-    height, slope, curvature, _ = fossa(jaw, place[0])
-    above = place[2] - height
+    height, slope, curvature, _ = fossa(jaw, point[0])
+    above = point[2] - height
     steep = 1.0 / (1.0 + slope * slope) ** 0.5
     gradient = (-steep * slope * (1.0 + above * curvature * steep * steep), 0.0, steep)
     ramp, steepness = smooth_ramp(above * steep, jaw.disc_onset / jaw.disc_stiffness)
@@ -96,10 +96,10 @@ def disc_pressure(jaw, place, velocity):
 
 
 @njit
-def condyle_force(jaw, place, velocity):
-    """Force (N, head axes) on one condyle whose centre is at ``place``: disc, half the capsule, half the sliding."""
-    pressure, gradient = disc_pressure(jaw, place, velocity)
-    capsule, _ = capsule_force(jaw, place[0])
+def condyle_force(jaw, point, velocity):
+    """Force (N, head axes) on one condyle whose centre is at ``point``: disc, half the capsule, half the sliding."""
+    pressure, gradient = disc_pressure(jaw, point, velocity)
+    capsule, _ = capsule_force(jaw, point[0])
     force = add(scale(-pressure, gradient), scale(-0.5 * jaw.damping_sliding, velocity))
     return add(force, (0.5 * capsule, 0.0, 0.0))
 
@@ -120,10 +120,10 @@ def body_acceleration(jaw, muscles, q, u, wrench):
     midpoint, omega = (q[0], q[1], q[2]), (u[3], u[4], u[5])
     force, moment = carried_forces(jaw, muscles, midpoint, body_to_head)
     for side in (1.0, -1.0):
-        place, velocity = point_motion(q, u, body_to_head, (0.0, side * jaw.condyle_half_width, 0.0))
-        push = condyle_force(jaw, place, velocity)
+        point, velocity = point_motion(q, u, body_to_head, (0.0, side * jaw.condyle_half_width, 0.0))
+        push = condyle_force(jaw, point, velocity)
         force = add(force, push)
-        moment = add(moment, cross(subtract(place, midpoint), push))
+        moment = add(moment, cross(subtract(point, midpoint), push))
     pull = (wrench[0], wrench[1], wrench[2])
     rho = vector3(jaw.centre_of_mass)
     # In body axes from here on, about the centre of mass.

@@ -20,10 +20,10 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @njit
-def disc_derivative(jaw, place, velocity):
+def disc_derivative(jaw, point, velocity):
     """Force of a disc (head axes), and its derivatives by place and velocity as (xx, xz, zx, zz) each."""
-    height, slope, curvature, third = fossa(jaw, place[0])
-    above = place[2] - height
+    height, slope, curvature, third = fossa(jaw, point[0])
+    above = point[2] - height
     steep = 1.0 / (1.0 + slope * slope) ** 0.5
     square = steep * steep
     width = jaw.disc_onset / jaw.disc_stiffness
@@ -55,10 +55,10 @@ def disc_derivative(jaw, place, velocity):
 
 
 @njit
-def condyle_derivative(jaw, place, velocity):
+def condyle_derivative(jaw, point, velocity):
     """Force on one condyle (as ``bilateral.condyle_force``) and its derivatives by place and velocity, 3 x 3."""
-    disc, by_place, by_velocity = disc_derivative(jaw, place, velocity)
-    capsule, capsule_slope = capsule_force(jaw, place[0])
+    disc, by_place, by_velocity = disc_derivative(jaw, point, velocity)
+    capsule, capsule_slope = capsule_force(jaw, point[0])
     half = 0.5 * jaw.damping_sliding
     force = add(add(disc, scale(-half, velocity)), (0.5 * capsule, 0.0, 0.0))
     stiffness = (

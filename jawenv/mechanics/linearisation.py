@@ -21,7 +21,7 @@ from jawenv.mechanics.kinematics import angle_rates, split
 
 @cache
 def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> np.dtype[np.void]:
-    """Dtype of what a linearisation fills.
+    """Dtype of a linearisation's results.
 
     Args:
         n_lines: of the jaw.

@@ -98,13 +98,13 @@ class SagittalJaw:
         self.condyle_radius = float(bones["condyle_radius"].si() if condyle_radius is None else condyle_radius)
         self.step, self.segment = step, segment
         if not (isfinite(self.friction) and self.friction >= 0):
-            raise InputError(f"friction = {self.friction} must be at least 0")
+            raise InputError(f"friction is {self.friction}; allowed: numbers from 0 on")
         for name in ("step", "segment"):
             if not getattr(self, name) > 0:
-                raise InputError(f"{name} = {getattr(self, name)} must be greater than 0")
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers above 0")
         tightest = 1.0 / (self.jaw["fossa_drop"] * self.jaw["fossa_frequency"] ** 2)
         if not SLOP / MM < self.condyle_radius < tightest:
-            raise InputError(f"condyle_radius = {self.condyle_radius} must lie between 0 and the path's {tightest:.4g}")
+            raise InputError(f"condyle_radius is {self.condyle_radius}; allowed: 0 to the path's {tightest:.4g}")
         self.place(np.zeros(6))
 
     def place(self, state: ArrayLike) -> None:
@@ -143,8 +143,8 @@ class SagittalJaw:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but pymunk's objects, of which the motion is kept: its own copies of a fossa have other corners."""
-        kept = {name: value for name, value in vars(self).items() if name not in ("_space", "_body")}
-        return kept | {"motion": motion_of(self._body)}
+        state = {name: value for name, value in vars(self).items() if name not in ("_space", "_body")}
+        return state | {"motion": motion_of(self._body)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Build the space anew around the motion."""
@@ -174,7 +174,7 @@ class SagittalJaw:
         """
         steps = round(duration / self.step)
         if steps < 1 or abs(steps * self.step - duration) > 1e-9:
-            raise InputError(f"duration = {duration} must be a multiple of the step, {self.step}")
+            raise InputError(f"duration is {duration}; allowed: multiples of the step, {self.step}")
         touches = 0
         self._impulse = self._rub = 0.0
         for i in range(steps):

@@ -76,29 +76,31 @@ def _normals(values: NDArray[np.float64], generator: np.random.Generator) -> NDA
 
 def along(values: Unknowns, direction: Unknowns) -> float:
     """How far values are along one of ``directions``, in sds."""
-    return float(sum(np.vdot(each, way) for each, way in zip(values, direction, strict=True)))
+    return float(sum(np.vdot(value, way) for value, way in zip(values, direction, strict=True)))
 
 
-def changed_jaw(jaw: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns) -> Any:
+def changed_jaw(jaw: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> Any:
     """A copy of the record ``jaw`` with its numbers at ``values``, about those that it has."""
     changed = jaw.copy()
     drop, frequency, mass, rotation_damping, sliding_damping, tilt = values.numbers
-    changed["fossa_drop"] *= 1.0 + known.fossa * drop
-    changed["fossa_frequency"] *= 1.0 + known.fossa * frequency
+    changed["fossa_drop"] *= 1.0 + knowledge.fossa * drop
+    changed["fossa_frequency"] *= 1.0 + knowledge.fossa * frequency
     changed["crest"] = pi / changed["fossa_frequency"]
-    changed["damping_rotation"] *= 1.0 + known.damping * rotation_damping
-    changed["damping_sliding"] *= 1.0 + known.damping * sliding_damping
-    changed["gravity"] = _pitched(jaw["gravity"], radians(known.head_tilt_deg) * tilt)
+    changed["damping_rotation"] *= 1.0 + knowledge.damping * rotation_damping
+    changed["damping_sliding"] *= 1.0 + knowledge.damping * sliding_damping
+    changed["gravity"] = _pitched(jaw["gravity"], radians(knowledge.head_tilt_deg) * tilt)
     for name in ("mouthpiece", "zero", "teeth"):
-        changed[name] += 1e-3 * known.mouthpiece_mm * values.mouthpiece
-    if known.attachments > 0.0:
-        changed["origin"] += known.attachments * muscles.origin_sd_m * values.origin
-        changed["insertion"] += known.attachments * muscles.insertion_sd_m * values.insertion
+        changed[name] += 1e-3 * knowledge.mouthpiece_mm * values.mouthpiece
+    if knowledge.attachments > 0.0:
+        changed["origin"] += knowledge.attachments * muscles.origin_sd_m * values.origin
+        changed["insertion"] += knowledge.attachments * muscles.insertion_sd_m * values.insertion
         changed["l_o"] = np.linalg.norm(changed["origin"] - changed["insertion"], axis=1)
-    shift = 1e-3 * np.array([known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm])
-    changed["mass"] *= 1.0 + known.mass * mass
+    shift = 1e-3 * np.array(
+        [knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm]
+    )
+    changed["mass"] *= 1.0 + knowledge.mass * mass
     changed["centre_of_mass"] += shift * values.centre_of_mass
-    changed["inertia"] *= 1.0 + known.inertia * values.inertia[0]
+    changed["inertia"] *= 1.0 + knowledge.inertia * values.inertia[0]
     _set_inverses(changed)
     return changed
 
@@ -110,30 +112,30 @@ def _pitched(gravity: NDArray[np.float64], tilt: float) -> NDArray[np.float64]:
 
 
 def _set_inverses(jaw: Any) -> None:
-    """The inverses of a jaw's inertia, about the contact point of what is free to turn."""
+    """The inverses of a jaw's inertia about the contact point, for its free rotations."""
     rho, turns = jaw["centre_of_mass"], np.flatnonzero(np.diag(jaw["inertia_contact_inverse"]) > 0.0)
     about_contact = jaw["inertia"] + jaw["mass"] * (rho @ rho * np.eye(3) - np.outer(rho, rho))
     jaw["inertia_inverse"] = np.linalg.inv(jaw["inertia"])
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
 
 
-def turn_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+def turn_of(knowledge: Knowledge, values: Unknowns) -> NDArray[np.float64]:
     """(3,) rotation of the mouthpiece about the body's axes, rad."""
-    return radians(known.mouthpiece_deg) * values.turn
+    return radians(knowledge.mouthpiece_deg) * values.turn
 
 
-def cell_turn_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+def cell_turn_of(knowledge: Knowledge, values: Unknowns) -> NDArray[np.float64]:
     """(3,) rotation of the load cell's axes, which is the mouthpiece's and its own, rad."""
-    return turn_of(known, values) + radians(known.cell_deg) * values.cell_turn
+    return turn_of(knowledge, values) + radians(knowledge.cell_deg) * values.cell_turn
 
 
-def offset_of(known: Knowledge, values: Unknowns) -> NDArray[np.float64]:
+def offset_of(knowledge: Knowledge, values: Unknowns) -> NDArray[np.float64]:
     """(6,) the load cell's offset, N and N m."""
-    return np.repeat([known.cell_offset_N, known.cell_offset_N_m], 3) * values.offset
+    return np.repeat([knowledge.cell_offset_N, knowledge.cell_offset_N_m], 3) * values.offset
 
 
 def directions(
-    known: Knowledge,
+    knowledge: Knowledge,
     muscles: MuscleSet,
     jaw: Any,
     log_parameters: NDArray[np.float64],
@@ -145,48 +147,55 @@ def directions(
     and are left out.
 
     Args:
-        known: the sds of anatomy, body and mounting.
+        knowledge: the sds of anatomy, body and mounting.
         muscles: the jaw's.
         jaw: the filter's model.
         log_parameters: (p,) of a typical patient.
         motor_sds: (``N_MOTOR_ERRORS``,) those of each motor's force, or None where a load cell reads it.
     """
-    lines, found = len(muscles.muscle), []
+    lines, vectors = len(muscles.muscle), []
 
-    def one(name: str, *place: int) -> Unknowns:
+    def one(name: str, *index: int) -> Unknowns:
         values = no_unknowns(lines)
-        getattr(values, name)[place] = 1.0
+        getattr(values, name)[index] = 1.0
         return values
 
-    numbers = (known.fossa, known.fossa, known.mass, known.damping, known.damping, known.head_tilt_deg)
-    found += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
-    sds = (known.centre_of_mass_x_mm, known.centre_of_mass_y_mm, known.centre_of_mass_z_mm)
-    found += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
-    found += [one("mouthpiece", k) for k in range(3) if known.mouthpiece_mm > 0.0]
-    found += [one("turn", k) for k in range(3) if known.mouthpiece_deg > 0.0]
-    cell = [known.cell_offset_N] * 3 + [known.cell_offset_N_m] * 3
-    found += [one("offset", k) for k, sd in enumerate(cell) if sd > 0.0]
-    found += [one("cell_turn", k) for k in range(3) if known.cell_deg > 0.0]
-    if known.attachments > 0.0:
+    numbers = (
+        knowledge.fossa,
+        knowledge.fossa,
+        knowledge.mass,
+        knowledge.damping,
+        knowledge.damping,
+        knowledge.head_tilt_deg,
+    )
+    vectors += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
+    sds = (knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm)
+    vectors += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
+    vectors += [one("mouthpiece", k) for k in range(3) if knowledge.mouthpiece_mm > 0.0]
+    vectors += [one("turn", k) for k in range(3) if knowledge.mouthpiece_deg > 0.0]
+    cell = [knowledge.cell_offset_N] * 3 + [knowledge.cell_offset_N_m] * 3
+    vectors += [one("offset", k) for k, sd in enumerate(cell) if sd > 0.0]
+    vectors += [one("cell_turn", k) for k in range(3) if knowledge.cell_deg > 0.0]
+    if knowledge.attachments > 0.0:
         for line in range(lines):
-            found += list(_of_line(known, muscles, jaw, log_parameters, line))
+            vectors += list(_of_line(knowledge, muscles, jaw, log_parameters, line))
     if motor_sds is not None:
-        found += [one("motors", i, k) for k in range(N_MOTOR_ERRORS) if motor_sds[k] > 0.0 for i in range(N_MOTORS)]
-    return found
+        vectors += [one("motors", i, k) for k in range(N_MOTOR_ERRORS) if motor_sds[k] > 0.0 for i in range(N_MOTORS)]
+    return vectors
 
 
 def _of_line(
-    known: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: NDArray[np.float64], line: int
+    knowledge: Knowledge, muscles: MuscleSet, jaw: Any, log_parameters: NDArray[np.float64], line: int
 ) -> Iterator[Unknowns]:
     """The directions of a line's ends that act, by the singular values of what they do to its wrench."""
     lines, step = len(muscles.muscle), 1e-3
-    place = 2 * muscles.muscle[line]
-    law = np.exp(log_parameters[place : place + 2])
+    first = 2 * muscles.muscle[line]
+    law = np.exp(log_parameters[first : first + 2])
     effects = np.empty((6 * len(POSES), 6))
     for k in range(6):
         values = no_unknowns(lines)
         (values.origin if k < 3 else values.insertion)[line, k % 3] = step
-        changed = changed_jaw(jaw, known, muscles, values)
+        changed = changed_jaw(jaw, knowledge, muscles, values)
         effects[:, k] = (_pulls(changed, line, law) - _pulls(jaw, line, law)) / step
     _, sizes, turned = np.linalg.svd(effects)
     for size, direction in zip(sizes, turned, strict=True):

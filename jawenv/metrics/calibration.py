@@ -15,7 +15,7 @@ def _cholesky(covariance: Array) -> Array:
     try:
         factor: Array = np.linalg.cholesky(covariance).astype(np.float64, copy=False)
     except np.linalg.LinAlgError:
-        raise InputError("covariance: not positive definite, allowed is a symmetric positive definite matrix") from None
+        raise InputError("covariance is not positive definite; allowed: a symmetric positive definite matrix") from None
     return factor
 
 

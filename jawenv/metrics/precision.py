@@ -62,8 +62,8 @@ def identified(mean: Array, sd: Array, truth: Array, sd_limit: float = 0.10) -> 
     Returns:
         (..., P) bool.
     """
-    known: npt.NDArray[np.bool_] = (sd <= sd_limit) & (np.abs(mean - truth) <= Z_95 * sd)
-    return known
+    precise: npt.NDArray[np.bool_] = (sd <= sd_limit) & (np.abs(mean - truth) <= Z_95 * sd)
+    return precise
 
 
 def rmse(error: Array, axis: int | tuple[int, ...] = -1) -> Array:

@@ -87,7 +87,7 @@ class Score:
 
     @property
     def alarm(self) -> str:
-        """What is to be said where the alarm rings in any episode; empty where it does not."""
+        """A warning if the alarm rings in any episode, otherwise empty."""
         share = f"{100.0 * np.mean(self.rings):.0f} %"
         return f"the readings of {share} of the patients do not fit the model" if self.rings.any() else ""
 

@@ -1,4 +1,4 @@
-"""What a score comes to over the patients, as a mapping that shows itself as a table."""
+"""A score's summary over the patients: a mapping that shows itself as a table."""
 
 from __future__ import annotations
 

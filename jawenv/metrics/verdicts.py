@@ -1,4 +1,4 @@
-"""What is said of a muscle: normal, stiff, blocked, or not known yet, each with its probability; or nothing."""
+"""The verdict on a muscle: normal, stiff, blocked, or not known yet, each with its probability; or none."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WORDS = (NORMAL, STIFF, BLOCKED, BOTH, UNKNOWN)
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is said of one muscle.
+    """The verdict on one muscle.
 
     Attributes:
         word: one of ``WORDS``, or ``NO_VERDICT``.
@@ -40,7 +40,7 @@ class Verdict:
 
     @property
     def open_question(self) -> str:
-        """What a muscle that is called stiff or blocked may be besides; empty where that is known."""
+        """A second possible finding beside a verdict of stiff or blocked; empty where none is left."""
         other = {STIFF: self.blocked, BLOCKED: self.stiff}.get(self.word, 0.0)
         if other <= 1.0 - CONFIDENCE:
             return ""

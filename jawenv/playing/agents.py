@@ -1,4 +1,4 @@
-"""What agents have in common: the form of their answers, a memory of each world, and listening to another agent."""
+"""Common parts of agents: the form of their answers, a memory of each world, and listening to another agent."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class BatchAgent:
         """
         rows = np.ascontiguousarray(observation, dtype=np.float32)
         if rows.ndim not in (1, 2):
-            raise InputError(f"observation has shape {rows.shape}, allowed are (N, size) and (size,)")
+            raise InputError(f"observation has shape {rows.shape}; allowed: (N, size) and (size,)")
         single, rows = rows.ndim == 1, np.atleast_2d(rows)
         starts = None if episode_start is None else np.asarray(episode_start, dtype=bool).reshape(len(rows))
         action, after = self._answer(rows, state, starts, deterministic)
@@ -53,7 +53,7 @@ class BatchAgent:
 
 
 class Memory(NamedTuple):
-    """What an agent remembers.
+    """An agent's memory.
 
     Attributes:
         of_worlds: arrays (N, ...), one row per world, of zeros where an episode begins.

@@ -1,4 +1,4 @@
-"""What every agent is: something that answers an observation with an action."""
+"""The protocol of agents: an action for each observation."""
 
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -61,7 +61,7 @@ class Agent(Protocol):
 
 
 def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:
-    """What an agent's ``predict`` returned: actions and a state.
+    """The answer of an agent's ``predict``, checked: actions and a state.
 
     Args:
         answer: what it returned.
@@ -78,7 +78,7 @@ def checked_decision(answer: Any, agent: Any) -> tuple[Any, Any]:
 
 @runtime_checkable
 class Planning(Protocol):
-    """What an agent has besides ``Agent`` if an observation is not enough for it, as a planner.
+    """The protocol, beside ``Agent``, of an agent that needs more than observations, such as a planner.
 
     ``jawenv.play`` calls ``attach`` where an agent has it, after ``Agent.reset`` and before the first ``predict``.
     """

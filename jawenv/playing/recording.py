@@ -1,4 +1,4 @@
-"""What is kept of episodes that were played: arrays over worlds, times and parameters."""
+"""The recording of played episodes: arrays over worlds, times and parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
     from jawenv.laboratory.recordings.record import Record
@@ -97,8 +97,8 @@ class Recording:
         """Check every array against the sizes that `truth`, `time` and the names state."""
         if np.ndim(self.truth) != 2 or np.ndim(self.time) != 1:
             raise InputError(
-                f"recording: truth has shape {np.shape(self.truth)} and time {np.shape(self.time)}, "
-                "allowed are (N, P) and (T+1,)"
+                f"recording: truth has shape {np.shape(self.truth)} and time {np.shape(self.time)}; "
+                "allowed: (N, P) and (T+1,)"
             )
         sizes = {
             "N": len(self.truth),
@@ -110,13 +110,15 @@ class Recording:
             value = getattr(self, field)
             allowed = tuple(sizes[axis] for axis in axes)
             if np.shape(value) != allowed:
-                raise InputError(f"recording: {field} has shape {np.shape(value)}, allowed is {allowed}")
+                raise InputError(f"recording: {field} has shape {np.shape(value)}; allowed: {allowed}")
             if field not in _MAY_BE_NAN and not np.isfinite(value).all():
-                raise InputError(f"recording: {field} holds a value that is not finite")
+                raise InputError(f"recording: {field} holds a value that is not finite; allowed: finite numbers")
         if (np.diff(self.time) <= 0.0).any() or len(self.time) < 2:
-            raise InputError("recording: time must hold at least two values and grow")
+            raise InputError(f"recording: time is {shown(self.time.tolist())}; allowed: two or more values that grow")
         if not self.valid[:, 0].all() or (self.valid[:, 1:] > self.valid[:, :-1]).any():
-            raise InputError("recording: valid must begin True and may change to False once")
+            raise InputError(
+                "recording: valid is True after False; allowed: True at first, then at most one change to False"
+            )
 
     @property
     def num_worlds(self) -> int:

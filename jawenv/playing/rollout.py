@@ -125,7 +125,7 @@ def _worlds(env_id: str, number: int, kwargs: Mapping[str, Any]) -> Any:
 
 
 def _record(env: Any, index: int) -> Record:
-    """What the device of one world has measured."""
+    """The record of one world's device."""
     from jawenv.laboratory.recordings.of_simulation import record_of
 
     if isinstance(env, SingleWorlds):
@@ -149,9 +149,9 @@ def _number_of(patients: object) -> int:
 def _seeds_of(seed: int | Sequence[int], number: int) -> list[int]:
     """The seed of each of so many worlds."""
     one = not isinstance(seed, Sequence) or isinstance(seed, str)
-    given: Sequence[object] = [seed] if one else seed  # type: ignore[assignment]
-    seeds = [each for each in map(whole_number, given) if each is not None and 0 <= each <= LARGEST_SEED]
-    if len(seeds) < len(given):
+    values: Sequence[object] = [seed] if one else seed  # type: ignore[assignment]
+    seeds = [whole for whole in map(whole_number, values) if whole is not None and 0 <= whole <= LARGEST_SEED]
+    if len(seeds) < len(values):
         raise InputError(f"seed is {shown(seed)}; allowed: a whole number, 0 to {LARGEST_SEED}")
     if one:
         return [seeds[0] + i for i in range(number)]
@@ -218,7 +218,7 @@ def _comfort_names() -> tuple[str, ...]:
 
 
 def _tracked_values(info: dict[str, Any]) -> dict[str, Any]:
-    """What a recording keeps of a vector environment's info, the comfort limits in the last axis."""
+    """A recording's part of a vector environment's info, the comfort limits in the last axis."""
     untracked = {
         "bound_sd": np.full_like(info["belief_sd"], np.nan),
         "information_bound": np.full_like(info["nees"], np.nan),

@@ -72,7 +72,7 @@ class SingleWorlds(SyncVectorEnv):
 
     @property
     def simulation(self) -> Any:
-        """What planners copy; there is none.
+        """The simulation, which planners copy; there is none.
 
         Raises:
             InputError: always.
@@ -80,7 +80,7 @@ class SingleWorlds(SyncVectorEnv):
         raise InputError(f"{self._id} has no native vector form, which agents that plan need")
 
     def record(self, index: int) -> Record:
-        """What the device of world ``index`` has measured."""
+        """The record of the device of world ``index``."""
         from jawenv.laboratory.recordings.of_simulation import record_of
 
         world: Any = self.envs[index].unwrapped

@@ -1,4 +1,4 @@
-"""What a real jaw and a real device do beyond the thesis, and the filter does not know: effects on the truth alone.
+"""Effects of a real jaw and a real device beyond the thesis, on the truth alone: the filter lacks them.
 
 Every effect is off by default, and one that is off changes no bit of a result.
 """

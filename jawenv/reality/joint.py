@@ -10,13 +10,13 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 
 
 @njit
-def articular_force(reality, limits, jaw, place):
-    """Force (N, head axes, upwards) on the mouthpiece at ``place`` (m, head axes).
+def articular_force(reality, limits, jaw, point):
+    """Force (N, head axes, upwards) on the mouthpiece at ``point`` (m, head axes).
 
     It begins at ``articular_onset`` of the painless range of opening, grows quadratically to its end, where the
     stiffness is the full one, and linearly beyond: it has a potential and is continuous with its slope.
     """
-    opening, _, _ = excursions(limits, jaw, place)
+    opening, _, _ = excursions(limits, jaw, point)
     begin = reality.articular_onset * limits.opening
     ramp, _ = smooth_ramp(opening - begin, limits.opening - begin)
     return (0.0, 0.0, reality.articular_stiffness * ramp)
@@ -27,5 +27,5 @@ def articular_push(reality, limits, jaw, q, lift):
     """``articular_force`` in body axes, as a device's wrench is, without moment; ``lift`` as in ``update_tissue``."""
     body_to_head = rotation(q)
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
-    place = add(contact, apply(body_to_head, vector3(jaw.mouthpiece)))
-    return apply_transposed(body_to_head, articular_force(reality, limits, jaw, place))
+    point = add(contact, apply(body_to_head, vector3(jaw.mouthpiece)))
+    return apply_transposed(body_to_head, articular_force(reality, limits, jaw, point))

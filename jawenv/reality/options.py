@@ -108,14 +108,14 @@ class Reality(NumericFields):
 
     def untold(self) -> Knowledge:
         """Sds of body and mounting within which the truth is drawn, and of which the filter is not told."""
-        each = self.centre_of_mass_error_mm
+        sd = self.centre_of_mass_error_mm
         return Knowledge(
             mass=self.mass_error,
             inertia=self.inertia_error,
             damping=self.damping_error,
-            centre_of_mass_x_mm=each,
-            centre_of_mass_y_mm=each,
-            centre_of_mass_z_mm=each,
+            centre_of_mass_x_mm=sd,
+            centre_of_mass_y_mm=sd,
+            centre_of_mass_z_mm=sd,
             head_tilt_deg=self.head_tilt_error_deg,
             mouthpiece_mm=self.mouthpiece_error_mm,
             mouthpiece_deg=self.mouthpiece_error_deg,
@@ -131,10 +131,10 @@ class Reality(NumericFields):
         return records
 
 
-def check_reality(given: object) -> Reality:
+def check_reality(source: object) -> Reality:
     """The effects given as a ``Reality``, as a mapping of fields or as the path of a file; None is no effect.
 
     Raises:
         InputError: none of these, an unknown field, a value that is not allowed, or a file that cannot be read.
     """
-    return Reality() if given is None else instance_of(Reality, given, "reality")
+    return Reality() if source is None else instance_of(Reality, source, "reality")

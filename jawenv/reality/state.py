@@ -1,4 +1,4 @@
-"""What the effects remember from tick to tick, in each world."""
+"""The effects' memory from tick to tick, in each world."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jawenv.rendering.canvas import Box, Canvas
 
 KNOWN_SD = 0.05
-"""What counts as known: the ranking's target."""
+"""Largest sd of a known parameter: the ranking's target."""
 JAW_SIZE = (640, 402)
 """Width and height of a film of the jaw alone, design units."""
 _FOOTER_Y = 696.0
@@ -68,8 +68,8 @@ class PairRenderer:
     def draw(self, left: Scene, right: Scene) -> NDArray[np.uint8]:
         """A new array (height, width, 3); the scenes' titles stand above their halves."""
         self._canvas.restore()
-        for place, scene in enumerate((left, right)):
-            _draw_half(self._canvas, 640.0 * place, scene)
+        for half, scene in enumerate((left, right)):
+            _draw_half(self._canvas, 640.0 * half, scene)
         _draw_footer(self._canvas, max(left, right, key=lambda scene: scene.time_s))
         return self._canvas.pixels()
 
@@ -106,9 +106,9 @@ def _draw_half(canvas: Canvas, shift: float, scene: Scene) -> None:
     cards = [(10 + shift, 58.0, 306.0, 360.0), (324 + shift, 58.0, 306.0, 360.0), (10 + shift, 426.0, 620.0, 244.0)]
     for card in cards:
         canvas.rect(card, palette.CARD, radius=10, border=palette.BORDER)
-    known = f"knows {_known(scene).replace(' known', '')}"
+    caption = f"knows {_known(scene).replace(' known', '')}"
     ink = palette.mix(palette.knowledge(float(scene.belief_sd.max())), INK, 0.45)
-    used = canvas.text(known, (shift + 626, 32), 19, ink, bold=True, anchor="right")
+    used = canvas.text(caption, (shift + 626, 32), 19, ink, bold=True, anchor="right")
     canvas.text(scene.title, (shift + 16, 32), 22, INK, bold=True, fit=590 - used)
     for card, words in zip(cards, ("from the right", "from the front"), strict=False):
         canvas.text(words, (card[0] + 14, card[1] + 18), 11.5, SOFT_INK)
@@ -143,9 +143,9 @@ def _draw_knowledge(canvas: Canvas, card: Box, scene: Scene) -> None:
     canvas.text("sd of", (x + 16, y + 18), 12, INK, bold=True)
     for parameter, scale in zip(("log_F_o", "log_b"), scales, strict=True):
         for sd in SD_LINES:
-            place = scale.x(sd, worst)
-            canvas.line([(place, top - 4), (place, bottom)], palette.mix(GRID, FAINT_INK, 0.22), 0.8)
-            canvas.text(f"{100 * sd:.0f} %", (place, y + 18), 10.5, SOFT_INK, anchor="centre")
+            tick = scale.x(sd, worst)
+            canvas.line([(tick, top - 4), (tick, bottom)], palette.mix(GRID, FAINT_INK, 0.22), 0.8)
+            canvas.text(f"{100 * sd:.0f} %", (tick, y + 18), 10.5, SOFT_INK, anchor="centre")
         symbol(canvas, parameter, (scale.left, y + 18), 12.5, INK)
         for number, muscle in enumerate(scene.muscles):
             sd = float(scene.belief_sd[index[f"{parameter}/{muscle}"]])

@@ -1,4 +1,4 @@
-"""How a muscle looks: a spindle, as wide as its tension asks, in the colour of what is known; names and legends."""
+"""Muscles in pictures: spindles, as wide as their tension, in the colour of their sd; names and legends."""
 
 from __future__ import annotations
 
@@ -198,9 +198,9 @@ def draw_colour_legend(canvas: Canvas, at: tuple[float, float], right: float) ->
         sd = palette.UNKNOWN_SD * math.exp(-span * (i + 0.5) / _PIECES)
         canvas.rect((left + i * width, y - 5, width + 0.6, 8), palette.knowledge(sd))
     for sd in LABELLED_SD:
-        place = left + math.log(palette.UNKNOWN_SD / sd) / span * (right - left)
-        canvas.line([(place, y - 5), (place, y + 5)], palette.CARD if 0.01 < sd < 0.5 else palette.BORDER, 1.0)
-        canvas.text(f"{100 * sd:.0f} %", (place, y + 12), 10, SOFT_INK, anchor="centre")
+        tick = left + math.log(palette.UNKNOWN_SD / sd) / span * (right - left)
+        canvas.line([(tick, y - 5), (tick, y + 5)], palette.CARD if 0.01 < sd < 0.5 else palette.BORDER, 1.0)
+        canvas.text(f"{100 * sd:.0f} %", (tick, y + 12), 10, SOFT_INK, anchor="centre")
 
 
 def draw_width_legend(canvas: Canvas, at: tuple[float, float]) -> None:

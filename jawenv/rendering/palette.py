@@ -64,9 +64,9 @@ def ramp(shadow: Colour, light: Colour, steps: int) -> list[Colour]:
 def knowledge(sd: float) -> Colour:
     """Colour of a standard deviation of a natural log, on a log scale from `UNKNOWN_SD` to `KNOWN_SD`."""
     share = math.log(UNKNOWN_SD / sd) / math.log(UNKNOWN_SD / KNOWN_SD)
-    place = min(max(share, 0.0), 1.0) * (len(KNOWLEDGE) - 1)
-    index = min(int(place), len(KNOWLEDGE) - 2)
-    return mix(KNOWLEDGE[index], KNOWLEDGE[index + 1], place - index)
+    position = min(max(share, 0.0), 1.0) * (len(KNOWLEDGE) - 1)
+    index = min(int(position), len(KNOWLEDGE) - 2)
+    return mix(KNOWLEDGE[index], KNOWLEDGE[index + 1], position - index)
 
 
 def comfort(used: float, hard: float) -> Colour:

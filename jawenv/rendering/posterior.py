@@ -56,7 +56,7 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class Row:
+class MuscleRow:
     """One muscle: its name, the letter of its side, the middle and the height of its row."""
 
     muscle: str
@@ -83,7 +83,7 @@ class Block:
     kind: str
     top: float
     height: float
-    rows: tuple[Row, ...]
+    rows: tuple[MuscleRow, ...]
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def lay_out(box: Box, scene: Scene) -> Layout:
     for number, (kind, muscles) in enumerate(kinds.items()):
         top = columns.top + number * height
         rows = [
-            Row(muscle, split_name(muscle)[1][:1].upper(), top + header + (line + 0.5) * row, row, headed)
+            MuscleRow(muscle, split_name(muscle)[1][:1].upper(), top + header + (line + 0.5) * row, row, headed)
             for line, muscle in enumerate(muscles)
         ]
         blocks.append(Block(kind, top, height, tuple(rows)))
@@ -197,7 +197,7 @@ def draw_posterior(canvas: Canvas, box: Box, scene: Scene) -> None:
         draw_joint(canvas, layout.joint, scene)
 
 
-def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: Row) -> None:
+def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, int], row: MuscleRow) -> None:
     for column, parameter in enumerate(_PARAMETERS):
         i = index[f"{parameter}/{row.muscle}"]
         _draw_value(canvas, columns, scene, i, column, row)
@@ -205,7 +205,7 @@ def _draw_row(canvas: Canvas, columns: Columns, scene: Scene, index: dict[str, i
         draw_sd(canvas, columns.sd, float(scene.belief_sd[i]), float(scene.prior_sd.max()), row.sd[column])
 
 
-def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: Row) -> None:
+def _draw_value(canvas: Canvas, columns: Columns, scene: Scene, i: int, column: int, row: MuscleRow) -> None:
     """Interval of the posterior over the prior's, and the median with its unit."""
     y = row.bar
     half = min(4.5, 0.125 * row.height)

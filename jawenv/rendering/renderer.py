@@ -41,11 +41,11 @@ class Renderer:
             InputError: an unknown mode, a rate that is not positive or a picture below 480 by 270 pixels.
         """
         if mode not in get_args(Mode):
-            raise InputError(f"render_mode: '{mode}' must be one of {', '.join(get_args(Mode))}")
+            raise InputError(f"render_mode is '{mode}'; allowed: {', '.join(get_args(Mode))}")
         if not (np.isfinite(fps) and fps > 0):
-            raise InputError(f"fps: {fps} must be above 0")
+            raise InputError(f"fps is {fps}; allowed: numbers above 0")
         if len(size) != 2 or any(side < least for side, least in zip(size, _SMALLEST, strict=False)):
-            raise InputError(f"size: {size} must be at least {_SMALLEST[0]} by {_SMALLEST[1]} pixels")
+            raise InputError(f"size is {size}; allowed: at least {_SMALLEST[0]} by {_SMALLEST[1]} pixels")
         self.mode = mode
         self.fps = fps
         self.size = (int(size[0]), int(size[1]))

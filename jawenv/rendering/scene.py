@@ -1,4 +1,4 @@
-"""What a picture is made of: one moment of an episode as plain numbers, checked on the way in."""
+"""The content of a picture: one moment of an episode as plain numbers, checked on the way in."""
 
 from __future__ import annotations
 
@@ -117,13 +117,13 @@ class Scene:
         variance = np.diagonal(self.belief_cov)
         _require_all("belief_cov", variance, variance > 0, "above 0 on the diagonal")
         if self.plant not in get_args(Plant):
-            raise InputError(f"plant: '{self.plant}' must be one of {', '.join(get_args(Plant))}")
+            raise InputError(f"plant is '{self.plant}'; allowed: {', '.join(get_args(Plant))}")
         if np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > 1e-3:
             raise InputError("rotation: columns are not orthonormal; a rotation matrix is needed")
         if self.episode_s <= 0:
-            raise InputError(f"episode_s: {self.episode_s} must be above 0")
+            raise InputError(f"episode_s is {self.episode_s}; allowed: numbers above 0")
         if not 0 <= self.governor <= 1:
-            raise InputError(f"governor: {self.governor} must lie between 0 and 1")
+            raise InputError(f"governor is {self.governor}; allowed: 0 to 1")
         self._check_comfort()
 
     @property
@@ -134,7 +134,7 @@ class Scene:
 
     @property
     def moment(self) -> Moment:
-        """What a trace keeps of this scene."""
+        """This scene's entry in a trace."""
         return (self.time_s, self.opening_mm, float(self.excursion_mm[0]), float(self.excursion_mm[1]))
 
     @property
@@ -206,12 +206,12 @@ def _array(field: str, value: object, shape: tuple[int, ...]) -> Array:
     except (TypeError, ValueError):
         raise InputError(f"{field}: not an array of numbers of shape {shape}") from None
     if array.shape != shape:
-        raise InputError(f"{field}: shape {array.shape} must be {shape}")
+        raise InputError(f"{field} has shape {array.shape}; allowed: {shape}")
     if not np.isfinite(array).all():
-        raise InputError(f"{field}: {array[~np.isfinite(array)][0]} found; all values must be finite")
+        raise InputError(f"{field} holds {array[~np.isfinite(array)][0]}; allowed: finite numbers")
     return array
 
 
 def _require_all(field: str, array: Array, allowed: NDArray[np.bool_], rule: str) -> None:
     if not allowed.all():
-        raise InputError(f"{field}: {array[~allowed][0]} found; all values must be {rule}")
+        raise InputError(f"{field} holds {array[~allowed][0]}; allowed: {rule}")

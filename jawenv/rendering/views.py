@@ -156,7 +156,7 @@ def _draw_midline(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -> Non
 
 
 def condyle_words(gap_mm: float) -> tuple[str, str]:
-    """What a condyle does, and how far it is lifted if it is."""
+    """A condyle's state in words, and its lift if there is one."""
     return ("lifted off", f"{gap_mm:.1f} mm") if gap_mm > _LIFTED_MM else ("pressed", "")
 
 
@@ -172,10 +172,10 @@ def draw_condyles_side(canvas: Canvas, camera: Camera, scene: Scene, box: Box) -
         fade = 0.55 if side == _LEFT else 0.0
         curve = np.column_stack([outlines.PATH_X_MM, np.full_like(path, y), path])
         canvas.line(camera.project(curve), palette.mix(FOSSA, CARD, fade), 3.6)
-        place = 1000 * (scene.contact_m if scene.plant != "bilateral" else scene.condyles_m[side])
+        centre = 1000 * (scene.contact_m if scene.plant != "bilateral" else scene.condyles_m[side])
         gap = 1000 * float(scene.condyle_gap_m[side])
         lifted = scene.plant != "midline" and gap > _LIFTED_MM
-        _draw_dot(canvas, camera.project(np.array([place[0], y, place[2]])), lifted, fade)
+        _draw_dot(canvas, camera.project(np.array([centre[0], y, centre[2]])), lifted, fade)
     if scene.plant == "contact":
         words = f"condyle {' '.join(condyle_words(gap))}".strip()
         ink = _ink(gap)
@@ -216,8 +216,8 @@ def _draw_dot(canvas: Canvas, position: Array, lifted: bool, fade: float) -> Non
 
 def _draw_pin(canvas: Canvas, camera: Camera, scene: Scene) -> None:
     """Draw the axis of a jaw that only turns."""
-    place = 1000 * scene.contact_m - [0, outlines.CONDYLE_Y_MM, 0]
-    x, y = camera.project(place).tolist()
+    centre = 1000 * scene.contact_m - [0, outlines.CONDYLE_Y_MM, 0]
+    x, y = camera.project(centre).tolist()
     for radius, paint in ((9.0, CARD), (7.6, INK), (5.6, CARD), (2.6, INK)):
         canvas.circle((x, y), radius, paint)
 

@@ -55,7 +55,7 @@ def test_an_unknown_format_is_named_before_its_fields(tmp_path: Path) -> None:
         ({"weights_sha256": "abc"}, "weights_sha256 = 'abc'"),
         (
             {"architecture": {"layers": [9, 4], "activation": "sine", "squash": "clip"}},
-            "architecture.activation = 'sine'",
+            "architecture.activation is 'sine'",
         ),
         ({"colour": "red"}, "unknown key 'colour'"),
         ({"results": [RESULT]}, "nats: give either mean or median"),

@@ -13,7 +13,7 @@ from jawenv.anatomy import COHORTS
 from jawenv.commands import live
 from jawenv.commands.app import main
 from jawenv.ladder import MODELS
-from jawenv.live.session import Session
+from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import maneuver_names
 
@@ -81,7 +81,7 @@ def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):
 
 @pytest.mark.parametrize("knowledge", ["exact", "imaged"])
 def test_identify_prints_estimate_sd_and_truth(tmp_path, capsys, knowledge):
-    session = Session(Setup.of(seed=500, episode_s=1.0))
+    session = DriveSession(Setup.of(seed=500, episode_s=1.0))
     session.hand_over("refined")
     while not session.ended:
         session.drive()
@@ -102,7 +102,7 @@ def test_live_drives_until_it_is_interrupted(tmp_path, capsys, monkeypatch):
 
 
 def test_live_plays_a_recording(tmp_path, capsys, monkeypatch):
-    session = Session(Setup.of(seed=500, episode_s=1.0))
+    session = DriveSession(Setup.of(seed=500, episode_s=1.0))
     session.drive([0.3, 0.0, 0.0, 0.0])
     monkeypatch.setattr("jawenv.live.playback_page.PlaybackPage.run", interrupt)
     assert main(["live", str(session.save(tmp_path)[1]), "--port", "0"]) == 0
@@ -117,14 +117,14 @@ def interrupt(page):
     ("arguments", "message"),
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
-        (["score", "nope"], "maneuver 'nope': unknown; allowed: chirp"),
+        (["score", "nope"], "maneuver is 'nope'; allowed: chirp"),
         (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v2"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port is 70000; allowed"),
-        (["live", "--port", "0", "--driver", "nope"], "maneuver 'nope': unknown"),
+        (["live", "--port", "0", "--driver", "nope"], "maneuver is 'nope'"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),

@@ -123,7 +123,7 @@ def test_a_cohort_as_a_mapping_comes_back():
     ("argument", "name", "text", "message"),
     [
         ("cohort", "a.toml", "groups = [", "a.toml: damaged TOML: Invalid value (at end of document)"),
-        ("cohort", "a.json", "[]", "a.json: must hold a mapping of keys to values, not a list"),
+        ("cohort", "a.json", "[]", "a.json: content is a list; allowed: a mapping of keys to values"),
         ("cohort", "a.json", "{}", "a.json: Cohort: groups is missing"),
         ("device", "a.yaml", "lag_s: 0", "a.yaml: device.lag_s is 0; allowed: a finite number, more than 0, at most 2"),
         (

@@ -173,12 +173,12 @@ ARGUMENTS = [
         "or a file (.json, .toml, .yaml, .yml)",
     ),
     ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),
-    ({"cohort": {"groups": []}}, "Cohort: groups = [] must have at least 1 item after validation, not 0"),
+    ({"cohort": {"groups": []}}, "Cohort: groups is []; allowed: at least 1 item after validation, not 0"),
     ({"cohort": {"sides": 2}}, "Cohort: unknown key 'sides'; allowed: name, description, basis, groups (and 1 more)"),
     ({"cohort": "no/such.toml"}, "no/such.toml: no such file"),
-    ({"cohort": stiff_left(b_sd=np.nan)}, "Cohort: groups.0.left.b_sd = nan must be a finite number"),
-    ({"cohort": stiff_left(b_sd=0)}, "Cohort: groups.0.left.b_sd = 0 must be greater than 0"),
-    ({"cohort": stiff_left(b="seven")}, "Cohort: groups.0.left.b = 'seven' must be a number"),
+    ({"cohort": stiff_left(b_sd=np.nan)}, "Cohort: groups.0.left.b_sd is nan; allowed: a finite number"),
+    ({"cohort": stiff_left(b_sd=0)}, "Cohort: groups.0.left.b_sd is 0; allowed: greater than 0"),
+    ({"cohort": stiff_left(b="seven")}, "Cohort: groups.0.left.b is 'seven'; allowed: a number"),
     ({"cohort": stiff_left(c=1)}, "Cohort: unknown key 'groups.0.left.c'; allowed: F_o_N, F_o_sd, b, b_sd"),
     ({"cohort": stiff_left(b_sd=2)}, "cohort 'cohort': sd of log b = 2; allowed: more than 0, at most 1.5"),
     (
@@ -279,7 +279,7 @@ def test_an_unusable_action_of_many_is_named():
         ({"patient": "no/such.json"}, "no/such.json: no such file"),
         (
             {"patient": {"F_o_N": MUSCLES | {"masseter_left": -1.0}, "b": MUSCLES}},
-            "Patient: F_o_N.masseter_left = -1.0 must be greater than 0",
+            "Patient: F_o_N.masseter_left is -1.0; allowed: greater than 0",
         ),
         (
             {"patient": {"name": "limp", "F_o_N": dict.fromkeys(MUSCLES, 0.01), "b": MUSCLES}},

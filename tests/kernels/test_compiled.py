@@ -223,7 +223,7 @@ def test_a_kernel_has_machine_code_only_where_python_calls_it(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("collects", [True, False])
-@pytest.mark.parametrize("kind", [njit, world_kernel(place=0)])
+@pytest.mark.parametrize("kind", [njit, world_kernel(position=0)])
 def test_no_cycles_are_collected_while_a_kernel_compiles(
     kind: Any, collects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

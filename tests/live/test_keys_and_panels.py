@@ -10,7 +10,7 @@ from jawenv.device.channels import CHANNELS
 from jawenv.live import panels
 from jawenv.live.jaw3d import FIRST_POSITION
 from jawenv.live.keys import DRIVE_KEYS, Keys, keys_html, moved
-from jawenv.live.session import Session
+from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
 from jawenv.live.view import _fit
 
@@ -63,7 +63,7 @@ def test_every_channel_has_a_key_for_either_way_and_stays_in_its_range():
 
 @pytest.fixture(scope="module")
 def shown():
-    session = Session(Setup.of(seed=500, episode_s=2.0))
+    session = DriveSession(Setup.of(seed=500, episode_s=2.0))
     return session.drive([0.3, 0.1, 0.0, 0.0])
 
 

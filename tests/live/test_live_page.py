@@ -16,7 +16,7 @@ from jawenv.live.page import Page
 from jawenv.live.playback import Playback
 from jawenv.live.playback_page import PlaybackPage
 from jawenv.live.server import serving, url_of
-from jawenv.live.session import BY_HAND, Session
+from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from tests.browser import new_page
 
@@ -160,7 +160,7 @@ def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
         page._fulfil(page._call_ghost)
         assert page._ghost.steps == 3 and page._ghost.driver == "refined"
         page.step()
-        alone = Session(page.session.setup)
+        alone = DriveSession(page.session.setup)
         alone.hand_over("refined")
         for _ in range(4):
             expected = alone.drive()

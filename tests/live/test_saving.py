@@ -9,7 +9,7 @@ from jawenv.live import saving
 from jawenv.live.page import Page
 from jawenv.live.saving import Saves
 from jawenv.live.server import serving
-from jawenv.live.session import Session
+from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
 
 SHORT = Setup.of(seed=500, episode_s=2.0)
@@ -18,7 +18,7 @@ OPEN = [0.4, 0.0, 0.0, 0.0]
 
 @pytest.fixture
 def session():
-    return Session(SHORT)
+    return DriveSession(SHORT)
 
 
 def test_a_later_save_of_a_drive_replaces_the_earlier_one(session, tmp_path):

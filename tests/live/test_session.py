@@ -8,9 +8,9 @@ from jawenv.anatomy.knowledge import LEVELS
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.live.drive_file import maneuver_of_drive
-from jawenv.live.outcome import Outcome, outcomes_of_rivals
+from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
 from jawenv.live.playback import Playback
-from jawenv.live.session import BY_HAND, Session
+from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import Maneuver, Player
 
@@ -23,7 +23,7 @@ def circles(step):
 
 @pytest.fixture(scope="module")
 def driven():
-    session = Session(SHORT)
+    session = DriveSession(SHORT)
     step = 0
     while not session.ended:
         shown = session.drive(circles(step))
@@ -43,14 +43,14 @@ def test_a_hand_makes_20_steps_a_second_and_learns(driven):
 
 @pytest.mark.parametrize("control", ["targets", "trajectory", "force"])
 def test_the_hand_opens_the_jaw_in_every_control_mode(control):
-    session = Session(Setup.of(seed=500, episode_s=3.0, control=control))
+    session = DriveSession(Setup.of(seed=500, episode_s=3.0, control=control))
     for _ in range(40):
         shown = session.drive([0.5, 0.0, 0.0, 0.0])
     assert 0.3 < shown.scene.comfort["opening"] < 0.7
 
 
 def test_a_maneuver_that_drives_is_the_maneuver_and_can_be_taken_over():
-    session = Session(SHORT)
+    session = DriveSession(SHORT)
     session.hand_over("refined")
     for _ in range(20):
         shown = session.drive([0.0, 0.0, 0.0, 0.0])
@@ -64,7 +64,7 @@ def test_a_maneuver_that_drives_is_the_maneuver_and_can_be_taken_over():
 
 
 def test_a_session_that_a_maneuver_drives_reaches_what_the_rival_reaches():
-    session = Session(SHORT)
+    session = DriveSession(SHORT)
     session.hand_over("refined")
     while not session.ended:
         shown = session.drive()
@@ -77,7 +77,7 @@ def test_a_session_that_a_maneuver_drives_reaches_what_the_rival_reaches():
 
 def test_an_agent_that_decides_five_times_a_second_drives_as_in_its_own_environment():
     agents = {"five_hz": Player("refined", control="targets")}
-    session = Session(SHORT, agents)
+    session = DriveSession(SHORT, agents)
     session.hand_over("five_hz")
     while not session.ended:
         shown = session.drive()
@@ -89,7 +89,7 @@ def test_an_agent_that_decides_five_times_a_second_drives_as_in_its_own_environm
 
 def test_an_agent_is_taken_over_given_back_and_refused_where_it_cannot_drive():
     agents = {"own": Player("refined", control="targets")}
-    session = Session(SHORT, agents)
+    session = DriveSession(SHORT, agents)
     session.hand_over("own")
     for _ in range(8):
         sent = session.drive().targets
@@ -98,7 +98,7 @@ def test_an_agent_is_taken_over_given_back_and_refused_where_it_cannot_drive():
     session.hand_over("own")
     assert session.drive().outcome.name == "you and own"
     with pytest.raises(InputError):
-        Session(Setup.of(seed=500, control="force"), agents).hand_over("own")
+        DriveSession(Setup.of(seed=500, control="force"), agents).hand_over("own")
     assert [one.name for one in outcomes_of_rivals(Setup.of(seed=500, episode_s=1.0, control="force"), agents)] == [
         "refined",
         "slow_opening",
@@ -109,7 +109,7 @@ def test_the_file_of_a_drive_plays_it_again(driven, tmp_path):
     session, shown, _ = driven
     maneuver, recording = session.save(tmp_path)
     assert (maneuver.name, recording.name) == ("my_drive_1.yaml", "my_drive_1.csv")
-    again = Session(SHORT)
+    again = DriveSession(SHORT)
     again.hand_over(str(maneuver))
     while not again.ended:
         played = again.drive()
@@ -130,7 +130,7 @@ def test_the_recording_of_a_drive_shows_the_same_jaw_and_belief(driven, tmp_path
 
 
 def test_the_same_patient_begins_again(driven):
-    session = Session(SHORT)
+    session = DriveSession(SHORT)
     first = session.drive([0.4, 0.0, 0.0, 0.0])
     begun = session.begin()
     assert begun.scene.time_s == 0.0 and begun.outcome.duration_s == 0.0
@@ -139,7 +139,7 @@ def test_the_same_patient_begins_again(driven):
 
 @pytest.mark.parametrize(("knowledge", "force_sensor"), [("imaged", "cell"), ("exact", "straps")])
 def test_the_recording_of_a_drive_says_what_was_known(tmp_path, knowledge, force_sensor):
-    session = Session(Setup.of(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
+    session = DriveSession(Setup.of(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
     session.drive([0.4, 0.0, 0.0, 0.0])
     paths = session.save(tmp_path)
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
@@ -169,12 +169,12 @@ def test_a_setup_says_what_is_wrong(settings):
 
 def test_nothing_driven_is_nothing_to_save(tmp_path):
     with pytest.raises(InputError):
-        Session(SHORT).save(tmp_path)
+        DriveSession(SHORT).save(tmp_path)
 
 
 def test_an_outcome_within_comfort_is_one_that_is_ranked():
-    good = Outcome("you", (2.0, np.inf), 0.06, 0.05, 30.0, False)
+    good = DriveOutcome("you", (2.0, np.inf), 0.06, 0.05, 30.0, False)
     assert good.within_comfort
     assert good.line() == "you: all to 10 % 2.0 s, to 5 % never, worst sd 6.0 %, discomfort 0.05 s"
-    assert not Outcome("you", (2.0, 3.0), 0.06, 0.2, 30.0, False).within_comfort
-    assert not Outcome("you", (2.0, 3.0), 0.06, 0.0, 30.0, True).within_comfort
+    assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.2, 30.0, False).within_comfort
+    assert not DriveOutcome("you", (2.0, 3.0), 0.06, 0.0, 30.0, True).within_comfort

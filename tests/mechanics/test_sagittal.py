@@ -175,10 +175,10 @@ def test_an_error_in_the_device_is_not_swallowed(jaw):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"friction": -0.1}, "friction = -0.1 must be at least 0"),
-        ({"step": 0.0}, "step = 0.0 must be greater than 0"),
-        ({"segment": 0.0}, "segment = 0.0 must be greater than 0"),
-        ({"condyle_radius": 6e-3}, "condyle_radius = 0.006 must lie between 0 and the path's 0.00595"),
+        ({"friction": -0.1}, "friction is -0.1; allowed: numbers from 0 on"),
+        ({"step": 0.0}, "step is 0.0; allowed: numbers above 0"),
+        ({"segment": 0.0}, "segment is 0.0; allowed: numbers above 0"),
+        ({"condyle_radius": 6e-3}, "condyle_radius is 0.006; allowed: 0 to the path's 0.00595"),
     ],
 )
 def test_faulty_arguments_are_refused(jaw, options, message):

@@ -122,15 +122,19 @@ def changed(place: str, value: object) -> str:
         ("channels.side.kind", None, "channels.side"),
         ("name", "My maneuver", "name = 'My maneuver'"),
         ("channels.sideways", {"kind": "keyframes", "points": []}, "unknown key 'channels.sideways'"),
-        ("channels.side.harmonics", [{"amplitude": float("nan"), "period_s": 4}], "amplitude = nan must be a finite"),
-        ("channels.side.harmonics", [{"amplitude": 1.5, "period_s": 4}], "side runs from -1.5 to 1.5, allowed is -1"),
-        ("channels.opening.points", [{"t_s": 0, "value": -0.2}], "opening runs from -0.2 to -0.2, allowed is 0 to 1"),
-        ("channels.side.harmonics", [{"amplitude": "big", "period_s": 4}], "amplitude = 'big' must be a number"),
-        ("fade_in_s", 0, "fade_in_s = 0"),
+        (
+            "channels.side.harmonics",
+            [{"amplitude": float("nan"), "period_s": 4}],
+            "amplitude is nan; allowed: a finite",
+        ),
+        ("channels.side.harmonics", [{"amplitude": 1.5, "period_s": 4}], "side runs from -1.5 to 1.5; allowed: -1"),
+        ("channels.opening.points", [{"t_s": 0, "value": -0.2}], "opening runs from -0.2 to -0.2; allowed: 0 to 1"),
+        ("channels.side.harmonics", [{"amplitude": "big", "period_s": 4}], "amplitude is 'big'; allowed: a number"),
+        ("fade_in_s", 0, "fade_in_s is 0"),
         (
             "channels.opening.points",
             [{"t_s": 0, "value": 0}, {"t_s": 130, "value": 0}, {"t_s": 131, "value": 50}],
-            "channels: opening runs from 0 to 50, allowed is 0 to 1",
+            "channels: opening runs from 0 to 50; allowed: 0 to 1",
         ),
         (
             "channels.opening.points",
@@ -140,24 +144,24 @@ def changed(place: str, value: object) -> str:
                 {"t_s": 1.005, "value": 7},
                 {"t_s": 1.008, "value": 0},
             ],
-            "channels: opening runs from 0 to 7, allowed is 0 to 1",
+            "channels: opening runs from 0 to 7; allowed: 0 to 1",
         ),
         (
             "channels.opening.points",
             [{"t_s": 0, "value": 0}, {"t_s": 1, "value": 0}, {"t_s": 1.01, "value": 0.5}],
-            "channels: opening moves at 93.75 per second, allowed is 10 at most",
+            "channels: opening moves at 93.75 per second; allowed: 10 at most",
         ),
         (
             "channels.side.harmonics",
             [{"amplitude": 0.9, "frequency_hz": 5}],
-            "channels: side moves at 28.27 per second, allowed is 10 at most",
+            "channels: side moves at 28.27 per second; allowed: 10 at most",
         ),
         (
             "channels.side",
             {"kind": "prbs", "amplitude": 0.5, "interval_s": 1, "switch_s": 0.01, "register_bits": 3},
-            "channels: side moves at 187.5 per second, allowed is 10 at most",
+            "channels: side moves at 187.5 per second; allowed: 10 at most",
         ),
-        ("fade_in_s", 1e-9, "fade_in_s = 1e-09 must be greater than or equal to 0.001"),
+        ("fade_in_s", 1e-9, "fade_in_s is 1e-09; allowed: greater than or equal to 0.001"),
     ],
 )
 def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, place: str, value: object, expected: str) -> None:
@@ -168,7 +172,7 @@ def test_a_target_that_begins_away_from_rest_fades_in_slowly(tmp_path: Path) -> 
     content = example()
     content["channels"]["side"]["harmonics"] = [{"amplitude": 0.6, "period_s": 4, "phase_deg": 90}]
     content["fade_in_s"] = 0.01
-    expected = "fade_in_s = 0.01 takes side to 0.6 at 60 per second, allowed is 10 at most"
+    expected = "fade_in_s = 0.01 takes side to 0.6 at 60 per second; allowed: 10 at most"
     assert expected in refusal(tmp_path, yaml.safe_dump(content))
 
 

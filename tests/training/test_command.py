@@ -172,7 +172,7 @@ def test_damaged_checkpoint_is_named(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--steps", "0"], "steps = 0"),
+        (["--steps", "0"], "steps is 0"),
         (["--n-envs", "3"], "ppo.batch_size"),
         (["nowhere.yaml"], "nowhere.yaml"),
         (["nowhere"], "demo, distilled, plain_ppo, ppo, recurrent_ppo, sac, tqc"),
@@ -182,7 +182,7 @@ def test_damaged_checkpoint_is_named(
         (["--resume", "nowhere"], "nowhere"),
         (["--seeds", "0-2", "--seed", "1"], "--seed"),
         (["--seeds", "3-1"], "3-1"),
-        (["--target-discomfort", "-1"], "comfort.target_discomfort_s = -1.0"),
+        (["--target-discomfort", "-1"], "comfort.target_discomfort_s is -1.0"),
         (["ppo", "--control", "thought"], "'thought'"),
         (["sac", "--residual-on", "wiggle"], "wiggle"),
         (["--device", "abacus"], "abacus"),

@@ -7,7 +7,7 @@ from jawenv.envs.world.information import refresh_information
 from jawenv.kernels.compiled import world_kernel
 
 
-@world_kernel(place=2)
+@world_kernel(position=2)
 def show_beliefs(shared, models, worlds, active, observation, part):
     """Information and observation of every active world by the belief that its record holds now.
 

@@ -18,21 +18,23 @@ def follow_bound(model, world, settings, scratch, path):
     It is linearised at the true jaw, unless that is of another kind than the filter's ``model``.
     """
     truth, tick = world.truth, world.known.tick
-    rows, begun, known = path.shape[0], tick == 0, settings.filter
-    jaw = truth.jaw if known.nuisances.mass.shape[0] > 0 and truth.jaw.condyles == model.condyles else model
+    rows, begun, filter_settings = path.shape[0], tick == 0, settings.filter
+    jaw = truth.jaw if filter_settings.nuisances.mass.shape[0] > 0 and truth.jaw.condyles == model.condyles else model
     if begun:
-        begin_bound(known, truth.bound)
+        begin_bound(filter_settings, truth.bound)
     for k in range(tick if begun else tick - settings.control.ticks_per_step + 1, tick + 1):
         row = path[k % rows]
         if not begun:
             before = path[(k - 1) % rows].state
             true = (truth.muscles, before, row.state, row.wrench, row.trend, row.friction_share)
-            move_bound(jaw, truth.bound, true, known, settings.noise_variance, scratch)
-        read_bound(jaw, row.state, truth.bound, known.used, known, scratch)
-    truth.log_det_bound = decompose_parameters(truth.bound, first_parameter(truth.bound, known), scratch.matrix)
+            move_bound(jaw, truth.bound, true, filter_settings, settings.noise_variance, scratch)
+        read_bound(jaw, row.state, truth.bound, filter_settings.used, filter_settings, scratch)
+    truth.log_det_bound = decompose_parameters(
+        truth.bound, first_parameter(truth.bound, filter_settings), scratch.matrix
+    )
 
 
-@world_kernel(place=1)
+@world_kernel(position=1)
 def track_bound(models, worlds, active, all_settings, scratches, all_paths, part):
     """The bound of every active world after its last control period.
 

@@ -53,9 +53,9 @@ def rest_on_condyles(truth, limits, scratch):
         return False
     take_body(truth)
     q, u = split(truth.state)
-    place, _ = mouthpiece_motion(jaw, q, u, lift_of(truth), rotation(q))
-    limits.rest_opening = jaw.mouthpiece[2] - place[2]
-    limits.rest_side = place[1]
+    point, _ = mouthpiece_motion(jaw, q, u, lift_of(truth), rotation(q))
+    limits.rest_opening = jaw.mouthpiece[2] - point[2]
+    limits.rest_side = point[1]
     limits.rest_condyle_side = q[1]
-    limits.path[0] = place[0]
+    limits.path[0] = point[0]
     return limits.rest_opening <= REST_OPENING_MAX and abs(limits.rest_side) <= REST_SIDE_MAX

@@ -15,7 +15,7 @@ from jawenv.device.motors import device_wrench
 from jawenv.envs.world.load_cell import add_moments, clear_moments
 from jawenv.envs.world.plants import TICK, end_motion, lift_of, plus_wrench
 from jawenv.envs.world.step_kernel import (
-    Rows,
+    StepRows,
     begin_first_tick,
     begin_tick,
     clear_step,
@@ -63,7 +63,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     It acts for a ``step`` (s); ``motion`` is the mouthpiece's place and velocity, theta and its rate, and when the step
     ends, as ``WrenchAt`` takes them.
     """
-    place, velocity, theta, theta_rate, since = motion
+    point, velocity, theta, theta_rate, since = motion
     device, truth, known, scratch, settings = (
         devices[0],
         worlds[i].truth,
@@ -73,7 +73,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     )
     arm_x, arm_z = turned(truth.jaw.mouthpiece, theta)
     x_rate, z_rate = velocity[0] - theta_rate * arm_z, velocity[1] + theta_rate * arm_x
-    take_planar(truth, place[0] - arm_x, place[1] - arm_z, theta, x_rate, z_rate, theta_rate)
+    take_planar(truth, point[0] - arm_x, point[1] - arm_z, theta, x_rate, z_rate, theta_rate)
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
     wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
@@ -180,7 +180,7 @@ class ContactPlants:
         self._inform(i)
 
     def _end_tick(self, i: int, jaw: Any) -> None:
-        rows, motion = Rows(self._ticks, self._paths, self._observation), tuple(jaw.state)
+        rows, motion = StepRows(self._ticks, self._paths, self._observation), tuple(jaw.state)
         contact_end(self._device, self._models, self._worlds, i, self._settings, self._scratches, rows, motion)
 
     def _inform(self, i: int) -> None:

@@ -1,4 +1,4 @@
-"""What of a tick's force the load cell's amplifier passes: the parabola that fits it best.
+"""The load cell's amplifier: it passes the parabola that fits a tick's force best.
 
 A brake or an end stop changes its force several times within a tick. Instantaneous samples would be aliased: three of
 them miss its mean over a tick by up to a tenth (Simpson's rule), and the filter would attribute the difference to the
@@ -18,13 +18,13 @@ def clear_moments(samples):
 
 
 @njit
-def add_moments(samples, wrench, share, place):
-    """Add the wrench of a ``share`` of the tick, which lies at ``place``, from -1 at its start to 1 at its end.
+def add_moments(samples, wrench, share, time):
+    """Add the wrench of a ``share`` of the tick, which lies at ``time``, from -1 at its start to 1 at its end.
 
     Until ``take_samples``, the rows of ``samples`` (3, 6) are the force's parts along Legendre's polynomials 1, x and
     (3 x^2 - 1)/2.
     """
-    first, second = 3.0 * share * place, 2.5 * share * (3.0 * place * place - 1.0)
+    first, second = 3.0 * share * time, 2.5 * share * (3.0 * time * time - 1.0)
     for k in range(6):
         samples[0, k] += share * wrench[k]
         samples[1, k] += first * wrench[k]

@@ -65,17 +65,17 @@ def wrench_at_stage(device, world, scratch, settings, step, stage, h, motion):
 
 
 @njit_within
-def midline_rate(q, u, stage, h, given):
-    """(q', u') of the midline plant under the device; ``given`` as in ``midline_steps``."""
-    device, world, scratch, settings, step = given
+def midline_rate(q, u, stage, h, arguments):
+    """(q', u') of the midline plant under the device; ``arguments`` as in ``midline_steps``."""
+    device, world, scratch, settings, step = arguments
     total = wrench_at_stage(device, world, scratch, settings, step, stage, h, (q, u, lift_of(world.truth)))
     return state_rate(world.truth.jaw, scratch.effective, q, u, total)
 
 
 @njit_within
-def body_rate(q, u, stage, h, given):
-    """(q', u') of the plant with two condyles under the device; ``given`` as in ``bilateral_tick``."""
-    device, world, scratch, settings, step = given
+def body_rate(q, u, stage, h, arguments):
+    """(q', u') of the plant with two condyles under the device; ``arguments`` as in ``bilateral_tick``."""
+    device, world, scratch, settings, step = arguments
     middle_q, middle_u, lift, lift_rate = midline_motion(world.truth.jaw, q, u)
     motion = middle_q, middle_u, (lift, lift_rate)
     total = wrench_at_stage(device, world, scratch, settings, step, stage, h, motion)

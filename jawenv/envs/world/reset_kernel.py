@@ -51,9 +51,9 @@ def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
 def write_position(jaw, pose, positions, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
-    place, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
+    point, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
     for k in range(3):
-        positions[i, k] = place[k]
+        positions[i, k] = point[k]
 
 
 @njit
@@ -118,9 +118,9 @@ def reset_motors(device, truth, motors):
     """Motors without thrust, their targets where the resting jaw has put them."""
     q, u = split(truth.state)
     body_to_head = rotation(q)
-    place, velocity = mouthpiece_motion(truth.jaw, q, u, lift_of(truth), body_to_head)
+    point, velocity = mouthpiece_motion(truth.jaw, q, u, lift_of(truth), body_to_head)
     for i in range(N_MOTORS):
-        _, _, position, _ = motor_point(device, truth.jaw, i, body_to_head, place, velocity, (u[2], u[3], u[4]))
+        _, _, position, _ = motor_point(device, truth.jaw, i, body_to_head, point, velocity, (u[2], u[3], u[4]))
         motors.target[i] = position
         motors.thrust[i], motors.command[i], motors.rate[i] = 0.0, 0.0, 0.0
         motors.heat[i], motors.cap[i] = 0.0, device.thrust_peak
@@ -192,7 +192,7 @@ def begin_world(device, model, world, settings, scratch, beginning, first_row):
     return True
 
 
-@world_kernel(place=2)
+@world_kernel(position=2)
 def begin(shared, models, worlds, chosen, beginnings, accepted, all_ticks, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 

@@ -48,7 +48,7 @@ START_TICK, FIRST_READING_TICK, REALITY_TICK = -1, -2, -3
 
 
 class Shared(NamedTuple):
-    """What all worlds of an environment are moved with."""
+    """Records that all worlds of an environment share."""
 
     devices: NDArray[np.void]
     """One record of dtype ``DEVICE``."""
@@ -58,8 +58,8 @@ class Shared(NamedTuple):
     """Working memory, dtype ``scratch_dtype``, one for each thread."""
 
 
-class Rows(NamedTuple):
-    """What a step writes down of each of N worlds."""
+class StepRows(NamedTuple):
+    """The rows of each of N worlds that a step fills."""
 
     ticks: NDArray[np.void]
     """(N, any number) records of dtype ``tick_dtype``, of the first ticks."""
@@ -113,7 +113,7 @@ def scratch_dtype(
 
 @njit
 def read_load_cell(device, truth, scratch):
-    """The load cell's samples, or those of what is in its place: errors of the episode, fresh noise for each sample."""
+    """Samples of the load cell or its substitute: errors of the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
         for k in range(6):
             noise = device.cell_force if k < 3 else device.cell_moment
@@ -127,7 +127,7 @@ def read_load_cell(device, truth, scratch):
 
 @njit
 def turn_samples(truth, samples):
-    """What a mouthpiece that sits turned and a cell with an offset make of the load cell's ``samples`` (3, 6)."""
+    """Turn the load cell's ``samples`` (3, 6) by the mouthpiece's seat, and add the cell's offset."""
     for i in range(N_SAMPLES):
         turn_wrench(truth.cell_turn, -1.0, samples[i])
         for k in range(N_WRENCH):
@@ -152,7 +152,7 @@ def sense(device, truth, scratch, reality):
 
 @njit_within
 def command(device, model, known, action, settings, scratch):
-    """What the motors are to do in the next tick, into ``scratch.action``: the action, or what follows targets."""
+    """The motors' command of the next tick, into ``scratch.action``: the action, or the law that follows targets."""
     control, tracker = settings.control, known.tracker
     if not control.targets:
         scratch.action[:] = action
@@ -169,11 +169,11 @@ def command(device, model, known, action, settings, scratch):
 @njit
 def draw_unmodelled(device, truth, tick, decay, normals):
     """The unmodelled wrench of the tick: anew, or with memory, and as large in the mean from the first tick on."""
-    kept = decay if tick > 0 else 0.0
-    share = sqrt(1.0 - kept * kept)
+    memory = decay if tick > 0 else 0.0
+    share = sqrt(1.0 - memory * memory)
     for k in range(6):
         sd = device.unmodelled_force if k < 3 else device.unmodelled_moment
-        truth.unmodelled[k] = kept * truth.unmodelled[k] + share * (sd * normals[k])
+        truth.unmodelled[k] = memory * truth.unmodelled[k] + share * (sd * normals[k])
 
 
 @njit
@@ -286,7 +286,7 @@ def advance_world(shared, model, world, action, scratch, rows, i):
     end_step(device, model, world, settings, scratch, rows.observation[i])
 
 
-@world_kernel(place=2)
+@world_kernel(position=2)
 def advance(shared, models, worlds, actions, active, rows, part):
     """Advance every active world by one control period; one that has just begun gets its first reading alone.
 
@@ -296,7 +296,7 @@ def advance(shared, models, worlds, actions, active, rows, part):
         worlds: Worlds, dtype ``world_dtype``; changed in place.
         actions: (N, 4) in [-1, 1], of the motors or, in targets control, the channels.
         active: (N,) bool; a world that is not active stays as it is.
-        rows: See ``Rows``; filled where a world is active.
+        rows: See ``StepRows``; filled where a world is active.
         part: First world, one past the last, and number of the thread (``compiled.WorldKernel``).
     """
     first, last, thread = part

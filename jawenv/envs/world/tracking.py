@@ -90,11 +90,11 @@ def follow(device, observation, parameters, tracker, with_servo, holds_roll, dt,
         if tracker.crest == 0.0:
             tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
     shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
-    wanted, felt = wanted_by(sensed, tracker), felt_by(sensed, tracker.rest_roll)
+    targets, felt = wanted_by(sensed, tracker), felt_by(sensed, tracker.rest_roll)
     if with_servo:
-        servo_rates(device, wanted, felt, action)
+        servo_rates(device, targets, felt, action)
     else:
-        thrusts(device, wanted, felt, holds_roll, tracker.integral, dt, action)
+        thrusts(device, targets, felt, holds_roll, tracker.integral, dt, action)
 
 
 @njit

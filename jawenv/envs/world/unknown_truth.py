@@ -1,4 +1,4 @@
-"""What the filter does not know exactly of a world, drawn into its truth: within sds that it is told, and untold."""
+"""Draws of anatomy, mounting and load cell into a world's truth, with sds that the filter knows or lacks."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ class Streams(NamedTuple):
 def draw_truth(
     truth: Any, knowledge: Knowledge, reality: Reality, muscles: MuscleSet, streams: Streams, anatomy_seed: int | None
 ) -> Unknowns:
-    """Draw anatomy, body, mounting and load cell of a world; returns what was drawn of that which the filter is told.
+    """Draw anatomy, body, mounting and load cell of a world; returns the deviations whose sds the filter knows.
 
     Args:
         truth: Its record, dtype ``truth_dtype``, with the jaw at the filter's nominal values; changed in place.
-        knowledge: Sds that the filter is told.
-        reality: Of which it is not.
+        knowledge: The sds known to the filter.
+        reality: Errors of the same quantities that are hidden from the filter.
         muscles: The cohort's.
         streams: Sources of the draws.
-        anatomy_seed: Of a patient whose own values are the same in every episode, or None.
+        anatomy_seed: Seed of a patient with the same anatomy in every episode, or None.
     """
     for name in ("cell_offset", "turn", "cell_turn"):
         truth[name] = 0.0
@@ -66,9 +66,9 @@ def draw_truth(
     return with_motors(values, streams.motors)
 
 
-def _add(truth: Any, known: Knowledge, muscles: MuscleSet, values: Unknowns) -> None:
+def _add(truth: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> None:
     """Change a world's jaw, mounting and load cell by ``values``."""
-    truth["jaw"] = changed_jaw(truth["jaw"], known, muscles, values)
-    truth["cell_offset"] += offset_of(known, values)
-    truth["turn"] += turn_of(known, values)
-    truth["cell_turn"] += cell_turn_of(known, values)
+    truth["jaw"] = changed_jaw(truth["jaw"], knowledge, muscles, values)
+    truth["cell_offset"] += offset_of(knowledge, values)
+    truth["turn"] += turn_of(knowledge, values)
+    truth["cell_turn"] += cell_turn_of(knowledge, values)

@@ -27,7 +27,7 @@ MARGIN = 10.0  # sds of chi-squared above its mean: linearisation and a prior th
 
 @cache
 def drift_dtype(parameters: int) -> np.dtype[np.void]:
-    """Dtype of the beliefs that are kept, and of what was found."""
+    """Dtype of the kept beliefs and of the largest drift."""
     fields = [
         ("kept", "i8"),
         ("judged", "i8"),  # readings at the last judgement
@@ -41,7 +41,7 @@ def drift_dtype(parameters: int) -> np.dtype[np.void]:
 
 @njit
 def threshold(parameters):
-    """What chi-squared of p exceeds with a chance below 1e-4, of 12 parameters 1e-8."""
+    """A limit that chi-squared of p exceeds with a chance below 1e-4, of 12 parameters 1e-8."""
     return parameters + MARGIN * sqrt(2.0 * parameters)
 
 

@@ -61,9 +61,9 @@ def judge_block(belief, scratch):
             scratch.factor[i, j] = 1.0 if i == j else 0.0
     add_muscles(belief, scratch)
     if decompose(scratch.factor):
-        found = squared_length(scratch) / ALARM
-        block.second = max(block.second, min(block.largest, found))
-        block.largest = max(block.largest, found)
+        misfit = squared_length(scratch) / ALARM
+        block.second = max(block.second, min(block.largest, misfit))
+        block.largest = max(block.largest, misfit)
 
 
 @njit

@@ -65,7 +65,7 @@ def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
 def without_nuisances(belief, gain_variance, scratch):
     """Information and score about c alone: gain error and nuisances integrated out, with their priors.
 
-    Leaves the factor of what is known about them at given c in ``nuisance_factor``. False if that has none.
+    Leaves the factor of their information at given c in ``nuisance_factor``. False if that has none.
     """
     information, score, factor, shared = belief.information, belief.score, belief.nuisance_factor, scratch.shared
     first, number = scratch.known.shape[0], factor.shape[0]

@@ -121,7 +121,7 @@ def read_bound(jaw, motion, covariance, used, settings, scratch):
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
 def move_by_nuisances(jaw, muscles, tick, settings, scratch):
-    """What one sd of each nuisance does to the motion at the tick's end, into its columns of the derivative."""
+    """The effect of one sd of each nuisance on the motion at the tick's end, into its columns of the derivative."""
     add_columns(jaw, muscles, tick, settings, scratch)
 
 
@@ -142,15 +142,15 @@ def add_columns(jaw, muscles, tick, settings, scratch):
     )
     set_wrenches(jaw, muscles, (pose, u, rate, mean), settings.nuisances, 0, scratch.wrench, scratch.nuisances)
     total, by_wrench = scratch.recursion.total, scratch.joint.total
-    first, place = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
+    first, column = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
     for i in range(by_wrench.shape[0]):
         for k in range(N_WRENCH):
             for j in range(scratch.wrench.shape[1]):
-                total[i, first + j] += by_wrench[i, place + k] * scratch.wrench[k, j]
+                total[i, first + j] += by_wrench[i, column + k] * scratch.wrench[k, j]
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
 def read_by_nuisances(jaw, motion, used, settings, scratch):
-    """What one sd of each nuisance adds to the readings, into its columns of their derivative."""
+    """The effect of one sd of each nuisance on the readings, into its columns of their derivative."""
     first = scratch.recursion.total.shape[0]
     add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

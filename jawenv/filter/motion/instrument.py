@@ -1,4 +1,4 @@
-"""What the derivatives by tensions and nuisances are taken along: the motion that the past alone predicts.
+"""The motion predicted by the past alone, along which derivatives by tensions and nuisances are taken.
 
 A regressor that contains anything of this tick's noise is correlated with this tick's innovation, and its score is
 biased: a servo or a stop answers within the tick, so the motion that a reading moves contains an answer to what acted

@@ -49,9 +49,9 @@ def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -
 def set_muscles(jaw, log_parameters, offset, muscles):
     """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
     for line in range(muscles.shape[0]):
-        place = offset + 2 * jaw.muscle[line]
-        muscles[line, 0] = exp(log_parameters[place])
-        muscles[line, 1] = exp(log_parameters[place + 1])
+        index = offset + 2 * jaw.muscle[line]
+        muscles[line, 0] = exp(log_parameters[index])
+        muscles[line, 1] = exp(log_parameters[index + 1])
 
 
 @njit
@@ -164,9 +164,9 @@ def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
 
 
 @njit_within
-def joint_rate(q, u, stage, h, given):
+def joint_rate(q, u, stage, h, arguments):
     """(q', u') at a stage; moves the derivative, too, through the stage."""
-    jaw, muscles, (samples, trend, gain), part, parts, scratch = given
+    jaw, muscles, (samples, trend, gain), part, parts, scratch = arguments
     share = stage_share(part, stage, parts)
     wrench = with_gain(between_samples(samples, share), trend, gain)
     rate = linearised_rate(jaw, muscles, q, u, wrench, scratch.linear)
@@ -200,6 +200,6 @@ def propagate_in(jaw, muscles, state, cell, dt, parts, scratch):
     for part in range(parts):
         begin_derivative(scratch)
         q, u = motion_of(state, scratch.linear)
-        given = (jaw, muscles, cell, part, parts, scratch)
-        q, u = runge_kutta_step(joint_rate, q, u, h, given)
+        arguments = (jaw, muscles, cell, part, parts, scratch)
+        q, u = runge_kutta_step(joint_rate, q, u, h, arguments)
         set_state(state, q, u)

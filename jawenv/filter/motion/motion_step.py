@@ -108,9 +108,9 @@ def is_half_way(part, stage, parts):
 
 
 @njit_within
-def midline_rate(q, u, stage, h, given):
+def midline_rate(q, u, stage, h, arguments):
     """(q', u') of the midline model; half way through the step also the Jacobian, into ``scratch``."""
-    jaw, samples, part, parts, scratch = given
+    jaw, samples, part, parts, scratch = arguments
     sample = between_samples(samples, stage_share(part, stage, parts))
     if not is_half_way(part, stage, parts):
         return state_rate(jaw, scratch.muscles, q, u, sample)
@@ -132,9 +132,9 @@ def midline_step(jaw, motion, samples, dt, scratch):
 
 
 @njit_within
-def body_rate(q, u, stage, h, given):
+def body_rate(q, u, stage, h, arguments):
     """(q', u') of the jaw with two condyles; half way through each part also the Jacobian, into ``scratch``."""
-    jaw, samples, part, parts, scratch = given
+    jaw, samples, part, parts, scratch = arguments
     sample = between_samples(samples, stage_share(part, stage, parts))
     if stage != 2:
         return bilateral_rate(jaw, scratch.muscles, q, u, sample)

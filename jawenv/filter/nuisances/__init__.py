@@ -1,1 +1,1 @@
-"""What is known only within an sd beside the muscles: what each such number changes, and its corrections."""
+"""Nuisances, numbers beside the muscles that are known only within an sd: effects and corrections."""

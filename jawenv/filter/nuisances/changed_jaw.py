@@ -26,9 +26,9 @@ def change_body(jaw, nuisances, j, share, changed):
     for i in range(3):
         before = contact_row(jaw, mass, rho, square, i)
         for k in range(3):
-            about = before[k] + share * nuisances.inertia[j, 3 * i + k]
+            inertia = before[k] + share * nuisances.inertia[j, 3 * i + k]
             there = (changed_square if i == k else 0.0) - changed_rho[i] * changed_rho[k]
-            changed.inertia[i, k] = about - changed_mass * there
+            changed.inertia[i, k] = inertia - changed_mass * there
     changed.mass = changed_mass
     for i in range(3):
         changed.centre_of_mass[i] = changed_rho[i]
@@ -59,7 +59,7 @@ def change_jaw(jaw, nuisances, j, share, changed):
 
 @njit
 def copy_rest(jaw, changed):
-    """What no nuisance changes."""
+    """Copy the jaw's fields without nuisances."""
     changed.condyles, changed.free_x, changed.free_y = jaw.condyles, jaw.free_x, jaw.free_y
     changed.tooth_stiffness, changed.condyle_stiffness = jaw.tooth_stiffness, jaw.condyle_stiffness
     changed.stop_width = jaw.stop_width
@@ -95,14 +95,14 @@ def move_jaw(jaw, nuisances, steps, first):
         change_jaw(jaw, nuisances, j, steps[first + j], jaw)
     mass, rho = jaw.mass, vector3(jaw.centre_of_mass)
     square = dot(rho, rho)
-    about = (
+    inertia = (
         contact_row(jaw, mass, rho, square, 0),
         contact_row(jaw, mass, rho, square, 1),
         contact_row(jaw, mass, rho, square, 2),
     )
     for line in range(jaw.l_o.shape[0]):
         jaw.l_o[line] = norm(subtract(row3(jaw.origin, line), row3(jaw.insertion, line)))
-    set_inverse(about, jaw.inertia_contact_inverse)
+    set_inverse(inertia, jaw.inertia_contact_inverse)
 
 
 @njit

@@ -1,4 +1,4 @@
-"""What the filter knows only within an sd beside the muscles: anatomy, mass, how the mouthpiece sits, the load cell.
+"""Nuisances of the filter, known only within an sd: anatomy, mass, the mouthpiece's seat, the load cell.
 
 Each nuisance is a number v with prior N(0, 1). Its *change* is what one sd of it adds to the numbers of the jaw, to
 the orientation of the mouthpiece, and to the load cell's reading. The motion's derivative by v is carried beside that
@@ -102,16 +102,16 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 
 @njit
 def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
-    """What one sd of nuisance j adds to force and moment (head axes) of the line whose ends it moves: the derivative.
+    """The derivative of force and moment (head axes) of the line whose ends nuisance j moves, by one sd of it.
 
     T = F_o exp(b (l / l_o - 1)) along e = v / l, with v from the insertion to the origin: dl = e dv, de = (dv - e dl) /
     l. F_o is the tension at l_o, which moves with the ends (``l_o``).
     """
     i = nuisances.line[j]
     arm, direction, length, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
-    moved, place = nuisances.insertion[j], nuisances.origin[j]
+    moved, origin = nuisances.insertion[j], nuisances.origin[j]
     shift = apply(body_to_head, (moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]))
-    change = subtract((place[3 * i], place[3 * i + 1], place[3 * i + 2]), shift)
+    change = subtract((origin[3 * i], origin[3 * i + 1], origin[3 * i + 2]), shift)
     longer, l_o = dot(direction, change), jaw.l_o[i]
     stretch = longer / l_o - length * nuisances.l_o[j, i] / (l_o * l_o)
     across = scale(tension / length, subtract(change, scale(longer, direction)))
@@ -150,9 +150,9 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
         pull = apply_transposed(body_to_head, (along, y, slope * along))
         moment = subtract(moment, cross(vector3(jaw.mouthpiece), pull))
         # The reading is of axes that are turned, and has an offset.
-        about = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
-        pull = add(pull, cross(about, (reading[0], reading[1], reading[2])))
-        moment = add(moment, cross(about, (reading[3], reading[4], reading[5])))
+        turn = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
+        pull = add(pull, cross(turn, (reading[0], reading[1], reading[2])))
+        moment = add(moment, cross(turn, (reading[3], reading[4], reading[5])))
         for i in range(3):
             line_wrench[i, first + j] = pull[i] - nuisances.offset[j, i]
             line_wrench[3 + i, first + j] = moment[i] - nuisances.offset[j, 3 + i]
@@ -171,8 +171,8 @@ def add_readings(jaw, motion, nuisances, used, first, rows, scratch):
         for i in range(N_MEASUREMENTS):
             if used[i]:
                 rows[i, first + j] += (scratch.changed[i] - scratch.expected[i]) / STEP
-        about = nuisances.turn[j]
-        turn_readings(about, -1.0, scratch.expected, scratch.changed)
+        turn = nuisances.turn[j]
+        turn_readings(turn, -1.0, scratch.expected, scratch.changed)
         for i in range(3, N_MEASUREMENTS):
             if used[i]:
                 rows[i, first + j] += scratch.changed[i] - scratch.expected[i]

@@ -21,7 +21,7 @@ _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 def write_nuisances(
     record: Any,
     jaw: Any,
-    known: Knowledge,
+    knowledge: Knowledge,
     muscles: MuscleSet,
     sds: list[Unknowns],
     force: tuple[NDArray[np.float64], Any] | None = None,
@@ -31,7 +31,7 @@ def write_nuisances(
     Args:
         record: written.
         jaw: the filter's model.
-        known: the sds.
+        knowledge: the sds.
         muscles: the jaw's.
         sds: one sd of each nuisance, as ``mechanics.unknowns.directions`` gives them.
         force: sds of the errors of a force that no load cell reads, and the device's record; None where one does.
@@ -40,7 +40,7 @@ def write_nuisances(
         record["linkage"]["point"], record["linkage"]["direction"] = force[1]["point"], force[1]["direction"]
     for j, values in enumerate(sds):
         small = Unknowns(*(STEP * value for value in values))
-        changed = changed_jaw(jaw, known, muscles, small)
+        changed = changed_jaw(jaw, knowledge, muscles, small)
         for name in (*_PLAIN, "mouthpiece", "l_o"):
             record[name][j] = (changed[name] - jaw[name]) / STEP
         for name in ("origin", "insertion"):
@@ -48,8 +48,8 @@ def write_nuisances(
         first_moments = [body["mass"] * body["centre_of_mass"] for body in (changed, jaw)]
         record["first_moment"][j] = (first_moments[0] - first_moments[1]) / STEP
         record["inertia"][j] = ((_about_contact(changed) - _about_contact(jaw)) / STEP).ravel()
-        record["offset"][j], record["turn"][j] = offset_of(known, values), turn_of(known, values)
-        record["cell_turn"][j] = cell_turn_of(known, values)
+        record["offset"][j], record["turn"][j] = offset_of(knowledge, values), turn_of(knowledge, values)
+        record["cell_turn"][j] = cell_turn_of(knowledge, values)
         ends = np.abs(values.origin) + np.abs(values.insertion)
         record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)

@@ -1,1 +1,1 @@
-"""What the device reads in a tick: encoders and load cell, and which of their readings are usable."""
+"""The device's readings in a tick: encoders and load cell, and the choice of usable ones."""

@@ -1,4 +1,4 @@
-"""What the encoders read of a motion, and its derivative by the motion."""
+"""The encoders' readings of a motion, and their derivative by the motion."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def read_motion(jaw, state, expected):
     _, slope, _, _ = fossa(jaw, q[0])
     omega = (u[2], u[3], u[4])
     mouthpiece = vector3(jaw.mouthpiece)
-    place = add(contact_point(jaw, q), apply(body_to_head, mouthpiece))
+    point = add(contact_point(jaw, q), apply(body_to_head, mouthpiece))
     velocity = add((u[0], u[1], slope * u[0]), apply(body_to_head, cross(omega, mouthpiece)))
     for i in range(3):
-        expected[i], expected[3 + i] = place[i] - jaw.zero[i], q[2 + i]
+        expected[i], expected[3 + i] = point[i] - jaw.zero[i], q[2 + i]
         expected[6 + i], expected[9 + i] = velocity[i], omega[i]
 
 
@@ -64,7 +64,7 @@ def measure_body(jaw, state, rows, expected):
     body_to_head = rotation(pose)
     arm = vector3(jaw.mouthpiece)
     spin = cross((u[3], u[4], u[5]), arm)
-    place, velocity = point_motion(q, u, body_to_head, arm)
+    point, velocity = point_motion(q, u, body_to_head, arm)
     axes = turning_axes(pose)
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     for i in range(N_MEASUREMENTS):
@@ -78,7 +78,7 @@ def measure_body(jaw, state, rows, expected):
             rows[i, 3 + j] = by_angle[i]
             rows[6 + i, 3 + j] = velocity_by_angle[i]
             rows[6 + i, 9 + j] = by_omega[i]
-        expected[j], expected[3 + j], expected[6 + j], expected[9 + j] = place[j], q[3 + j], velocity[j], u[3 + j]
+        expected[j], expected[3 + j], expected[6 + j], expected[9 + j] = point[j], q[3 + j], velocity[j], u[3 + j]
 
 
 @njit

@@ -1,1 +1,1 @@
-"""What can be known at all: bound, identifiability and observability."""
+"""Limits of any estimator: bound, identifiability and observability."""

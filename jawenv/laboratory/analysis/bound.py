@@ -19,7 +19,7 @@ from jawenv.filter.bound.joint_recursion import predict_covariance, update_covar
 from jawenv.filter.motion.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.analysis.path import Path, path_of
+from jawenv.laboratory.analysis.path import MotionPath, path_of
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
 
@@ -54,7 +54,7 @@ class Bound:
 
 @njit
 def bound_path(path, covariance, every, covariances):
-    """Run the recursion over all ticks of a ``path.Path``; ``covariance`` is the prior's, and is changed.
+    """Run the recursion over all ticks of a ``MotionPath``; ``covariance`` is the prior's, and is changed.
 
     The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``covariances`` (K, p, p), and that
     after the last tick into its last row.
@@ -101,7 +101,7 @@ def bound_along(record: Record, parameters: Array | None = None, every: int = 1)
     return bound
 
 
-def path_bound(path: Path, record: Record, every: int) -> Bound:
+def path_bound(path: MotionPath, record: Record, every: int) -> Bound:
     """As ``bound_along``, along a path that exists already."""
     ticks, parameters = len(path.wrenches), len(record.parameter_names)
     rows = np.unique(np.append(np.arange(0, ticks + 1, every), ticks))

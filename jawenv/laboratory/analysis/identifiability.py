@@ -1,4 +1,4 @@
-"""What a record can tell about its parameters, and what it cannot: information, least-known combinations, collinearity.
+"""Identifiability of a record's parameters: information, least-known combinations, collinearity.
 
 All of it follows from the bound along the record's motion: it is about the maneuver and the device, and not about any
 estimator. Parameters are natural logs: a direction's sd of 0.05 is 5 %.
@@ -122,8 +122,8 @@ def in_words(direction: ArrayLike, names: Sequence[str]) -> str:
     weights = np.asarray(direction, dtype=np.float64)
     if weights.shape != (len(names),) or not np.isfinite(weights).all() or not weights.any():
         raise InputError(
-            f"direction: {np.array2string(weights, threshold=6)} given, "
-            f"allowed are {len(names)} finite numbers that are not all 0"
+            f"direction is {np.array2string(weights, threshold=6)}; "
+            f"allowed: {len(names)} finite numbers that are not all 0"
         )
     size = np.sort(np.abs(weights))[::-1]
     smallest = size[np.searchsorted(np.cumsum(size**2), NAMED_SHARE * np.sum(size**2))] * (1.0 - 1e-6)
@@ -179,7 +179,7 @@ class Combination:
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """What a record can tell about p natural-log parameters, independent of the estimator.
+    """The information of a record about p natural-log parameters, independent of the estimator.
 
     Attributes:
         parameter_names: p names.
@@ -253,13 +253,13 @@ class Identifiability:
         size, seen = len(self.prior_sd), self.observability
         nats = float(np.log(self.prior_sd).sum() - 0.5 * np.linalg.slogdet(self.covariance)[1])
         worst = int(np.argmax(self.sd))
-        known = int((self.spectrum * np.mean(self.prior_sd**2) > 1.0).sum())
+        determined = int((self.spectrum * np.mean(self.prior_sd**2) > 1.0).sum())
         lines = [
             f"{self.duration_s:g} s, {size} parameters: {nats:.1f} nats at most",
             f"worst parameter: {self.parameter_names[worst]}, sd {self.sd[worst]:.1%}",
             "least-known combinations:",
             *(f"  {row.words}: sd {row.sd:.1%} (prior {row.prior_sd:.0%})" for row in self.least_known(min(3, size))),
-            f"directions of which the data say more than the prior: {known} of {size}",
+            f"directions of which the data say more than the prior: {determined} of {size}",
             f"collinearity index of all: {self.collinearity:.1f}",
         ]
         if size > 1:
@@ -277,7 +277,7 @@ class Identifiability:
 
 
 def identifiability(record: Record, parameters: Array | None = None, window_s: float = 1.0) -> Identifiability:
-    """What a record can tell about its parameters.
+    """The identifiability of a record's parameters.
 
     Args:
         record: with ``states``, see ``bound.bound_along``.

@@ -1,4 +1,4 @@
-"""What an episode has told of the muscles and of the patient's own anatomy together.
+"""The likelihood of the muscles and of the patient's own anatomy together, after an episode.
 
 The filter integrates everything out but the muscles. Whoever compares two episodes of a patient must not: the anatomy
 is the same in both, and so are the errors that come of it. Here the session's part alone is integrated out (load cell,
@@ -50,40 +50,40 @@ class JointLikelihood:
 
 
 def joint_likelihood(simulation: Simulation, index: int) -> JointLikelihood:
-    """What the filter of world ``index`` has learned so far.
+    """The joint likelihood of world ``index``, from its filter so far.
 
     Raises:
         InputError: anatomy and device are known exactly.
     """
     if simulation.knowledge.exact:
         raise InputError("knowledge is exact; allowed: knowledge within sds, as imaged")
-    return _told(simulation, index, np.array([own_values(values) for values in simulation.nuisance_sds]))
+    return _likelihood(simulation, index, np.array([own_values(values) for values in simulation.nuisance_sds]))
 
 
 def belief_of_nuisances(simulation: Simulation, index: int) -> tuple[Array, Array]:
     """Mean and sd (q,) of every nuisance of world ``index`` in prior sds, in the filter's order; 0 and 1 before."""
     size, prior = len(simulation.nuisance_sds), simulation.cohort.prior
-    told = _told(simulation, index, np.eye(size))
+    likelihood = _likelihood(simulation, index, np.eye(size))
     start = np.concatenate([prior.mean, np.zeros(size)]), np.diag(np.concatenate([prior.sd, np.ones(size)]) ** 2)
-    mean, cov = told.posterior(*start)
+    mean, cov = likelihood.posterior(*start)
     return mean[-size:], np.sqrt(np.diagonal(cov)[-size:])
 
 
-def _told(simulation: Simulation, index: int, own: Array) -> JointLikelihood:
-    """What world ``index`` has told of muscles and of Q values, of which ``own`` (nuisances, Q) has one sd of each."""
+def _likelihood(simulation: Simulation, index: int, own: Array) -> JointLikelihood:
+    """The likelihood of muscles and Q values in world ``index``; ``own`` (nuisances, Q) holds an sd of each value."""
     belief = simulation.worlds["known"]["belief"][index]
     gain_variance = float(simulation.settings[0]["filter"]["gain_variance"])
-    derivative, at_zero, kept = _linearised(belief, own, gain_variance)
+    derivative, at_zero, count = _linearised(belief, own, gain_variance)
     columns = len(derivative)
     upper = np.triu(belief["information"][:columns, :columns])
     information = upper + np.triu(upper, 1).T
     joint = derivative.T @ information @ derivative
     vector = derivative.T @ (belief["score"][:columns] - information @ at_zero)
     # What is not kept has the prior N(0, 1), and is integrated out.
-    rest = joint[kept:, kept:] + np.eye(len(joint) - kept)
-    carried = np.linalg.solve(rest, joint[kept:, :kept])
-    left = joint[:kept, :kept] - joint[:kept, kept:] @ carried
-    return JointLikelihood(0.5 * (left + left.T), vector[:kept] - carried.T @ vector[kept:])
+    rest = joint[count:, count:] + np.eye(len(joint) - count)
+    carried = np.linalg.solve(rest, joint[count:, :count])
+    left = joint[:count, :count] - joint[:count, count:] @ carried
+    return JointLikelihood(0.5 * (left + left.T), vector[:count] - carried.T @ vector[count:])
 
 
 def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, Array, int]:
@@ -110,14 +110,14 @@ def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, A
     set_omega(cov, omega)
     sizes, axes = np.linalg.eigh(omega)
     session = np.flatnonzero(~own.any(axis=1))
-    parameters, kept = len(mean), len(mean) + own.shape[1]
-    derivative = np.zeros((size + 1 + len(own), kept + bends + 1 + len(session)))
+    parameters, count = len(mean), len(mean) + own.shape[1]
+    derivative = np.zeros((size + 1 + len(own), count + bends + 1 + len(session)))
     derivative[:size, :parameters] = np.delete(bent, np.s_[2::3], axis=1)
-    derivative[:size, kept : kept + bends] = bent @ axes * np.sqrt(np.maximum(sizes, 0.0))
-    derivative[size, kept + bends] = np.sqrt(gain_variance)
-    derivative[size + 1 :, parameters:kept] = own
-    derivative[size + 1 + session, kept + bends + 1 + np.arange(len(session))] = 1.0
+    derivative[:size, count : count + bends] = bent @ axes * np.sqrt(np.maximum(sizes, 0.0))
+    derivative[size, count + bends] = np.sqrt(gain_variance)
+    derivative[size + 1 :, parameters:count] = own
+    derivative[size + 1 + session, count + bends + 1 + np.arange(len(session))] = 1.0
     at_zero = np.zeros(len(derivative))
     at_zero[:size] = (coefficients - belief["nominal"]).ravel() - derivative[:size, :parameters] @ mean
     at_zero[size + 1 :] = -belief["nuisances"]
-    return derivative, at_zero, kept
+    return derivative, at_zero, count

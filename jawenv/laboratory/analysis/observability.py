@@ -1,4 +1,4 @@
-"""What the sensors can tell of motion and parameters at all: rank and Gramian of the linearised problem.
+"""Observability of motion and parameters by the sensors: rank and Gramian of the linearised problem.
 
 A measurement is worth a row: its derivative by the joint state (n numbers of motion, p log-parameters) at the start of
 a window, carried there by the model's own derivative. Each row is divided by its sensor's sd and each column multiplied
@@ -26,7 +26,7 @@ from jawenv.errors import InputError
 from jawenv.filter.motion.joint_step import propagate
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.analysis.path import Path, path_of
+from jawenv.laboratory.analysis.path import MotionPath, path_of
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
 
@@ -63,7 +63,7 @@ class Observability:
 
 @njit
 def linearise_path(path, by_state, by_parameter, rows):
-    """Derivatives along a ``path.Path``: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
+    """Derivatives along a ``MotionPath``: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
 
     ``rows`` are over the sensors' sds, and zero where nothing was read.
     """
@@ -86,7 +86,7 @@ def linearise_path(path, by_state, by_parameter, rows):
                     by_parameter[tick, i, j] = scratch.total[i, n_states + j]
 
 
-def derivatives(path: Path) -> tuple[Array, Array, Array]:
+def derivatives(path: MotionPath) -> tuple[Array, Array, Array]:
     """Derivatives of each tick's step by motion (T, n, n) and parameters (T, n, p), whitened rows (T + 1, 12, n)."""
     ticks, n_states = len(path.wrenches), path.states.shape[1]
     parameters = path.covariance.shape[0] - n_states - 1
@@ -119,7 +119,7 @@ def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
             rates[i, j] = scratch.slope[i, j]
 
 
-def frozen_rank(path: Path, rows: Array, tick: int, scale: Array) -> int:
+def frozen_rank(path: MotionPath, rows: Array, tick: int, scale: Array) -> int:
     """Rank of H, H A, H A^2, ... with A frozen at the start of a tick, columns scaled by ``scale`` (m,)."""
     size, n_states = len(scale), path.states.shape[1]
     joint, trend = np.zeros((size, size)), np.zeros(N_WRENCH)

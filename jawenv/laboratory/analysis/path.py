@@ -16,7 +16,7 @@ from jawenv.laboratory.recordings.record import Record
 Array = NDArray[np.float64]
 
 
-class Path(NamedTuple):
+class MotionPath(NamedTuple):
     """A known motion of T ticks, n states and p parameters, with what is known about noise.
 
     Attributes:
@@ -46,7 +46,7 @@ class Path(NamedTuple):
     scratch: Any
 
 
-def path_of(record: Record, parameters: Array | None = None) -> Path:
+def path_of(record: Record, parameters: Array | None = None) -> MotionPath:
     """The path of a record's true motion; of a device's own record, of the motion that was put in for it.
 
     Args:
@@ -59,18 +59,18 @@ def path_of(record: Record, parameters: Array | None = None) -> Path:
     """
     record.require_exact("bound or analysis along a path")
     if record.states is None:
-        raise InputError("record: states is None, allowed is a record with the true motion, or with an estimate of it")
+        raise InputError("record: states is None; allowed: a record with the true motion, or with an estimate of it")
     values = record.truth if parameters is None else np.asarray(parameters, dtype=np.float64)
     size = len(record.parameter_names)
     if values is None:
-        raise InputError(f"parameters: None given for a record without truth, allowed are {size} log-parameters")
+        raise InputError(f"parameters is None, and the record has no truth; allowed: {size} log-parameters")
     if np.shape(values) != (size,) or not np.isfinite(values).all():
         raise InputError(f"parameters is {values}; allowed: {size} finite natural-log parameters")
     jaw, motion = record.jaw, record.states.shape[1]
     scratch = record_zeros(1, joint_scratch_dtype(size // 2, len(jaw["muscle"]), motion))[0]
     muscles = np.zeros((len(jaw["muscle"]), 2))
     set_muscles(jaw, values, 0, muscles)
-    return Path(
+    return MotionPath(
         jaw=jaw,
         muscles=muscles,
         states=np.ascontiguousarray(record.states),

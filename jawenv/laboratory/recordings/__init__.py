@@ -1,1 +1,1 @@
-"""What a device measured: records, their files, and what an estimator returns."""
+"""Readings of a device: records, their files, and the result of an estimator."""

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError, shown
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
-from jawenv.laboratory.recordings.table import Table
+from jawenv.laboratory.recordings.table import RecordTable
 
 Array = NDArray[np.float64]
 
 JITTER = 0.05  # a step of time may differ from the usual one by this share; the times are then taken as even
 
 
-def check_columns(table: Table, size: int) -> None:
+def check_columns(table: RecordTable, size: int) -> None:
     """Every column is known and finite, and the load cell is there, in one of its two forms.
 
     Args:
@@ -54,12 +54,12 @@ def check_columns(table: Table, size: int) -> None:
             raise table.fail(column.name, int(bad[0]), "infinite", "a finite number")
 
 
-def has_any(table: Table, columns: Sequence[Column]) -> bool:
+def has_any(table: RecordTable, columns: Sequence[Column]) -> bool:
     """Whether the table has one of these columns."""
     return any(column.name in table.columns for column in columns)
 
 
-def even_time(table: Table) -> Array:
+def even_time(table: RecordTable) -> Array:
     """The times from 0, evenly spaced: jitter of a few per cent of a step is taken out.
 
     Raises:

@@ -1,4 +1,4 @@
-"""What a recording's file may leave out: noise of the device, geometry, the motion before the first reading."""
+"""Defaults of a recording's file: noise of the device, geometry, the motion before the first reading."""
 
 from __future__ import annotations
 

@@ -52,24 +52,24 @@ def read_sheet(path: Path, largest: int) -> Sheet:
         if line.strip() and not line.startswith("#"):
             break
         comments.append((number, line))
-    kept = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
-    for number, line in kept:
+    rows = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
+    for number, line in rows:
         if len(line) > LONGEST_LINE:
             raise InputError(f"{path}: row {number} has {len(line):,} characters; allowed: {LONGEST_LINE:,} at most")
     separator = ""
-    if kept and (said := re.fullmatch(r"sep=(.)", kept[0][1])):
-        separator, kept = said[1], kept[1:]
-    if kept and not separator:
-        separator = max(SEPARATORS, key=kept[0][1].count)
+    if rows and (directive := re.fullmatch(r"sep=(.)", rows[0][1])):
+        separator, rows = directive[1], rows[1:]
+    if rows and not separator:
+        separator = max(SEPARATORS, key=rows[0][1].count)
     try:
-        reader = csv.reader([line for _, line in kept], delimiter=separator or ",", skipinitialspace=True)
+        reader = csv.reader([line for _, line in rows], delimiter=separator or ",", skipinitialspace=True)
         cells = [[cell.strip() for cell in row] for row in reader]
     except csv.Error as error:
         raise InputError(f"{path}: {error}; allowed: CSV") from None
-    if len(cells) < len(kept):
+    if len(cells) < len(rows):
         raise InputError(f"{path}: a quotation mark is not closed; allowed: CSV")
     filled = [i for i, row in enumerate(cells) if any(row)]
-    cells, lines = [cells[i] for i in filled], [kept[i][0] for i in filled]
+    cells, lines = [cells[i] for i in filled], [rows[i][0] for i in filled]
     if len(cells) < 2:
         raise InputError(f"{path}: is empty; allowed: a row of column names and two or more rows of numbers")
     return _without_unnamed(path, comments, cells, lines)

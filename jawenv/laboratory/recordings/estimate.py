@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What an estimator believes about p natural-log parameters at K times.
+    """An estimator's belief about p natural-log parameters at K times.
 
     Attributes:
         name: of the estimator.
@@ -38,7 +38,7 @@ class Estimate:
         times, parameters = np.shape(self.mean) if np.ndim(self.mean) == 2 else (0, 0)
         for field, shape in (("time", (times,)), ("cov", (times, parameters, parameters))):
             if times < 1 or np.shape(getattr(self, field)) != shape:
-                raise InputError(f"estimate: {field} has shape {np.shape(getattr(self, field))}, allowed is {shape}")
+                raise InputError(f"estimate: {field} has shape {np.shape(getattr(self, field))}; allowed: {shape}")
 
     @property
     def sd(self) -> Array:
@@ -51,7 +51,7 @@ class Estimator(Protocol):
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """Its name in tables."""
         ...
 
     def estimate(self, record: Record) -> Estimate:

@@ -31,7 +31,7 @@ from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TI
 from jawenv.laboratory.recordings.mapping import mapped, read_columns
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.recordings.resampling import resampled
-from jawenv.laboratory.recordings.table import Table, checked_path, read_table, write_table
+from jawenv.laboratory.recordings.table import RecordTable, checked_path, read_table, write_table
 from jawenv.laboratory.recordings.words import WORDS, check_numbers, check_texts
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
@@ -58,7 +58,7 @@ def save_record(record: Record, path: PathLike) -> None:
         columns[column.name] = _written(record, column)
     if record.wrenches is not None:
         columns |= {column.name: _written(record, column) for column in TRUE_WRENCH}
-    write_table(target, columns, _about(record))
+    write_table(target, columns, _header(record))
 
 
 def load_record(
@@ -105,34 +105,34 @@ def load_record(
     table = mapped(read_table(source, WORDS), {} if columns is None else read_columns(Path(columns)))
     if resample_hz is not None:
         table = resampled(table, resample_hz)
-    about = table.about
+    header = table.header
     check_texts(table)
-    rung = model_named(model or about.get("model", "jaw"))
+    rung = model_named(model or header.get("model", "jaw"))
     muscles = rung.muscles
     states = N_BODY if rung.estimator == "bilateral" else N_STATES
     check_numbers(table, {"states": states, "parameters": len(muscles.parameter_names)})
-    tilt = head_tilt_deg if head_tilt_deg is not None else about.get("head_tilt_deg", 0.0)
-    jaw = _geometry(jaw, rung, tilt, about if model is None else {}, table.path)
+    tilt = head_tilt_deg if head_tilt_deg is not None else header.get("head_tilt_deg", 0.0)
+    jaw = _geometry(jaw, rung, tilt, header if model is None else {}, table.path)
     size = defaults.motion_size(jaw)
     time = even_time(table)
     check_columns(table, size)
     dt = float(time[1] - time[0])
     measured = _encoders(table)
-    sensor = force_sensor or about.get("force_sensor", "cell")
+    sensor = force_sensor or header.get("force_sensor", "cell")
     noise = device or Device()
-    noise_values = about if device is None else {}
-    measured_by = _device(device, about.get("device"), table.path)
+    noise_values = header if device is None else {}
+    measured_by = _device(device, header.get("device"), table.path)
     if measured_by is None and sensor != "cell":
         measured_by = noise
     time_constant = float(noise_values.get("disturbance_time_s", noise.unmodelled_time_s))
     remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
     measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
-    start = start_mean if start_mean is not None else about.get("start_mean")
-    start_spread = start_sd if start_sd is not None else about.get("start_sd")
+    start = start_mean if start_mean is not None else header.get("start_mean")
+    start_spread = start_sd if start_sd is not None else header.get("start_sd")
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
-    true_parameters = truth if truth is not None else about.get("truth")
-    commanded = control or about.get("control", "force")
+    true_parameters = truth if truth is not None else header.get("truth")
+    commanded = control or header.get("control", "force")
     return Record(
         time=time,
         measured=measured,
@@ -143,11 +143,11 @@ def load_record(
         wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
         cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise, sensor))),
         gain_sd=float(noise_values.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
-        knowledge=_knowledge(knowledge, about.get("knowledge"), table.path),
+        knowledge=_knowledge(knowledge, header.get("knowledge"), table.path),
         disturbance_time_s=time_constant,
         disturbance_sd=np.array(noise_values.get("disturbance_sd", remembered)),
         jaw=jaw,
-        prior=_prior(prior, cohort, about, muscles, table.path),
+        prior=_prior(prior, cohort, header, muscles, table.path),
         parameter_names=muscles.parameter_names,
         force_sensor=sensor,
         device=measured_by,
@@ -158,39 +158,39 @@ def load_record(
     )
 
 
-def _about(record: Record) -> dict[str, Any]:
-    """What the file says besides its columns, SI units, all arrays as lists."""
+def _header(record: Record) -> dict[str, Any]:
+    """The file's header, SI units, all arrays as lists."""
     match = defaults.model_of_geometry(record.jaw)
     names = [model.name for model in defaults.matching_models(record.parameter_names, len(record.start_mean))]
-    about: dict[str, Any] = {}
+    header: dict[str, Any] = {}
     if match is not None and match[0] in names:
-        about["model"], about["head_tilt_deg"] = match
+        header["model"], header["head_tilt_deg"] = match
     elif names:
-        about["model"] = names[0]
-        about["jaw"] = {name: np.asarray(record.jaw[name]).tolist() for name in record.jaw.dtype.names}
+        header["model"] = names[0]
+        header["jaw"] = {name: np.asarray(record.jaw[name]).tolist() for name in record.jaw.dtype.names}
     else:
         raise InputError(
             f"record: parameter_names are {record.parameter_names}; allowed: those of a model of the ladder"
         )
-    about |= {"prior_mean": record.prior.mean.tolist(), "prior_sd": record.prior.sd.tolist()}
-    about |= {
+    header |= {"prior_mean": record.prior.mean.tolist(), "prior_sd": record.prior.sd.tolist()}
+    header |= {
         name: getattr(record, name).tolist()
         for name in ("measurement_sd", "wrench_sd", "cell_sd", "start_mean", "start_sd")
     }
-    about["gain_sd"] = record.gain_sd
+    header["gain_sd"] = record.gain_sd
     if not record.knowledge.exact:
-        about["knowledge"] = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
+        header["knowledge"] = {name: sd for name, sd in asdict(record.knowledge).items() if sd > 0.0}
     if record.disturbance_time_s > 0.0:
-        about["disturbance_time_s"] = record.disturbance_time_s
-        about["disturbance_sd"] = record.disturbance_sd.tolist()
+        header["disturbance_time_s"] = record.disturbance_time_s
+        header["disturbance_sd"] = record.disturbance_sd.tolist()
     if record.force_sensor != "cell":
-        about["force_sensor"] = record.force_sensor
-    about["control"] = record.control
+        header["force_sensor"] = record.force_sensor
+    header["control"] = record.control
     if record.device is not None:
-        about["device"] = asdict(record.device)
+        header["device"] = asdict(record.device)
     if record.truth is not None:
-        about["truth"] = record.truth.tolist()
-    return about
+        header["truth"] = record.truth.tolist()
+    return header
 
 
 def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
@@ -207,10 +207,10 @@ def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
     return jaw
 
 
-def _geometry(jaw: Any | None, rung: Any, tilt: float, about: dict[str, Any], path: str) -> Any:
+def _geometry(jaw: Any | None, rung: Any, tilt: float, header: dict[str, Any], path: str) -> Any:
     """The geometry given, or the file's own, or the model's at that tilt of the head."""
     if jaw is None:
-        stored = about.get("jaw")
+        stored = header.get("jaw")
         jaw = defaults.geometry(rung.name, tilt) if stored is None else _stored_jaw(stored, rung.name, path)
     lines = len(rung.muscles.muscle)
     if len(jaw["l_o"]) != lines:
@@ -228,21 +228,21 @@ def _device(device: Device | None, fields: Any, path: str) -> Device | None:
         raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
 
 
-def _knowledge(given: str | Knowledge | Source | None, stored: Any, path: str) -> Knowledge:
-    """What is given, or the file's own."""
-    if given is not None or stored is None:
-        return knowledge_of(given)
+def _knowledge(knowledge: str | Knowledge | Source | None, stored: Any, path: str) -> Knowledge:
+    """The knowledge given, or the file's own."""
+    if knowledge is not None or stored is None:
+        return knowledge_of(knowledge)
     try:
         return knowledge_of(stored)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
 
-def _prior(prior: Prior | None, name: str | None, about: dict[str, Any], muscles: Any, path: str) -> Prior:
-    if prior is None and name is None and "prior_mean" in about and "prior_sd" in about:
-        prior = Prior(about["prior_mean"], about["prior_sd"])
+def _prior(prior: Prior | None, name: str | None, header: dict[str, Any], muscles: Any, path: str) -> Prior:
+    if prior is None and name is None and "prior_mean" in header and "prior_sd" in header:
+        prior = Prior(header["prior_mean"], header["prior_sd"])
     if prior is None:
-        return cohort(name or about.get("cohort", "trismus"), muscles).prior
+        return cohort(name or header.get("cohort", "trismus"), muscles).prior
     if len(prior.mean) != len(muscles.parameter_names):
         raise InputError(f"{path}: prior has {len(prior.mean)} parameters; allowed: {len(muscles.parameter_names)}")
     return prior
@@ -255,12 +255,12 @@ def _written(record: Record, column: Column) -> Array:
     return np.concatenate([values, np.full(short, np.nan)])
 
 
-def _column(table: Table, column: Column) -> Array:
+def _column(table: RecordTable, column: Column) -> Array:
     values = table.columns.get(column.name)
     return np.full(len(table.lines), np.nan) if values is None else values / column.scale
 
 
-def _encoders(table: Table) -> Array:
+def _encoders(table: RecordTable) -> Array:
     """(T + 1, 12) readings, of which the first row has at least one."""
     measured = np.column_stack([_column(table, column) for column in ENCODERS])
     if not np.isfinite(measured[0]).any():
@@ -271,13 +271,13 @@ def _encoders(table: Table) -> Array:
     return measured
 
 
-def _stacked(table: Table, columns: list[Column]) -> Array | None:
+def _stacked(table: RecordTable, columns: list[Column]) -> Array | None:
     if columns[0].name not in table.columns:
         return None
     return np.column_stack([_column(table, column) for column in columns])
 
 
-def _wrenches(table: Table, columns: tuple[Column, ...], slack: bool = False) -> Array:
+def _wrenches(table: RecordTable, columns: tuple[Column, ...], slack: bool = False) -> Array:
     """(T, 3, 6) of three wrenches per tick; the last row begins no tick. Slack straps leave gaps."""
     ticks = len(table.lines) - 1
     wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
@@ -290,7 +290,7 @@ def _wrenches(table: Table, columns: tuple[Column, ...], slack: bool = False) ->
     return wrenches
 
 
-def _samples(table: Table, slack: bool) -> Array:
+def _samples(table: RecordTable, slack: bool) -> Array:
     """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
     if has_any(table, SAMPLES):
         return _wrenches(table, SAMPLES, slack)
@@ -301,7 +301,7 @@ def _samples(table: Table, slack: bool) -> Array:
     return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
 
 
-def _complete(table: Table, column: Column, values: Array) -> None:
+def _complete(table: RecordTable, column: Column, values: Array) -> None:
     """A motion cannot be followed without the force that drives it."""
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):

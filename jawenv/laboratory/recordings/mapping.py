@@ -13,7 +13,7 @@ import numpy as np
 from jawenv.errors import InputError, meant, shown
 from jawenv.files import InputModel, read_mapping, validate
 from jawenv.laboratory.recordings.columns import DEG, ENCODERS, READINGS, SAMPLES, TIME
-from jawenv.laboratory.recordings.table import Table
+from jawenv.laboratory.recordings.table import RecordTable
 
 NAMES = (TIME, *(column.name for column in (*ENCODERS, *READINGS, *SAMPLES)))
 _ENDINGS = {"_mm_s": "mm/s", "_deg_s": "deg/s", "_N_m": "N m", "_mm": "mm", "_deg": "deg", "_N": "N", "_s": "s"}
@@ -53,15 +53,17 @@ def read_columns(path: Path) -> dict[str, Source]:
     data: Mapping[str, Any] = read_mapping(path)
     for name in data:
         if name not in NAMES:
-            raise InputError(f"{path}: {shown(name)} given; {meant(str(name), NAMES)}allowed: {', '.join(NAMES[:25])}")
-    sources = {name: validate(Source, each, f"{path}: {name}") for name, each in data.items()}
+            raise InputError(
+                f"{path}: column is {shown(name)}; {meant(str(name), NAMES)}allowed: {', '.join(NAMES[:25])}"
+            )
+    sources = {name: validate(Source, item, f"{path}: {name}") for name, item in data.items()}
     for name, source in sources.items():
         if source.unit is not None:
             _factor(name, source.unit, str(path))
     return sources
 
 
-def mapped(table: Table, sources: Mapping[str, Source]) -> Table:
+def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
     """The table with the project's columns and units; without a mapping the same, with the row of units checked.
 
     Raises:
@@ -97,8 +99,8 @@ def _unit_of(name: str) -> str:
 
 def _factor(name: str, unit: str, path: str) -> float:
     allowed = UNITS[_unit_of(name)]
-    for each, factor in allowed.items():
-        if _plain(each) == _plain(unit):
+    for symbol, factor in allowed.items():
+        if _plain(symbol) == _plain(unit):
             return factor
     raise InputError(f"{path}: {name} has unit {shown(unit)}; allowed: {', '.join(allowed)}")
 

@@ -1,4 +1,4 @@
-"""What the devices of a simulation have measured, as records."""
+"""Records of a simulation's devices."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jawenv.mechanics.dynamics import N_WRENCH
 
 
 def record_of(simulation: Simulation, index: int) -> Record:
-    """What the device of world ``index`` has measured in its present episode; the simulation must keep ticks."""
+    """The record of world ``index``, of its present episode; the simulation must keep ticks."""
     world, settings = simulation.worlds[index], simulation.settings["filter"][0]
     noise_variance = simulation.settings["noise_variance"][0]
     cell_sd = np.sqrt(noise_variance[N_WRENCH:])

@@ -61,6 +61,6 @@ def read_parquet(path: Path, largest: int = LARGEST_DATA) -> pa.Table:
 def _head(table: pa.Table) -> bytes:
     words = {key: value for key, value in (table.schema.metadata or {}).items() if key != _DIGEST}
     # Parquet calls the values of a list by another name than Arrow.
-    columns = [(each.name, str(each.type).replace("<element: ", "<item: ")) for each in table.schema]
+    columns = [(column.name, str(column.type).replace("<element: ", "<item: ")) for column in table.schema]
     content = [table.num_rows, columns, sorted(words.items())]
     return hashlib.sha256(repr(content).encode()).hexdigest().encode()

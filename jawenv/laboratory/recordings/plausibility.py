@@ -49,13 +49,12 @@ class Finding:
 
 
 def findings(record: Record) -> list[Finding]:
-    """What a recording shows of rate, place, angles, forces and their work; of what was not read, nothing."""
+    """Checks of a recording's rate, position, angles, forces and their work, as far as they were read."""
     hz = 1.0 / record.dt
-    found = [
-        Finding("time_s", f"{hz:.4g} Hz", "20 to 1000 Hz: seconds, no frame numbers", SLOWEST <= hz * 1.001 <= FASTEST)
-    ]
-    found += _place(record) + _pitch(record) + _wrench(record) + _work(record)
-    return found
+    rate = Finding(
+        "time_s", f"{hz:.4g} Hz", "20 to 1000 Hz: seconds, no frame numbers", SLOWEST <= hz * 1.001 <= FASTEST
+    )
+    return [rate, *_place(record), *_pitch(record), *_wrench(record), *_work(record)]
 
 
 def _place(record: Record) -> list[Finding]:
@@ -65,7 +64,7 @@ def _place(record: Record) -> list[Finding]:
     if np.isnan(first).all():
         return []
     distance = 1e3 * float(np.sqrt(np.nansum((first - closed[:3]) ** 2)))
-    where = ", ".join(f"{1e3 * each:.0f}" for each in closed[:3])
+    where = ", ".join(f"{1e3 * x:.0f}" for x in closed[:3])
     allowed = f"within {REACH:g} mm of {where} (closed jaw): mm, axes, origin between the condyles"
     return [Finding("mouthpiece_*_mm", f"begins {distance:.3g} mm from the closed jaw", allowed, distance <= REACH)]
 
@@ -86,7 +85,7 @@ def _pitch(record: Record) -> list[Finding]:
 def _wrench(record: Record) -> list[Finding]:
     cap = (record.device or Device()).force_cap_N
     sizes = np.abs(record.samples).reshape(-1, N_WRENCH)
-    largest = [np.nanpercentile(each, MOST) if np.isfinite(each).any() else 0.0 for each in sizes.T]
+    largest = [np.nanpercentile(column, MOST) if np.isfinite(column).any() else 0.0 for column in sizes.T]
     force, moment = max(largest[:3]), max(largest[3:])
     return [
         Finding("force_*_N", f"up to {force:.3g} N", f"up to {cap:g} N, the device's cap: newtons", bool(force <= cap)),
@@ -103,11 +102,11 @@ def _work(record: Record) -> list[Finding]:
     """The sign of the work that the device does on the mouthpiece while the jaw opens."""
     velocity = record.measured[:-1, 6:9]
     if np.isnan(velocity).any():
-        place, width = record.measured[:, :3], max(1, round(SMOOTHING_S / record.dt))
-        if np.isnan(place).any() or len(place) < 2 * width:
+        positions, width = record.measured[:, :3], max(1, round(SMOOTHING_S / record.dt))
+        if np.isnan(positions).any() or len(positions) < 2 * width:
             return []
         kernel = np.full(width, 1.0 / width)
-        smooth = np.column_stack([np.convolve(each, kernel, mode="same") for each in place.T])
+        smooth = np.column_stack([np.convolve(column, kernel, mode="same") for column in positions.T])
         velocity = np.gradient(smooth, record.dt, axis=0)[:-1]
         velocity[:width] = velocity[-width:] = 0.0
     pitch = np.nan_to_num(record.measured[:-1, 3])

@@ -1,4 +1,4 @@
-"""What the device measured in one episode, tick by tick: the input of every estimator."""
+"""The device's readings of one episode, tick by tick: the input of every estimator."""
 
 from __future__ import annotations
 
@@ -98,31 +98,30 @@ class Record:
         for name, shape in shapes.items():
             value = getattr(self, name)
             if value is not None and np.shape(value) != shape:
-                raise InputError(f"record: {name} has shape {np.shape(value)}, allowed is {shape}")
+                raise InputError(f"record: {name} has shape {np.shape(value)}; allowed: {shape}")
         if self.control not in CONTROLS:
-            *first, last = map(repr, CONTROLS)
-            raise InputError(f"record: control is {self.control!r}, allowed are {', '.join(first)} and {last}")
+            raise InputError(f"record: control is {self.control!r}; allowed: {', '.join(CONTROLS)}")
         steps = np.diff(self.time)
         if ticks < 1 or not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
-            raise InputError("record: time must hold two or more values, finite, growing and evenly spaced")
+            raise InputError("record: time is uneven; allowed: two or more values, finite, growing and evenly spaced")
         for name in ("measurement_sd", "wrench_sd"):
             if not (getattr(self, name) > 0.0).all():
-                raise InputError(f"record: {name} is {getattr(self, name)}, allowed are numbers above 0")
+                raise InputError(f"record: {name} is {getattr(self, name)}; allowed: numbers above 0")
         if not ((self.cell_sd >= 0.0) & (self.cell_sd <= self.wrench_sd)).all():
-            raise InputError(f"record: cell_sd is {self.cell_sd}, allowed are numbers from 0 to wrench_sd")
+            raise InputError(f"record: cell_sd is {self.cell_sd}; allowed: numbers from 0 to wrench_sd")
         if not (0.0 <= self.disturbance_time_s < np.inf and (self.disturbance_sd >= 0.0).all()):
             raise InputError(
                 f"record: disturbance_time_s is {self.disturbance_time_s}, disturbance_sd {self.disturbance_sd}; "
-                "allowed are numbers from 0 on"
+                "allowed: numbers from 0 on"
             )
         if size == N_BODY and not self.knowledge.exact:
-            raise InputError("record: knowledge is not exact; allowed with two condyles is exact")
+            raise InputError("record: knowledge is not exact; allowed with two condyles: exact")
         self._check_force_sensor(size)
 
     def _check_force_sensor(self, size: int) -> None:
         """A force without a load cell is for one reference point, and needs the device's sds."""
         if self.force_sensor not in FORCE_SENSORS:
-            raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed are {', '.join(FORCE_SENSORS)}")
+            raise InputError(f"record: force_sensor is {self.force_sensor!r}; allowed: {', '.join(FORCE_SENSORS)}")
         if self.force_sensor != "cell" and (size == N_BODY or self.device is None):
             why = "with two condyles" if size == N_BODY else "without a device"
             raise InputError(f"record: force_sensor is {self.force_sensor!r}, allowed {why} is 'cell'")
@@ -149,8 +148,8 @@ class Record:
                 (self.force_sensor != "cell", "a force that no load cell reads"),
                 (True, "a disturbance with memory"),
             )
-            known = next(what for there, what in has if there)
-            raise InputError(f"{method}: the record has {known}; allowed is none, or TensionFilter and OnlineFilter")
+            extra = next(what for there, what in has if there)
+            raise InputError(f"{method}: the record has {extra}; allowed: none, or TensionFilter and OnlineFilter")
 
     @property
     def noise_variance(self) -> Array:

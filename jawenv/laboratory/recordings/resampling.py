@@ -8,14 +8,14 @@ import numpy as np
 
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.columns import READINGS, SAMPLES, TIME
-from jawenv.laboratory.recordings.table import Table
+from jawenv.laboratory.recordings.table import RecordTable
 
 LARGEST_GAP = 0.1
 """s between two rows over which a motion is interpolated."""
 FASTEST = 1e4
 
 
-def resampled(table: Table, hz: float) -> Table:
+def resampled(table: RecordTable, hz: float) -> RecordTable:
     """The table at ``hz`` rows a second: numbers on the line between the rows before and after.
 
     Of three load-cell readings per tick the first is kept, which is that at the row's time.
@@ -28,7 +28,7 @@ def resampled(table: Table, hz: float) -> Table:
         InputError: times do not grow or have a gap, or ``hz`` is not allowed.
     """
     if not 1.0 / LARGEST_GAP <= hz <= FASTEST:
-        raise InputError(f"resample: {hz:g} Hz given; allowed: {1.0 / LARGEST_GAP:g} to {FASTEST:g}")
+        raise InputError(f"resample is {hz:g} Hz; allowed: {1.0 / LARGEST_GAP:g} to {FASTEST:g}")
     time = table.columns.get(TIME, np.zeros(0))
     if len(time) < 2 or not np.isfinite(time).all():
         return table  # which is refused where its times are checked

@@ -28,21 +28,21 @@ _KEY = b"jawenv.record"
 
 
 @dataclass(frozen=True)
-class Table:
+class RecordTable:
     """A file as read.
 
     Attributes:
         path: its name, for messages.
         columns: numbers by the columns' names; NaN where a cell is empty.
         lines: number that each row has in the file.
-        about: what the file says about itself.
+        header: what the file says about itself.
         units: what a row of units says, by the columns' names.
     """
 
     path: str
     columns: dict[str, Array]
     lines: NDArray[np.int64]
-    about: dict[str, Any]
+    header: dict[str, Any]
     units: dict[str, str] = field(default_factory=dict)
 
     def fail(self, column: str, row: int, value: str, allowed: str) -> InputError:
@@ -62,33 +62,33 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def write_table(path: Path, columns: dict[str, Array], about: dict[str, Any]) -> None:
+def write_table(path: Path, columns: dict[str, Array], header: dict[str, Any]) -> None:
     """Write columns of one length, wholly or not at all; NaN becomes an empty cell.
 
     Raises:
         InputError: Parquet without pyarrow, or a file that cannot be written.
     """
-    data = _csv(columns, about) if path.suffix == ".csv" else _parquet(columns, about)
+    data = _csv(columns, header) if path.suffix == ".csv" else _parquet(columns, header)
     with atomic_write(path) as unfinished:
         unfinished.write_bytes(data)
 
 
-def read_table(path: Path, known: Collection[str]) -> Table:
+def read_table(path: Path, words: Collection[str]) -> RecordTable:
     """Read what ``write_table`` has written, or a table of one's own.
 
     Args:
         path: of the file.
-        known: names that its words about itself may have; other comments of a CSV file are passed over.
+        words: names that its words about itself may have; other comments of a CSV file are passed over.
 
     Raises:
         InputError: no file, no table, or a cell that is no number.
     """
-    return _read_csv(path, known) if path.suffix == ".csv" else _read_parquet(path)
+    return _read_csv(path, words) if path.suffix == ".csv" else _read_parquet(path)
 
 
-def _csv(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
+def _csv(columns: dict[str, Array], header: dict[str, Any]) -> bytes:
     text = io.StringIO(newline="")
-    for name, value in about.items():
+    for name, value in header.items():
         text.write(f"# {name}: {json.dumps(value)}\n")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -97,12 +97,12 @@ def _csv(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
     return text.getvalue().encode()
 
 
-def _parquet(columns: dict[str, Array], about: dict[str, Any]) -> bytes:
+def _parquet(columns: dict[str, Array], header: dict[str, Any]) -> bytes:
     pa = _pyarrow()
     from jawenv.laboratory.recordings.parquet import write_parquet
 
     table = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns.items()})
-    table = table.replace_schema_metadata({_KEY: json.dumps(about).encode()})
+    table = table.replace_schema_metadata({_KEY: json.dumps(header).encode()})
     buffer = io.BytesIO()
     write_parquet(table, buffer)
     return buffer.getvalue()
@@ -117,14 +117,14 @@ def _pyarrow() -> Any:
     return pyarrow
 
 
-def _read_csv(path: Path, known: Collection[str]) -> Table:
+def _read_csv(path: Path, words: Collection[str]) -> RecordTable:
     sheet = read_sheet(path, LARGEST_RECORDING)
-    about: dict[str, Any] = {}
+    header: dict[str, Any] = {}
     for line, comment in sheet.comments:
         name, _, value = comment.lstrip("# ").partition(":")
-        if name in known:
+        if name in words:
             try:
-                about[name] = json.loads(value)
+                header[name] = json.loads(value)
             except (ValueError, RecursionError):
                 raise InputError(
                     f"{path}: {name} in row {line} is {shown(value.strip())}; allowed: JSON, as [1, 2]"
@@ -140,18 +140,18 @@ def _read_csv(path: Path, known: Collection[str]) -> Table:
             raise InputError(f"{path}: {shown(name)[1:-1]} in row {sheet.lines[bad]} is {value}; allowed: {allowed}")
         columns[name] = np.array(numbers, dtype=np.float64)
     units = dict(zip(sheet.names, sheet.units, strict=False))
-    return Table(str(path), columns, np.array(sheet.lines, dtype=np.int64), about, units)
+    return RecordTable(str(path), columns, np.array(sheet.lines, dtype=np.int64), header, units)
 
 
-def _read_parquet(path: Path) -> Table:
+def _read_parquet(path: Path) -> RecordTable:
     pa = _pyarrow()
     from jawenv.laboratory.recordings.parquet import read_parquet
 
     try:
         table = read_parquet(path)
-        about = json.loads((table.schema.metadata or {}).get(_KEY, b"{}"))
+        header = json.loads((table.schema.metadata or {}).get(_KEY, b"{}"))
         of_pandas = (table.schema.pandas_metadata or {}).get("columns", [])
-        categories = {each["name"] for each in of_pandas if each["pandas_type"] == "categorical"}
+        categories = {column["name"] for column in of_pandas if column["pandas_type"] == "categorical"}
     except InputError:
         raise
     except (OSError, ValueError, TypeError, KeyError, AttributeError, pa.ArrowException) as error:
@@ -163,4 +163,4 @@ def _read_parquet(path: Path) -> Table:
             kind = "category" if name in categories else kind
             raise InputError(f"{path}: column {shown(name)} is of type {kind}; allowed: numbers")
         columns[name] = table[name].to_numpy().astype(np.float64)
-    return Table(str(path), columns, np.arange(1, table.num_rows + 1), about)
+    return RecordTable(str(path), columns, np.arange(1, table.num_rows + 1), header)

@@ -77,7 +77,7 @@ def divided(record: Record, parts: int) -> Record:
         InputError: ``parts`` is not a whole number from 1 on.
     """
     if isinstance(parts, bool) or not isinstance(parts, int | np.integer) or parts < 1:
-        raise InputError(f"divided: parts is {parts!r}, allowed is a whole number from 1 on")
+        raise InputError(f"divided: parts is {parts!r}; allowed: a whole number from 1 on")
     if parts == 1:
         return record
     ticks = len(record.samples)
@@ -101,7 +101,7 @@ def _whole_ticks(record: Record, every: int) -> int:
     """How many of the ticks make whole longer ones."""
     ticks = len(record.samples)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or not 1 <= every <= ticks:
-        raise InputError(f"thinned: every is {every!r}, allowed is a whole number from 1 to {ticks}")
+        raise InputError(f"thinned: every is {every!r}; allowed: a whole number from 1 to {ticks}")
     return ticks - ticks % int(every)
 
 

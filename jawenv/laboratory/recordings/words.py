@@ -1,4 +1,4 @@
-"""What a recording's file says of itself besides its columns: which words there are, and what each may hold."""
+"""The header of a recording's file: its words, and the values that each may hold."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from jawenv.errors import InputError, shown
-from jawenv.laboratory.recordings.table import Table
+from jawenv.laboratory.recordings.table import RecordTable
 
 TEXTS = ("model", "cohort", "control", "force_sensor")
 OBJECTS = ("jaw", "device", "knowledge")
@@ -29,22 +29,22 @@ NUMBERS: dict[str, tuple[int | str, float, float]] = {
 WORDS = (*TEXTS, *OBJECTS, *NUMBERS)
 
 
-def check_texts(table: Table) -> None:
+def check_texts(table: RecordTable) -> None:
     """Check that names are names, and that a prior is whole.
 
     Raises:
         InputError: one is not.
     """
     for name in TEXTS:
-        if name in table.about and not isinstance(table.about[name], str):
-            value = shown(table.about[name])
+        if name in table.header and not isinstance(table.header[name], str):
+            value = shown(table.header[name])
             raise InputError(f"{table.path}: {name} is {value}; allowed: a name in quotation marks")
     for name, other in (("prior_mean", "prior_sd"), ("prior_sd", "prior_mean")):
-        if name in table.about and other not in table.about:
+        if name in table.header and other not in table.header:
             raise InputError(f"{table.path}: {name} is given without {other}; allowed: both or neither")
 
 
-def check_numbers(table: Table, sizes: Mapping[str, int]) -> None:
+def check_numbers(table: RecordTable, sizes: Mapping[str, int]) -> None:
     """Check shapes, kinds and ranges of the numbers.
 
     Args:
@@ -55,15 +55,15 @@ def check_numbers(table: Table, sizes: Mapping[str, int]) -> None:
         InputError: a word holds what it must not.
     """
     for name, (size, low, high) in NUMBERS.items():
-        if name not in table.about:
+        if name not in table.header:
             continue
         number = sizes[size] if isinstance(size, str) else size
         try:
-            value = np.array(table.about[name])
+            value = np.array(table.header[name])
         except ValueError:  # lists of several lengths
             value = np.array("")
         right = value.dtype.kind in "iuf" and value.shape == ((number,) if number else ())
         if not (right and ((value >= low) & (value <= high)).all()):
             kind = f"a list of {number} finite numbers" if number else "a finite number"
-            value_shown = shown(table.about[name])
+            value_shown = shown(table.header[name])
             raise InputError(f"{table.path}: {name} is {value_shown}; allowed: {kind} from {low:g} to {high:g}")

@@ -52,7 +52,7 @@ class ExtendedKalman:
         self, scale: Scale = "log", parameter_rate: float = 0.03, parameter_time: float = 5.0, every: int = 5
     ) -> None:
         if scale not in get_args(Scale):
-            raise InputError(f"ExtendedKalman: scale is {scale!r}, allowed are {' and '.join(get_args(Scale))}")
+            raise InputError(f"ExtendedKalman: scale is {scale!r}; allowed: {' and '.join(get_args(Scale))}")
         check_noise("ExtendedKalman", parameter_rate, parameter_time)
         check_every("ExtendedKalman", every)
         self.scale, self.every = scale, every

@@ -22,7 +22,7 @@ from jawenv.extras import needs
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.references.filterpy_models import CompiledModel, Model, NumpyModel
+from jawenv.laboratory.references.filterpy_models import CompiledModel, MotionModel, NumpyModel
 from jawenv.laboratory.references.initial import check_every, check_noise, initial_belief, output_ticks
 
 with needs("a reference filter", "filterpy", "reference"):
@@ -38,7 +38,7 @@ ALPHA, BETA, KAPPA = 0.1, 2.0, 0.0
 class _Extended(ExtendedKalmanFilter):  # type: ignore[misc]
     """filterpy's filter with a model's motion."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: MotionModel) -> None:
         super().__init__(dim_x=model.size, dim_z=N_MEASUREMENTS)
         self.model = model
         self.x, self.P = initial_belief(model.record)
@@ -60,7 +60,7 @@ class _Extended(ExtendedKalmanFilter):  # type: ignore[misc]
 class _Unscented(UnscentedKalmanFilter):  # type: ignore[misc]
     """filterpy's filter with a model's motion."""
 
-    def __init__(self, model: Model, alpha: float) -> None:
+    def __init__(self, model: MotionModel, alpha: float) -> None:
         points = MerweScaledSigmaPoints(model.size, alpha, BETA, KAPPA, sqrt_method=symmetric_root)
         super().__init__(
             model.size, N_MEASUREMENTS, model.record.dt, model.expected, lambda x, _: model.moved(x), points
@@ -96,7 +96,7 @@ def symmetric_root(P: Array) -> Array:
     return root
 
 
-def _run(name: str, kalman: Any, model: Model, every: int) -> Estimate:
+def _run(name: str, kalman: Any, model: MotionModel, every: int) -> Estimate:
     """Filter a record, the gain error considered; what follows a divergence is NaN."""
     record, parameters = model.record, slice(model.n, model.size - 1)
     ticks = output_ticks(record, every)
@@ -153,7 +153,7 @@ class FilterpyExtendedKalman:
     def estimate(self, record: Record) -> Estimate:
         """The belief at every ``every``-th tick."""
         compiled = self.compiled_model or record.jaw["condyles"] == 2
-        kind: type[Model] = CompiledModel if compiled else NumpyModel
+        kind: type[MotionModel] = CompiledModel if compiled else NumpyModel
         model = kind(record, self.parameter_rate, self.parameter_time)
         return _run(self.name, _Extended(model), model, self.every)
 
@@ -179,7 +179,7 @@ class FilterpyUnscentedKalman:
         check_noise("FilterpyUnscentedKalman", parameter_rate, parameter_time)
         check_every("FilterpyUnscentedKalman", every)
         if not 0.0 < alpha <= 1.0:
-            raise InputError(f"FilterpyUnscentedKalman: alpha is {alpha!r}, allowed are numbers in (0, 1]")
+            raise InputError(f"FilterpyUnscentedKalman: alpha is {alpha!r}; allowed: numbers in (0, 1]")
         self.parameter_rate, self.parameter_time, self.every = parameter_rate, parameter_time, every
         self.alpha = alpha
 

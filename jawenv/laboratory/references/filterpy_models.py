@@ -18,7 +18,7 @@ from jawenv.mechanics.newton_euler import measurement
 Array = NDArray[np.float64]
 
 
-class Model(ABC):
+class MotionModel(ABC):
     """The model of one record: s = n + p + 1 states, of motion, natural-log parameters, and the load cell's gain error.
 
     Args:
@@ -35,7 +35,7 @@ class Model(ABC):
         self.fast = mean_readings(record) - self.trends
         self.variances = record.measurement_sd**2
         self.tick = 0
-        self.total = np.zeros((self.n, self.size + N_NOISE))  # derivative of what was moved last
+        self.total = np.zeros((self.n, self.size + N_NOISE))  # derivative of the last motion
 
     @abstractmethod
     def moved(self, x: Array) -> Array:
@@ -56,13 +56,13 @@ class Model(ABC):
         return H[read]
 
     def transition(self) -> Array:
-        """F (s, s), of what was moved last."""
+        """F (s, s) of the last motion."""
         F = np.eye(self.size)
         F[: self.n] = self.total[:, :-N_NOISE]
         return F
 
     def process_noise(self, gain_variance: float) -> Array:
-        """Q (s, s), of what was moved last."""
+        """Q (s, s) of the last motion."""
         record, G = self.record, self.total[:, -N_NOISE:]
         variance = record.noise_variance
         variance[:N_WRENCH] += gain_variance * self.fast[self.tick] ** 2
@@ -76,7 +76,7 @@ class Model(ABC):
         return read
 
 
-class CompiledModel(Model):
+class CompiledModel(MotionModel):
     """The kernels that ``ExtendedKalman`` runs, for any jaw."""
 
     def __init__(self, record: Record, parameter_rate: float, parameter_time: float) -> None:
@@ -85,7 +85,7 @@ class CompiledModel(Model):
         self.total = self.scratch["total"]
 
     def moved(self, x: Array) -> Array:
-        """As ``Model.moved``."""
+        """As ``MotionModel.moved``."""
         record, moved = self.record, x.copy()
         set_muscles(record.jaw, x, self.n, self.scratch["muscles"])
         samples, trend = record.samples[self.tick], self.trends[self.tick]
@@ -93,29 +93,29 @@ class CompiledModel(Model):
         return moved
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """As ``Model.expected``."""
+        """As ``MotionModel.expected``."""
         expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["expected"][read].copy()  # type: ignore[no-any-return]
 
     def rows_by_motion(self, x: Array) -> Array:
-        """As ``Model.rows_by_motion``."""
+        """As ``MotionModel.rows_by_motion``."""
         expect(self.record.jaw, x, self.scratch["rows"], self.scratch["expected"])
         return self.scratch["rows"]  # type: ignore[no-any-return]
 
 
-class NumpyModel(Model):
+class NumpyModel(MotionModel):
     """The independent model of ``numpy_model``, for midline jaws: no compiled code, derivatives by complex step."""
 
     def moved(self, x: Array) -> Array:
-        """As ``Model.moved``."""
+        """As ``MotionModel.moved``."""
         record, tick = self.record, self.tick
         motion, self.total = step_with_derivative(record.jaw, x, record.samples[tick], self.trends[tick], record.dt)
         return np.concatenate([motion, x[self.n :]])
 
     def expected(self, x: Array, read: NDArray[np.bool_]) -> Array:
-        """As ``Model.expected``."""
+        """As ``MotionModel.expected``."""
         return measurement(self.record.jaw, x[: self.n])[read]
 
     def rows_by_motion(self, x: Array) -> Array:
-        """As ``Model.rows_by_motion``."""
+        """As ``MotionModel.rows_by_motion``."""
         return measurement_with_derivative(self.record.jaw, x[: self.n])[1]

@@ -76,9 +76,9 @@ def check_noise(name: str, rate: float, time_constant: float) -> None:
         InputError: a negative rate, or a time constant that is not positive.
     """
     if not 0.0 <= rate < np.inf:
-        raise InputError(f"{name}: parameter_rate is {rate!r}, allowed are numbers from 0 on")
+        raise InputError(f"{name}: parameter_rate is {rate!r}; allowed: numbers from 0 on")
     if not time_constant > 0.0:
-        raise InputError(f"{name}: parameter_time is {time_constant!r}, allowed are numbers above 0, and infinity")
+        raise InputError(f"{name}: parameter_time is {time_constant!r}; allowed: numbers above 0, and infinity")
 
 
 def output_ticks(record: Record, every: int) -> NDArray[np.int64]:
@@ -94,4 +94,4 @@ def check_every(name: str, every: int) -> None:
         InputError: less than one.
     """
     if every < 1:
-        raise InputError(f"{name}: every is {every!r}, allowed are whole numbers from 1 on")
+        raise InputError(f"{name}: every is {every!r}; allowed: whole numbers from 1 on")

@@ -57,7 +57,7 @@ class ModeSearch:
 
     def __init__(self, times: tuple[float, ...] | None = None) -> None:
         if times is not None and (len(times) == 0 or not (np.diff(times, prepend=0.0) > 0.0).all()):
-            raise InputError(f"ModeSearch: times is {times!r}, allowed are growing numbers above 0")
+            raise InputError(f"ModeSearch: times is {times!r}; allowed: growing numbers above 0")
         self.times = times
 
     def estimate(self, record: Record) -> Estimate:

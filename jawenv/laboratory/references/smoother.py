@@ -30,7 +30,7 @@ from jawenv.laboratory.references.extended_kalman import ExtendedKalman, run_fil
 from jawenv.laboratory.references.initial import initial_belief, trends
 from jawenv.laboratory.references.mode_search import integrate_out
 from jawenv.laboratory.references.whole_path import (
-    Problem,
+    PathProblem,
     divide,
     path_scratch_dtype,
     roll_out,
@@ -50,7 +50,7 @@ SMALLEST_STEP = 1e-4  # of a Gauss-Newton step
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class SmoothedPath:
     """A motion that the model makes exactly.
 
     Attributes:
@@ -79,7 +79,7 @@ class FoundPath:
         converged: whether that is within the tolerance.
     """
 
-    path: Path
+    path: SmoothedPath
     path_cov: Array
     costs: tuple[float, ...]
     step: float
@@ -128,11 +128,11 @@ class IteratedSmoother:
         self, max_iterations: int = 30, tolerance: float = 1e-3, times: tuple[float, ...] | None = None
     ) -> None:
         if max_iterations < 1:
-            raise InputError(f"IteratedSmoother: max_iterations is {max_iterations!r}, allowed are 1 and more")
+            raise InputError(f"IteratedSmoother: max_iterations is {max_iterations!r}; allowed: 1 and more")
         if not tolerance > 0.0:
-            raise InputError(f"IteratedSmoother: tolerance is {tolerance!r}, allowed are numbers above 0")
+            raise InputError(f"IteratedSmoother: tolerance is {tolerance!r}; allowed: numbers above 0")
         if times is not None and (len(times) == 0 or not (np.diff(times, prepend=0.0) > 0.0).all()):
-            raise InputError(f"IteratedSmoother: times is {times!r}, allowed are growing numbers above 0")
+            raise InputError(f"IteratedSmoother: times is {times!r}; allowed: growing numbers above 0")
         self.max_iterations, self.tolerance, self.times = max_iterations, tolerance, times
 
     def estimate(self, record: Record) -> Estimate:
@@ -194,7 +194,7 @@ class _Problem:
         position_sd = CLOSE * record.start_sd[: self.n // 2]
         tolerance = np.concatenate([position_sd, position_sd / (TICKS_BACK * record.dt)]) ** 2
         # A coordinate that is held misses nothing; any positive number keeps the steering's matrix regular.
-        self.arrays = Problem(
+        self.arrays = PathProblem(
             jaw=record.jaw,
             measured=record.measured,
             samples=record.samples,
@@ -206,7 +206,7 @@ class _Problem:
             tolerance=np.where(tolerance > 0.0, tolerance, 1.0),
         )
 
-    def first_path(self) -> Path:
+    def first_path(self) -> SmoothedPath:
         """A path through the filtered motion, with the parameters that the extended Kalman filter ends with."""
         record, prior = self.record, self.record.prior
         estimate = ExtendedKalman().estimate(record).mean[-1]
@@ -221,19 +221,21 @@ class _Problem:
         divide(record.jaw, states, parameters, record.dt, self.arrays.parts, self.scratch)
         return self.path(states, np.zeros((len(record.samples), N_NOISE)), parameters)
 
-    def divide(self, path: Path) -> bool:
+    def divide(self, path: SmoothedPath) -> bool:
         """Divide the steps as finely as a path asks for; whether any is finer than before, and so the cost another."""
         record = self.record
         return bool(divide(record.jaw, path.states, path.parameters, record.dt, self.arrays.parts, self.scratch))
 
-    def path(self, states: Array, wrenches: Array, parameters: Array) -> Path:
+    def path(self, states: Array, wrenches: Array, parameters: Array) -> SmoothedPath:
         """The path near a motion, which is overwritten."""
         cost = roll_out(self.arrays, states, wrenches, parameters, self.sweeps, self.scratch)
         deviation = np.concatenate([states[0], parameters, [0.0]]) - self.mean
         free = self.sd > 0.0
-        return Path(states, wrenches, parameters, float(cost + 0.5 * np.sum((deviation[free] / self.sd[free]) ** 2)))
+        return SmoothedPath(
+            states, wrenches, parameters, float(cost + 0.5 * np.sum((deviation[free] / self.sd[free]) ** 2))
+        )
 
-    def gauss_newton(self, path: Path) -> tuple[Path, Array]:
+    def gauss_newton(self, path: SmoothedPath) -> tuple[SmoothedPath, Array]:
         """The step to the minimum of the linearised problem, and the covariance of the parameters there.
 
         The path is the one that was made last, whose derivatives are kept.
@@ -247,9 +249,9 @@ class _Problem:
         parameters = slice(self.n, self.n + self.p)
         by_gain = considered[parameters]
         cov = covariance[parameters, parameters] + self.record.gain_sd**2 * np.outer(by_gain, by_gain)
-        return Path(to_states, wrenches - path.wrenches, mean[parameters], np.nan), cov
+        return SmoothedPath(to_states, wrenches - path.wrenches, mean[parameters], np.nan), cov
 
-    def search(self, path: Path, step: Path) -> Path | None:
+    def search(self, path: SmoothedPath, step: SmoothedPath) -> SmoothedPath | None:
         """The path after the longest of the halved steps that lets the cost fall."""
         share = 1.0
         while share >= SMALLEST_STEP:

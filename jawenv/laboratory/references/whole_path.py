@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
-    """Dtype of what the sweep forward leaves of one time for the sweep backward."""
+    """Dtype of the forward sweep's results at one time, for the backward sweep."""
     size = n_states + n_parameters + 1
     fields = [
         ("total", "f8", (n_states, size + N_NOISE)),  # derivative of the tick that ends at this time
@@ -64,7 +64,7 @@ def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[
     return record_dtype(fields)
 
 
-class Problem(NamedTuple):
+class PathProblem(NamedTuple):
     """A record of T ticks as a least-squares problem; all that the kernels only read.
 
     Attributes:
@@ -151,7 +151,7 @@ def sweep_forward(problem, states, wrenches, mean, covariance, considered, sweep
     """Filter the deviations from a path forward in time.
 
     Args:
-        problem: See ``Problem``.
+        problem: See ``PathProblem``.
         states: (T + 1, n) motion of the path.
         wrenches: (T, 12) wrenches of the path.
         mean: (s,) of the deviation before the first reading; changed to that after the last.
@@ -258,7 +258,7 @@ def roll_out(problem, states, wrenches, parameters, sweeps, scratch):
     the wrenches fit to the first order.
 
     Args:
-        problem: See ``Problem``.
+        problem: See ``PathProblem``.
         states: (T + 1, n) the motion wanted; row 0 is taken as it is, the others become those of the path.
         wrenches: (T, 12) the wrenches wanted, likewise.
         parameters: (p,) logs.

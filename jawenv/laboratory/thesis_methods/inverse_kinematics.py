@@ -31,7 +31,7 @@ STEPS = 4
 
 @njit
 def fill_measurements(jaw, states, expected, rows, rates):
-    """What the encoders read in each state: values (N, 12), derivatives (N, 12, 10) and rates of q (N, 5)."""
+    """The encoders' readings in each state: values (N, 12), derivatives (N, 12, 10) and rates of q (N, 5)."""
     for n in range(states.shape[0]):
         measure(jaw, states[n], rows[n], expected[n])
         q, u = split(states[n])
@@ -42,7 +42,7 @@ def fill_measurements(jaw, states, expected, rows, rates):
 
 
 def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]:
-    """What the encoders would read without noise.
+    """The encoders' readings without noise.
 
     Args:
         jaw: Record from ``build_jaw`` of the midline model.
@@ -55,7 +55,7 @@ def expected_measurements(jaw: Any, states: Array) -> tuple[Array, Array, Array]
         InputError: the jaw is not of the midline model.
     """
     if jaw["condyles"] != 1:
-        raise InputError(f"jaw.condyles is {jaw['condyles']}, allowed is 1: the midline model")
+        raise InputError(f"jaw.condyles is {jaw['condyles']}; allowed: 1: the midline model")
     number = len(states)
     expected, rows = np.empty((number, N_MEASUREMENTS)), np.empty((number, N_MEASUREMENTS, N_STATES))
     rates = np.empty((number, N_COORDINATES))
@@ -74,7 +74,7 @@ def motion_from_pose(
         jaw: Record from ``build_jaw`` of the midline model.
         measured: (N, 12) encoders, all of them read.
         measurement_sd: (12,) their noise.
-        start_mean: (10,) values of what cannot move.
+        start_mean: (10,) values of the coordinates that cannot move.
         start_sd: (10,) 0 for what cannot move.
 
     Returns:
@@ -84,11 +84,11 @@ def motion_from_pose(
         InputError: a shape is wrong, a reading is missing, or the jaw is not of the midline model.
     """
     if np.shape(start_mean) != (N_STATES,):
-        raise InputError(f"start_mean has shape {np.shape(start_mean)}, allowed is ({N_STATES},): the midline model")
+        raise InputError(f"start_mean has shape {np.shape(start_mean)}; allowed: ({N_STATES},): the midline model")
     if np.ndim(measured) != 2 or np.shape(measured)[1] != N_MEASUREMENTS:
-        raise InputError(f"measured has shape {np.shape(measured)}, allowed is (N, {N_MEASUREMENTS})")
+        raise InputError(f"measured has shape {np.shape(measured)}; allowed: (N, {N_MEASUREMENTS})")
     if not np.isfinite(measured).all():
-        raise InputError("measured holds a value that was not read, allowed are all 12: pose and its rates")
+        raise InputError("measured holds a value that was not read; allowed: all 12: pose and its rates")
     free = np.asarray(start_sd) > 0.0
     states = np.tile(np.asarray(start_mean, dtype=np.float64), (len(measured), 1))
     guess = np.column_stack([measured[:, :2] - _arm(jaw, measured)[:, :2], measured[:, 3:6]])

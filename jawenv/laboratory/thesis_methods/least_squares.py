@@ -118,7 +118,7 @@ class NonlinearLeastSquares:
     def __post_init__(self) -> None:
         """Check the number of starts."""
         if self.starts < 1:
-            raise InputError(f"starts is {self.starts}, allowed is 1 or more")
+            raise InputError(f"starts is {self.starts}; allowed: 1 or more")
 
     def estimate(self, record: Record) -> Estimate:
         """The best of the minima found; a parameter at the search's bound was not determined, whatever its sd."""

@@ -1,4 +1,4 @@
-"""What the muscles must have exerted for the jaw to move as it did: d = g(p), Young (2016), eqs. 5.4, 5.5, 5.11-5.13.
+"""The muscles' moments from the jaw's measured motion: d = g(p), Young (2016), eqs. 5.4, 5.5, 5.11-5.13.
 
 From motion and measured wrench the equations of motion leave only the muscles unknown. Corrected: moments are taken
 about the contact point with arms measured from it; gravity, damping and the mass's acceleration m rho x C a_* are in;
@@ -175,15 +175,13 @@ def balance_of(record: Record, *, rows: Rows = "all", smoothing_s: float = SMOOT
     """
     record.require_exact("balance of moments")
     if rows not in ("moment", "all"):
-        raise InputError(f"rows is {rows!r}, allowed are 'moment', 'all'")
+        raise InputError(f"rows is {rows!r}; allowed: 'moment', 'all'")
     if not (np.isfinite(record.measured).all() and np.isfinite(record.samples).all()):
-        raise InputError(
-            "record holds a value that was not read, allowed are pose and rates at all times, and wrenches"
-        )
+        raise InputError("record holds a value that was not read; allowed: pose and rates at all times, and wrenches")
     ticks = len(record.samples)
     window = max(3, 2 * round(smoothing_s / record.dt / 2) + 1) if np.isfinite(smoothing_s) else ticks + 1
     if window > ticks:
-        raise InputError(f"smoothing_s is {smoothing_s}, allowed is up to the record's {ticks * record.dt:g} s")
+        raise InputError(f"smoothing_s is {smoothing_s}; allowed: up to the record's {ticks * record.dt:g} s")
     half = window // 2
 
     def smooth(values: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What one measured point says about the jaw's pose: Young (2016), section 5.1, as printed.
+"""The jaw's poses that one measured point allows: Young (2016), section 5.1, as printed.
 
 Three numbers for five coordinates. Young: "By limiting the bounds, it is possible to find a unique solution". There is
 none: the poses that put the point at the measured position form a two-dimensional surface, of which the bounds cut out
@@ -37,11 +37,11 @@ def compatible_range(jaw: Any, pose: ArrayLike, lower: ArrayLike, upper: ArrayLi
     """
     low, high = _bounds(lower, upper)
     width, start = high - low, np.asarray(pose, dtype=np.float64)
-    place, rows = mouthpiece(jaw, start)
+    point, rows = mouthpiece(jaw, start)
     size = np.linalg.norm(rows * width)  # of the way that the point can go, so that the constraint is of order 1
     constraint = {
         "type": "eq",
-        "fun": lambda z: (mouthpiece(jaw, low + width * z)[0] - place) / size,
+        "fun": lambda z: (mouthpiece(jaw, low + width * z)[0] - point) / size,
         "jac": lambda z: mouthpiece(jaw, low + width * z)[1] * width / size,
     }
     extremes = np.empty((N_COORDINATES, 2))
@@ -58,7 +58,7 @@ def compatible_range(jaw: Any, pose: ArrayLike, lower: ArrayLike, upper: ArrayLi
                 options={"ftol": 1e-9},
             )
             if not result.success:
-                raise InputError(f"pose is {start.tolist()}: {result.message}; allowed is a pose within the bounds")
+                raise InputError(f"pose is {start.tolist()}: {result.message}; allowed: a pose within the bounds")
             extremes[i, side] = low[i] + width[i] * result.x[i]
     return extremes
 

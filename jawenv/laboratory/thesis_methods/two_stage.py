@@ -53,9 +53,9 @@ class TwoStageLogLinear:
     def __post_init__(self) -> None:
         """Check the form and the share."""
         if self.form not in ("difference", "product"):
-            raise InputError(f"form is {self.form!r}, allowed are 'difference', 'product'")
+            raise InputError(f"form is {self.form!r}; allowed: 'difference', 'product'")
         if not 0.0 < self.small_share < 1.0:
-            raise InputError(f"small_share is {self.small_share}, allowed are numbers above 0 and below 1")
+            raise InputError(f"small_share is {self.small_share}; allowed: numbers above 0 and below 1")
 
     def estimate(self, record: Record) -> Estimate:
         """Mean and covariance of the logs; NaN for a muscle whose F_o or b came out at 0 or less.

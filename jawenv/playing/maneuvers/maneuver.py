@@ -22,7 +22,7 @@ _AT_REST = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0)
 
 
 class Targets(NamedTuple):
-    """What the channels ask for at one moment, one row per world, columns as in `CHANNELS`."""
+    """The channels' targets at one moment, one row per world, columns as in `CHANNELS`."""
 
     value: Array
     rate: Array
@@ -51,10 +51,10 @@ class Channels(InputModel):
             signal = self.signal(name)
             low, high = signal.bounds()
             if low < lowest - 2.0 * _ROUNDING or high > HIGHEST + 2.0 * _ROUNDING:
-                raise ValueError(f"{name} runs from {low:.4g} to {high:.4g}, allowed is {lowest:g} to {HIGHEST:g}")
+                raise ValueError(f"{name} runs from {low:.4g} to {high:.4g}; allowed: {lowest:g} to {HIGHEST:g}")
             fastest = signal.fastest()
             if fastest > FASTEST_ASKED * (1.0 + _ROUNDING):
-                raise ValueError(f"{name} moves at {fastest:.4g} per second, allowed is {FASTEST_ASKED:g} at most")
+                raise ValueError(f"{name} moves at {fastest:.4g} per second; allowed: {FASTEST_ASKED:g} at most")
         return self
 
     def signal(self, name: str) -> Signal:
@@ -88,7 +88,7 @@ class Maneuver(InputModel):
             if begin > FASTEST_ASKED * self.fade_in_s + _ROUNDING:
                 raise ValueError(
                     f"fade_in_s = {self.fade_in_s:g} takes {name} to {begin:.4g} at {begin / self.fade_in_s:.4g} "
-                    f"per second, allowed is {FASTEST_ASKED:g} at most"
+                    f"per second; allowed: {FASTEST_ASKED:g} at most"
                 )
         return self
 
@@ -113,8 +113,8 @@ class Maneuver(InputModel):
             InputError: no maneuver has this name.
         """
         if name not in maneuver_names():
-            known = maneuver_names()
-            raise InputError(f"maneuver {shown(name)}: unknown; {meant(name, known)}allowed: {', '.join(known)}")
+            names = maneuver_names()
+            raise InputError(f"maneuver is {shown(name)}; {meant(name, names)}allowed: {', '.join(names)}")
         return cls.load(FOLDER / f"{name}.yaml")
 
     @classmethod

@@ -55,10 +55,10 @@ class Player(Remembering):
         device: Device | None = None,
     ) -> None:
         if control not in CONTROLS:
-            raise InputError(f"control {shown(control)}: allowed are {', '.join(CONTROLS)}")
+            raise InputError(f"control is {shown(control)}; allowed: {', '.join(CONTROLS)}")
         hz = real_number(CONTROLS[control].steps_per_s if control_hz is None else control_hz)
         if hz is None or not (np.isfinite(hz) and hz > 0):
-            raise InputError(f"control_hz {shown(control_hz)}: must be a positive number")
+            raise InputError(f"control_hz is {shown(control_hz)}; allowed: numbers above 0")
         self.maneuver = _maneuver(maneuver)
         self.name = self.maneuver.name
         self.control = control
@@ -115,7 +115,7 @@ def checked_parameters(rows: Observation) -> int:
     return parameters
 
 
-def _maneuver(given: Maneuver | str | Path) -> Maneuver:
-    if isinstance(given, Maneuver):
-        return given
-    return Maneuver.load(given) if Path(given).suffix in SUFFIXES else Maneuver.named(str(given))
+def _maneuver(source: Maneuver | str | Path) -> Maneuver:
+    if isinstance(source, Maneuver):
+        return source
+    return Maneuver.load(source) if Path(source).suffix in SUFFIXES else Maneuver.named(str(source))

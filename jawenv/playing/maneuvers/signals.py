@@ -86,17 +86,17 @@ class Keyframes(Signal):
     def _ordered(self) -> "Keyframes":
         for earlier, later in pairwise(self.points):
             if later.t_s <= earlier.t_s:
-                raise ValueError(f"points: t_s {later.t_s:g} follows {earlier.t_s:g}, times must increase")
+                raise ValueError(f"points: t_s {later.t_s:g} follows {earlier.t_s:g}; allowed: times that increase")
             if later.t_s - earlier.t_s < 0.999 * SHORTEST_S:  # what decimals lose
                 raise ValueError(
                     f"points: t_s {later.t_s:.15g} follows {earlier.t_s:.15g}; allowed: {SHORTEST_S:g} s later, or more"
                 )
         if self.repeat and len(self.points) < 2:
-            raise ValueError("repeat: needs at least two points")
+            raise ValueError("repeat: there is one point; allowed: two or more")
         if self.repeat and self.points[0].value != self.points[-1].value:
             raise ValueError(
-                f"repeat: the last value {self.points[-1].value:g} must equal the first "
-                f"{self.points[0].value:g}, or the target would jump"
+                f"repeat: the last value is {self.points[-1].value:g}; allowed: the first one, "
+                f"{self.points[0].value:g}, as the target would jump"
             )
         return self
 
@@ -270,9 +270,9 @@ class Prbs(Signal):
     @model_validator(mode="after")
     def _consistent(self) -> "Prbs":
         if self.seed >= 2**self.register_bits:
-            raise ValueError(f"seed {self.seed} must be below 2^register_bits = {2**self.register_bits}")
+            raise ValueError(f"seed is {self.seed}; allowed: below 2^register_bits = {2**self.register_bits}")
         if self.switch_s > self.interval_s:
-            raise ValueError(f"switch_s {self.switch_s:g} must not exceed interval_s {self.interval_s:g}")
+            raise ValueError(f"switch_s is {self.switch_s:g}; allowed: up to interval_s, {self.interval_s:g}")
         return self
 
     @cached_property

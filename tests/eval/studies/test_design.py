@@ -121,8 +121,8 @@ def test_shipped_studies_are_of_all_that_they_are_about():
         ({"control_hz": [float("nan")]}, "control_hz.0"),
         ({"reality": {"slow": {"creep": 1}}}, "reality.creep is not a field of Reality; allowed: reflex_gain"),
         ({"reality": {"slow": {"creep_share": float("nan")}}}, "reality.slow.creep_share"),
-        ({"patients": 0}, "patients = 0 must be greater than or equal to 1"),
-        ({"seed": 10**24}, "seed = 1000000000000000000000000 must be less than or equal to 4294967295"),
+        ({"patients": 0}, "patients is 0; allowed: greater than or equal to 1"),
+        ({"seed": 10**24}, "seed is 1000000000000000000000000; allowed: less than or equal to 4294967295"),
         ({"episode_s": float("inf")}, "episode_s"),
         ({"metrics": ["speed"]}, "names 'speed'; allowed: information_true"),
         (

@@ -119,7 +119,7 @@ def test_uneven_times_are_resampled_when_asked_for(tmp_path):
     np.testing.assert_allclose(record.time, [0.0, 0.01, 0.02, 0.03, 0.04])
     np.testing.assert_allclose(record.measured[:, 0], [0.080, 0.081, 0.082, 0.083, 0.084])
     for bad in (0.0, np.nan, 1e6):
-        with pytest.raises(InputError, match="resample: .* Hz given; allowed: 10 to 10000"):
+        with pytest.raises(InputError, match="resample is .* Hz; allowed: 10 to 10000"):
             load_record(path, resample_hz=bad)
     with pytest.raises(InputError, match="row 4 is 0.51, 0.5 s after the row before"):
         load_record(written(tmp_path, timed([0.0, 0.01, 0.51])), resample_hz=100.0)

@@ -148,17 +148,17 @@ def test_what_moved_the_jaw_is_the_files_or_the_callers(tmp_path):
 
 def test_a_servo_needs_a_device():
     record = random_record("jaw", 2, 0.01, 0)
-    with pytest.raises(jawenv.InputError, match="control is 'torque', allowed are 'force', 'trajectory' and 'targets'"):
+    with pytest.raises(jawenv.InputError, match="control is 'torque'; allowed: force, trajectory, targets"):
         replace(record, control="torque")
 
 
 def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
     record = random_record("jaw", 2, 0.01, 0)
     for wrong in (1.001 * record.wrench_sd, -record.cell_sd, np.full(6, np.nan)):
-        with pytest.raises(InputError, match="cell_sd is .*allowed are numbers from 0 to wrench_sd"):
+        with pytest.raises(InputError, match="cell_sd is .*allowed: numbers from 0 to wrench_sd"):
             replace(record, cell_sd=wrong)
     assert replace(record, cell_sd=record.wrench_sd).cell_sd is record.wrench_sd
-    with pytest.raises(InputError, match=r"cell_sd has shape \(3,\), allowed is \(6,\)"):
+    with pytest.raises(InputError, match=r"cell_sd has shape \(3,\); allowed: \(6,\)"):
         replace(record, cell_sd=np.zeros(3))
 
 
