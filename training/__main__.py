@@ -2,7 +2,7 @@
 
 import sys
 
-from training.extra import installed
+from jawenv.commands.extra import installed
 
 if __name__ == "__main__":
     with installed("python -m training", "train"):

@@ -15,7 +15,7 @@ from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
 
 if TYPE_CHECKING:
-    from eval.comparison.admission import Admission
+    from eval.comparison.admission import AdmissionLimits
     from eval.comparison.results import Results
 
 
@@ -53,16 +53,16 @@ def compare_command(
     patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the same command goes on from
     there.
     """
-    from eval.comparison.admission import Admission
+    from eval.comparison.admission import AdmissionLimits
     from eval.comparison.compare import compare
-    from eval.comparison.replayed import play_patient
+    from eval.comparison.motion import play_patient
     from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.settings import Settings
 
-    admission = Admission(largest_discomfort_s, largest_violation)
-    wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = Settings.of(patients, seed, **{"env": env_of_runs(wanted)} | world)
-    loaded = load_entries(wanted, settings.world, trust=trust)
+    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
+    specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
+    settings = Settings.of(patients, seed, **{"env": env_of_runs(specs)} | world)
+    loaded = load_entries(specs, settings.world, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
         raise InputError(f"reference is {reference!r}; allowed: {allowed}")
@@ -90,10 +90,10 @@ def report_command(
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
-    from eval.comparison.admission import Admission
-    from eval.comparison.replayed import play_patient
+    from eval.comparison.admission import AdmissionLimits
+    from eval.comparison.motion import play_patient
 
-    admission = Admission(largest_discomfort_s, largest_violation)
+    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
     console = terminal()
     study = play_patient(results.load(folder), patient, console, trust=trust)
     _present(study, folder, reference, admission, console, details)
@@ -144,25 +144,23 @@ def replay_command(
 
 
 def _present(
-    study: Results, output: Path, reference: str | None, admission: Admission, console: Console, details: bool
+    study: Results, output: Path, reference: str | None, admission: AdmissionLimits, console: Console, details: bool
 ) -> None:
-    from eval.comparison.adaptation import adaptations
     from eval.comparison.ranking import rank
-    from eval.comparison.trainings import gains
-    from eval.report import gains as gained
+    from eval.comparison.trainings import adaptations, gains
     from eval.report import page, table
     from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
     table.show(ranking, console, details=details)
     table.show_adaptations(adaptations(study), console)
-    found = gains(study, reference)
-    gained.show(found, console)
+    study_gains = gains(study, reference)
+    table.show_gains(study_gains, console)
     console.print("drawing the report")
     with alone(output):
         written = page.write(study, ranking, output / "report.html")
-        if found:
-            gained.write(found, output / "gains.md")
+        if study_gains:
+            table.write_gains(study_gains, output / "gains.md")
     table.show_verdict(ranking, learned(study, ranking), console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",

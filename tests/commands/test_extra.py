@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from training.extra import installed
+from jawenv.commands.extra import installed
 
 ROOT = Path(__file__).parents[2]
 RUNS = """
