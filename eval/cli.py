@@ -61,7 +61,7 @@ def play_command(
         raise InputError(f"entries is {', '.join(entries)}; allowed: one, or two beside each other")
     if video is None:
         if len(entries) > 1:
-            raise InputError("video is none; allowed: a film of two beside each other, with --video FILE")
+            raise InputError("video is none; allowed: a film of two, use --video FILE")
         from jawenv.rendering.display import check_display
 
         check_display("a window", "use --video FILE, which writes a film")
