@@ -34,7 +34,7 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
-"""What reading a damaged archive of arrays can raise."""
+"""Exceptions that NumPy raises on a damaged archive of arrays."""
 
 
 def save_arrays(path: Path, **arrays: Any) -> None:
@@ -53,7 +53,7 @@ def load_arrays(path: Path, names: tuple[str, ...], what: str) -> tuple[NDArray[
     Args:
         path: the file.
         names: of the arrays.
-        what: what they are, for the message.
+        what: noun for the arrays in the message.
 
     Raises:
         InputError: no such file, a damaged one, or one without these arrays.

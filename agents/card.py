@@ -1,4 +1,4 @@
-"""The model card of a policy: what it is, where it fits, how it was made, and what it reached.
+"""The model card of a policy: its architecture, environment, training and results.
 
 ::
 
@@ -37,10 +37,10 @@ class Environment(InputModel):
 
     Attributes:
         id: Gymnasium's id.
-        control: what an action means.
+        control: control mode, the meaning of an action.
         control_hz: actions per second.
-        sensors: what is measured.
-        reward: what was rewarded.
+        sensors: the measured quantities.
+        reward: name of the reward.
         cohort: the patients, by their name or as a mapping.
         episode_s: length of an episode, s.
         others: further arguments of the environment.
@@ -109,7 +109,7 @@ class CorrectedManeuver(InputModel):
     """The policy corrects a maneuver.
 
     Attributes:
-        maneuver: what is corrected, as a whole.
+        maneuver: the corrected maneuver, in full.
         scale: of the policy's action, which is added to the maneuver's.
     """
 
@@ -124,7 +124,7 @@ class Result(InputModel):
         cohort: whom it was tried on.
         patients: how many.
         seeds: of the first and the last patient.
-        metric: what was measured, with its unit.
+        metric: the measured quantity with its unit.
         mean: over the patients; or
         median: over the patients.
         low: lower end of the interval.
@@ -147,7 +147,7 @@ class Result(InputModel):
         if (self.mean is None) == (self.median is None):
             raise ValueError(f"{self.metric}: give either mean or median")
         if self.low > self.high:
-            raise ValueError(f"{self.metric}: low {self.low:g} must not be above high {self.high:g}")
+            raise ValueError(f"{self.metric}: low is {self.low:g}; allowed: at most high, {self.high:g}")
         return self
 
 
@@ -164,7 +164,7 @@ class ModelCard(InputModel):
         seed: of the training.
         steps: of the environment that the policy had learned from.
         residual: the maneuver that it corrects, if it does.
-        results: what it reached.
+        results: figures of the policy.
         jawenv_version: that wrote it.
         config_sha256: of the run's config.yaml, as JSON without spaces and with sorted keys.
         weights_sha256: of the file of weights.

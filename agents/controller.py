@@ -24,14 +24,14 @@ StepBatch = tuple[Observation, npt.NDArray[np.float64], Mask, Mask, dict[str, An
 
 
 class Controller(Protocol):
-    """What lies between a policy and an environment, with a memory of each world: zeros where an episode begins.
+    """The step from decisions to actions, with a memory of each world: zeros where an episode begins.
 
     Attributes:
         control: control mode of the environment.
         decision_hz: decisions per second.
         steps_per_decision: control steps from one decision to the next.
         n_features: how many values the policy sees beside the environment's observation.
-        memory: dtype of what is remembered of a world.
+        memory: dtype of the memory of a world.
     """
 
     control: Control
@@ -41,7 +41,7 @@ class Controller(Protocol):
     memory: np.dtype[Any]
 
     def seen(self, rows: Observation, memory: npt.NDArray[Any]) -> Observation:
-        """What the policy sees (N, size + n_features) of observations (N, size)."""
+        """Inputs of the policy (N, size + n_features) from observations (N, size)."""
         ...
 
     def act(self, rows: Observation, memory: npt.NDArray[Any], decision: Action | None) -> Action:
@@ -61,7 +61,7 @@ class ControlledAgent(Remembering):
     A world that begins an episode between two decisions has none until the next one.
 
     Args:
-        agent: answers what it sees with decisions.
+        agent: policy from inputs to decisions.
         controller: makes actions of them.
 
     Attributes:
@@ -125,7 +125,7 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
         super().__init__(env)
         mode, inner = env.metadata.get("autoreset_mode"), env.single_observation_space
         if mode != AutoresetMode.SAME_STEP:
-            raise InputError(f"autoreset_mode is {mode}; allowed for decisions: same_step")
+            raise InputError(f"autoreset_mode is {mode}; allowed: same_step")
         if not isinstance(inner, spaces.Box) or len(inner.shape) != 1:
             raise InputError(f"observation space is {inner}, but decisions need a flat Box")
         beside = np.ones(controller.n_features, dtype=np.float32)
@@ -163,8 +163,8 @@ class ControlledWorlds(VectorWrapper[Observation, Action, Observation, Action, A
             info["cost"] = np.where(terminated | truncated, info["cost"], cost / steps)
             if ends:
                 ends["final_info"]["cost"] = cost / steps
-        told = {key: value for key, value in info.items() if "final_" not in key}
-        return self.controller.seen(self._rows, self._memory), reward, terminated, truncated, told | ends
+        step_info = {key: value for key, value in info.items() if "final_" not in key}
+        return self.controller.seen(self._rows, self._memory), reward, terminated, truncated, step_info | ends
 
     def _keep_ends(self, ends: dict[str, Any], info: dict[str, Any], worlds: Mask) -> None:
         """Keep the last observation and info of worlds (N,) whose episodes have just ended."""

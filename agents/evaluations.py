@@ -15,7 +15,7 @@ Table = list[dict[str, float]]
 
 
 class Curve(NamedTuple):
-    """A column of which learning curves are drawn, what its axis says, and the factor to that unit."""
+    """Columns of learning curves: name, title of the axis, factor to its unit."""
 
     column: str
     label: str

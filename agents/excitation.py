@@ -51,8 +51,8 @@ class Excitation(BatchAgent):
     not depend on how many worlds there are.
 
     Args:
-        name: what tables call it.
-        draw: the law of the actions; what it returns is clipped to [-1, 1].
+        name: label in tables.
+        draw: the law of the actions; they are clipped to [-1, 1].
         control_hz: control steps per second of the environment.
     """
 
@@ -79,7 +79,7 @@ class Excitation(BatchAgent):
         return np.clip(self._last, -1.0, 1.0).astype(np.float32), None
 
 
-class Harmonics(Excitation):
+class RandomHarmonics(Excitation):
     """Four sines in each motor, of random amplitudes that add up to at most 1, random phases, and 0.1 to 2 Hz."""
 
     SINES = 4
@@ -106,7 +106,7 @@ EXCITATIONS: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(
         "ou_quick": lambda control_hz: Excitation("ou_quick", ornstein_uhlenbeck(0.3, 0.5), control_hz),
         "ou_slow": lambda control_hz: Excitation("ou_slow", ornstein_uhlenbeck(0.15, 2.0), control_hz),
         "ou_strong": lambda control_hz: Excitation("ou_strong", ornstein_uhlenbeck(0.6, 1.0), control_hz),
-        "harmonics": lambda control_hz: Harmonics("harmonics", control_hz),
+        "harmonics": lambda control_hz: RandomHarmonics("harmonics", control_hz),
         "switching": lambda control_hz: Excitation("switching", switching(0.5), control_hz),
     }
 )

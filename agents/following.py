@@ -35,7 +35,7 @@ def decision_hz(env_kwargs: Mapping[str, Any]) -> float:
     asked = env_kwargs.get("control_hz") if takes_targets(env_kwargs.get("control", DEFAULT_CONTROL)) else None
     hz = real_number(DECISION_HZ if asked is None else asked)
     if hz is None or not (np.isfinite(hz) and hz > 0):
-        raise InputError(f"control_hz {shown(asked)}: must be a positive number")
+        raise InputError(f"control_hz is {shown(asked)}; allowed: a positive number")
     return hz
 
 
@@ -68,13 +68,13 @@ class TargetsLaw:
         self.decision_hz = decision_hz
         self.steps_per_decision = round(hz / decision_hz)
         if abs(self.steps_per_decision * decision_hz - hz) > 1e-9 * hz:
-            raise InputError(f"control_hz {hz:g}: must be a multiple of the {decision_hz:g} decisions per second")
+            raise InputError(f"control_hz is {hz:g}; allowed: a multiple of the {decision_hz:g} decisions per second")
         self._servo = mode.has_servos
         self._device = Device().records()
         self._dt, self._decision_s = 1.0 / hz, 1.0 / decision_hz
 
     def seen(self, rows: Observation, memory: Trackers) -> Observation:
-        """Observations (N, size) in which ``motor_target`` is what it is in targets control.
+        """Observations (N, size) with ``motor_target`` as in targets control.
 
         Raises:
             InputError: an observation of another size, or one that is not finite.
@@ -91,7 +91,7 @@ class TargetsLaw:
         Args:
             rows: (N, size) observations.
             memory: (N,) records of the law.
-            decision: (N, 4) actions of targets control, whose targets are to be reached at the next decision.
+            decision: (N, 4) actions of targets control, with the targets at the next decision.
 
         Raises:
             InputError: an observation that is not finite.

@@ -25,16 +25,16 @@ def names_own(spec: str) -> bool:
 
 
 def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
-    """Import a class or function, from what is installed or the current folder, and make an agent with it.
+    """Import a class or function, installed or in the current folder, and make an agent with it.
 
-    This runs the module: name only code whose origin you trust.
+    This runs the module: name only code of trusted origin.
 
     Args:
         spec: ``package.module:Name``.
         settings: keyword arguments; those are given that its signature takes.
 
     Raises:
-        InputError: no such module or name, an error in either, or what comes out is no agent.
+        InputError: no such module or name, an error in either, or the result is no agent.
     """
     make = _named(spec)
     try:
@@ -64,10 +64,10 @@ def source_of(spec: str) -> Path | None:
     name, places, file = "", None, None
     for part in spec.partition(":")[0].split("."):
         name = f"{name}.{part}".lstrip(".")
-        found = PathFinder.find_spec(name, places)
-        if found is None:
+        module_spec = PathFinder.find_spec(name, places)
+        if module_spec is None:
             raise _absent(spec, name)
-        places, file = found.submodule_search_locations or [], found.origin
+        places, file = module_spec.submodule_search_locations or [], module_spec.origin
     return None if file is None else Path(file)
 
 

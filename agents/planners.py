@@ -54,13 +54,13 @@ class EvolvingPlanner(Planner):
         weights /= weights.sum()
         for k in range(plan.rounds):
             for i in np.flatnonzero(due):
-                known = mean[i : i + 1]
+                fixed = mean[i : i + 1]
                 if k == 0:
                     start = self._env.simulation.targets[i]
-                    known = np.array(self._known(start, int(i), int(step[i])))
-                    mean[i] = known[0]
-                pairs = self._pairs(mean[i], plan.candidates - len(known), SIZE * SHRINKS**k, streams[i])
-                tried[i] = np.concatenate([known, pairs])
+                    fixed = np.array(self._known(start, int(i), int(step[i])))
+                    mean[i] = fixed[0]
+                pairs = self._pairs(mean[i], plan.candidates - len(fixed), SIZE * SHRINKS**k, streams[i])
+                tried[i] = np.concatenate([fixed, pairs])
             score = self._judge(tried, due, keys)
             for i in np.flatnonzero(due):
                 order = np.argsort(-score[i], kind="stable")
@@ -71,7 +71,7 @@ class EvolvingPlanner(Planner):
         self._planned_at[due] = step[due]
 
     def _known(self, start: Array, world: int, step: int) -> list[Array]:
-        """What is tried first (H, 4): the last plan, with a maneuver after its end, and the maneuvers."""
+        """First candidates (H, 4): the last plan, with a maneuver after its end, and the maneuvers."""
         continued = self._continued(start, step)
         if not 0 <= self._planned_at[world] < step:
             return continued
@@ -82,7 +82,7 @@ class EvolvingPlanner(Planner):
         return [np.concatenate([left, approach(end, after, ahead)]), *continued]
 
     def _pairs(self, mean: Array, number: int, size: float, stream: np.random.Generator) -> Array:
-        """Variations (number, H, 4) of a mean (H, 4), within what the device allows."""
+        """Variations (number, H, 4) of a mean (H, 4), within the limits of the device."""
         noise = size * SPREAD * stream.standard_normal(((number + 1) // 2, len(self._knots), N_CHANNELS))
         moved = np.einsum("hk,ckj->chj", self._between, np.concatenate([noise, -noise])[:number])
         within: Array = np.clip(mean + moved, np.array(LOWEST), HIGHEST)

@@ -16,7 +16,7 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
-from agents.prediction import Outcome, Prediction
+from agents.prediction import Forecast, Prediction
 from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
@@ -31,8 +31,8 @@ LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 """Targets that are sampled lie in this box, fractions of the patient's comfort."""
 SPREAD = np.array([0.25, 0.4, 0.1, 0.4])
 """Sd of variations of a sequence, before a search makes them smaller from round to round."""
-MOST_CANDIDATES = 10_000  # each is a copy of the world, of some 50 kB with what it is stepped with
-FORBIDDEN = 1e6  # nats off the score of what crosses a hard limit
+MOST_CANDIDATES = 10_000  # each is a copy of the world, some 50 kB with its scratch arrays
+FORBIDDEN = 1e6  # nats off the score of a candidate that crosses a hard limit
 
 
 @dataclass(frozen=True)
@@ -41,18 +41,18 @@ class Plan:
 
     Attributes:
         name: its name.
-        description: what it does, in a sentence.
+        description: a sentence on its method.
         horizon_s: how far it looks ahead.
         candidates: sequences that are tried in a round.
         rounds: how often sequences are varied about the best ones.
         elites: how many are the best ones.
-        maneuvers: whose continuations are tried in the first round.
+        maneuvers: the first round tries their continuations.
         clairvoyant: whether candidates are tried on the true patient.
         replan_s: how long it follows a plan.
         comfort_weight: nats that a second of discomfort is worth.
-        goal: the potential whose growth is the gain; ``"mixed"``, ``"worst"`` or ``"uncertainty"``.
-        common: share of the worlds, those known least, whose mean score decides for all of them; 0 where each world
-            has a plan of its own. So a maneuver is designed for a cohort, whose worlds are all in the same step.
+        goal: potential of the gain; ``"mixed"``, ``"worst"`` or ``"uncertainty"``.
+        common: share of the worlds, the least known, with a mean score that decides for all; 0 where each world
+            has a plan of its own. So a maneuver is designed for a cohort of worlds in the same step.
 
     Raises:
         InputError: fewer candidates than elites, or than sequences that are always tried, or too many.
@@ -74,8 +74,8 @@ class Plan:
     def __post_init__(self) -> None:
         """Check the number of candidates."""
         # To stay, the maneuvers and, after the first plan, the last one are tried first.
-        known = len(self.maneuvers) + 2 if self.maneuvers else 1
-        least, number = max(self.elites, known), whole_number(self.candidates)
+        fixed = len(self.maneuvers) + 2 if self.maneuvers else 1
+        least, number = max(self.elites, fixed), whole_number(self.candidates)
         if number is None or not least <= number <= MOST_CANDIDATES:
             raise InputError(f"candidates is {shown(self.candidates)}; allowed: {least} to {MOST_CANDIDATES}")
 
@@ -91,8 +91,8 @@ class Planner(BatchAgent):
         control: control mode of the environment.
 
     Attributes:
-        name: that of the plan.
-        description: that of the plan.
+        name: name of the plan.
+        description: description of the plan.
         decisions: plans made since ``reset``, over all worlds.
         seconds: time that they took in all.
         knot_s: between knots of a variation.
@@ -144,24 +144,24 @@ class Planner(BatchAgent):
     def _answer(
         self, rows: Observation, state: State, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, State]:
-        # What is read is the attached environment alone.
+        # Only the attached environment is read; the observations give the number of worlds.
         if self._env is None:
             raise InputError(f"agent {self.name!r}: no environment; allowed: attach(env) before predict, as play does")
         worlds = self._env.simulation.worlds
         if len(rows) != len(worlds):
             raise InputError(f"observation has {len(rows)} worlds; allowed: the {len(worlds)} of the environment")
         configuration = self._env.configuration
-        known, violated = worlds["known"], worlds["truth"]["violated"]
-        step = (known["tick"] // configuration.ticks_per_step).astype(np.intp)
-        running = (step < configuration.steps) & (violated == 0) & np.isfinite(known["log_det"])
+        filters, violated = worlds["known"], worlds["truth"]["violated"]
+        step = (filters["tick"] // configuration.ticks_per_step).astype(np.intp)
+        running = (step < configuration.steps) & (violated == 0) & np.isfinite(filters["log_det"])
         since = step - self._planned_at
         due = running & ((self._planned_at < 0) | (since < 0) | (since >= self._follow) | (step == 0))
         if due.any():
             began = time.perf_counter()
             self._search(step, due)
             self.decisions, self.seconds = self.decisions + int(due.sum()), self.seconds + time.perf_counter() - began
-        place = np.clip(step - self._planned_at, 0, self._horizon - 1)
-        return action_of(self._planned[np.arange(len(rows)), place]).astype(np.float32), None
+        index = np.clip(step - self._planned_at, 0, self._horizon - 1)
+        return action_of(self._planned[np.arange(len(rows)), index]).astype(np.float32), None
 
     def _search(self, step: Array, due: Mask) -> None:
         """Plan anew for the worlds that are due."""
@@ -189,30 +189,30 @@ class Planner(BatchAgent):
         return streams, np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
 
     def _judge(self, tried: Array, due: Mask, keys: NDArray[np.uint64]) -> Array:
-        """What (N, K) the candidates (N, K, H, 4) are worth, nats."""
+        """Scores (N, K) of the candidates (N, K, H, 4), nats."""
         score = _score(self._prediction.try_out(action_of(tried), due, keys), self.plan.comfort_weight)
         if self.plan.common:
             score[:] = score[self._least_known(due)].mean(axis=0)
         return score
 
     def _least_known(self, due: Mask) -> NDArray[np.intp]:
-        """The worlds whose scores decide."""
-        known = np.where(due, potential(self.plan.goal, self._env.simulation.worlds), np.inf)
-        return np.argsort(known, kind="stable")[: max(1, round(self.plan.common * int(due.sum())))]
+        """Indices of the worlds with a say in the common plan."""
+        level = np.where(due, potential(self.plan.goal, self._env.simulation.worlds), np.inf)
+        return np.argsort(level, kind="stable")[: max(1, round(self.plan.common * int(due.sum())))]
 
     def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
-        """Candidates (K, H, 4) of the first round: what is known to be good, its variations, and any others."""
+        """Candidates (K, H, 4) of the first round: good starts, their variations, and random ones."""
         start = self._env.simulation.targets[world]
-        known = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
-        known += self._continued(start, step)
+        tried = [np.broadcast_to(start, (self._horizon, N_CHANNELS))]
+        tried += self._continued(start, step)
         if self._maneuvers and 0 <= self._planned_at[world] < step:
             left = np.minimum(np.arange(self._horizon) + step - self._planned_at[world], self._horizon - 1)
-            known.append(self._planned[world, left])
-        rest = self.plan.candidates - len(known)
-        varied = self._vary(np.array(known), rest // 2 if self._maneuvers else 0, 1.0, stream)
+            tried.append(self._planned[world, left])
+        rest = self.plan.candidates - len(tried)
+        varied = self._vary(np.array(tried), rest // 2 if self._maneuvers else 0, 1.0, stream)
         goals = stream.uniform(LOW, HIGH, (rest - len(varied), len(self._knots), N_CHANNELS))
         anywhere = start + np.einsum("hk,ckj->chj", self._between, goals - start)
-        return np.concatenate([known, varied, anywhere])
+        return np.concatenate([tried, varied, anywhere])
 
     def _continued(self, start: Array, step: int) -> list[Array]:
         """Each maneuver from a step on (H, 4), reached from the targets ``start`` (4) within a second."""
@@ -246,12 +246,12 @@ def approach(start: Array, targets: Array, ahead: Array) -> Array:
     return start + share * (targets - start)
 
 
-def _score(outcome: Outcome, comfort_weight: float) -> Array:
-    """What (N, K) a candidate is worth, nats."""
-    worth = outcome.gain - comfort_weight * outcome.cost
-    return np.where(outcome.lost, -FORBIDDEN, worth)
+def _score(forecast: Forecast, comfort_weight: float) -> Array:
+    """Scores (N, K) of forecasts, nats."""
+    worth = forecast.gain - comfort_weight * forecast.cost
+    return np.where(forecast.lost, -FORBIDDEN, worth)
 
 
 def _check_control(name: str, control: object) -> None:
     if not takes_targets(control):
-        raise InputError(f"agent {name!r}: control is {shown(control)}; allowed for a planner: targets")
+        raise InputError(f"agent {name!r}: control is {shown(control)}; allowed: targets")

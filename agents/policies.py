@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 LARGEST_WEIGHTS = 256 * 2**20
 """Bytes."""
 ENTRIES = ("data", "policy.pth")
-"""What a checkpoint holds at least."""
+"""Members of every checkpoint."""
 
 
 def elu(x: Array) -> Array:
@@ -51,13 +51,13 @@ class PlainPolicy(BatchAgent):
     """A multilayer perceptron that acts as its policy does without chance.
 
     Args:
-        name: what tables call it.
-        card: what it is.
+        name: label in tables.
+        card: its model card.
         weights: its parameters, by the names and with the shapes of `Architecture.shapes`.
 
     Attributes:
-        name: what tables call it.
-        card: what it is; ``card.environment`` says where it plays.
+        name: label in tables.
+        card: its model card, with its environment.
         control: of its actions; "targets" if they correct a maneuver.
     """
 
@@ -75,7 +75,7 @@ class PlainPolicy(BatchAgent):
         return self._act(rows.astype(np.float64)), None
 
     def _act(self, values: Array) -> Action:
-        """Actions (N, 4) for what the first layer sees (N, inputs)."""
+        """Actions (N, 4) for inputs of the first layer (N, inputs)."""
         last = len(self.card.architecture.layers) - 2
         for i in range(last + 1):
             values = values @ self._weights[f"layers.{i}.weight"].T + self._weights[f"layers.{i}.bias"]
@@ -90,7 +90,7 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
     def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
         super().__init__(name, card, weights)
         units = card.architecture.lstm_units
-        self._remembered = (np.dtype((np.float64, (units,))),) * 2  # what the LSTM puts out, and its cells
+        self._remembered = (np.dtype((np.float64, (units,))),) * 2  # outputs and cells of the LSTM
 
     def _decide(
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
@@ -148,7 +148,7 @@ def load_policy(path: str | Path, *, env_id: str | None = None, trust: bool = Fa
     Args:
         path: folder, card or checkpoint.
         env_id: of the environment that it shall play, as `jawenv.ladder.model_of_env` takes it, to be checked.
-        trust: whether a checkpoint may be unpickled.
+        trust: whether a stable-baselines3 checkpoint may be unpickled.
 
     Raises:
         InputError: a card or weights that are missing, damaged or do not fit each other, no checkpoint, one that is
@@ -177,15 +177,15 @@ def read_weights(folder: Path, card: ModelCard) -> bytes:
     """The file of weights that a card belongs to.
 
     Raises:
-        InputError: no such file, or that of another card.
+        InputError: no such file, or weights of another card.
     """
     path = folder / WEIGHTS
     if not path.exists():
         raise InputError(f"{path}: no such file, but a card without its weights is no policy")
     content = read_bytes(path, LARGEST_WEIGHTS)
-    found = hashlib.sha256(content).hexdigest()
-    if found != card.weights_sha256:
-        raise InputError(f"{path}: sha256 is {found}, the card's weights_sha256 is {card.weights_sha256}")
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != card.weights_sha256:
+        raise InputError(f"{path}: sha256 is {digest}, the card's weights_sha256 is {card.weights_sha256}")
     return content
 
 
@@ -220,7 +220,7 @@ def _of_checkpoint(path: Path, env_id: str, trust: bool) -> Agent:
 
 
 def _check_size(path: Path, size: int, card: ModelCard | None, env_id: str) -> None:
-    """Make sure that a policy sees what an environment gives, with the targets of the maneuver that it corrects."""
+    """Make sure that an environment gives the inputs of a policy, with the targets of the maneuver that it corrects."""
     seen = observation_size(len(model_of_env(env_id).muscles.parameter_names))
     seen += 0 if card is None or card.residual is None else N_FEATURES
     if size != seen:
@@ -261,9 +261,9 @@ def _checked(path: Path, architecture: Architecture, content: bytes) -> dict[str
 
 
 def _check_checkpoint(path: Path) -> None:
-    """Make sure that a file is a checkpoint whose policy sees observations as they are.
+    """Make sure that a file is a checkpoint of a policy on unscaled observations.
 
-    One that was trained behind stable-baselines3's `VecNormalize` would be played on what it has never seen.
+    A policy trained behind stable-baselines3's `VecNormalize` would be played on inputs of another scale.
     """
     if path.is_dir():
         raise InputError(
@@ -287,7 +287,7 @@ def _check_checkpoint(path: Path) -> None:
 
 
 def _unpickled(path: Path) -> BasePolicy:
-    """Rebuild a policy from what a checkpoint pickles about it: this can run code."""
+    """Rebuild a policy from the pickles of a checkpoint: this can run code."""
     from stable_baselines3.common.policies import BasePolicy
     from stable_baselines3.common.save_util import load_from_zip_file
 

@@ -1,4 +1,4 @@
-"""From what a user types to an agent."""
+"""Agents by the text that a user types: names, files, runs and modules."""
 
 import os
 from pathlib import Path
@@ -50,10 +50,10 @@ def load_agent(
         control: control mode of the environment that the agent shall play.
         control_hz: control steps per second of that environment; None for its default.
         env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
-        trust: whether a checkpoint may be unpickled, which can run code.
+        trust: whether a stable-baselines3 checkpoint may be unpickled, which can run code.
 
     Raises:
-        InputError: an unknown name or environment, or a file that is not what it should be; one line that says so.
+        InputError: an unknown name or environment, or a file of another kind; in one line.
     """
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in EXCITATIONS:
@@ -77,24 +77,24 @@ def load_agent(
 
 
 def world_of(spec: str | Path) -> Configuration | None:
-    """What a policy was trained on; None if the spec is none. A checkpoint of a run counts as the run.
+    """World of a policy's training; None if the spec is no policy. A checkpoint of a run counts as the run.
 
     Raises:
         InputError: the policy's card is damaged.
     """
-    found = card_of(spec)
-    if found is None:
+    run = card_of(spec)
+    if run is None:
         return None
     try:
-        return found[1].environment.world()
+        return run[1].environment.world()
     except InputError as error:
-        raise InputError(f"{found[0] / CARD}: environment: {error}") from None
+        raise InputError(f"{run[0] / CARD}: environment: {error}") from None
 
 
 def files_of(spec: str | Path) -> tuple[Path, ...]:
-    """The files that decide what the agent of a spec does, beside those of the program.
+    """The files that decide the actions of a spec's agent, beside those of the program.
 
-    Of an agent of one's own that is its module, but not what that imports.
+    For an agent of one's own this is its module, without the module's imports.
 
     Raises:
         InputError: a damaged card, or no module of one's own.
@@ -116,10 +116,10 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
 def _unknown(spec: str) -> str:
     """Why nothing is found by a spec: a folder that is not there, or a name, with those that are near it first."""
     if "/" in spec or os.sep in spec:
-        return f"agent '{spec}': no such file or folder"
-    known = shipped_names()
+        return f"agent is '{spec}'; allowed: a file or folder that exists"
+    names = shipped_names()
     return (
-        f"agent '{spec}': unknown; {meant(spec, known)}allowed: {', '.join(known)}, a maneuver file "
+        f"agent is '{spec}'; {meant(spec, names)}allowed: {', '.join(names)}, a maneuver file "
         f"({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
         "package.module:Name of an agent of your own"
     )

@@ -1,4 +1,4 @@
-"""What an agent does on average over patients, as a maneuver: the control that tells whether it adapts.
+"""The mean actions of an agent over patients, as a maneuver: the control for whether it adapts.
 
 An agent that adapts to the patient does better than its own averaged targets, replayed without looking. An average
 smooths out what an agent does with each patient at another moment, so there is a harder control: what it did with
@@ -37,7 +37,7 @@ class Replay(BatchAgent):
     """Actions of targets control that were recorded on other patients: world i gets those of patient i there.
 
     Args:
-        name: what tables call it.
+        name: label in tables.
         actions: (N, T, 4) in [-1, 1]; more worlds begin again at the first patient, and after T actions the last one
             holds.
         decision_hz: actions per second.
@@ -56,7 +56,7 @@ class Replay(BatchAgent):
 
     @classmethod
     def load(cls, path: Path) -> Replay:
-        """Read what ``save`` has written.
+        """Read a file of ``save``.
 
         Raises:
             InputError: no such file, or one that holds no actions.
@@ -103,7 +103,7 @@ def replay_of(
         env_id: its id.
 
     Raises:
-        InputError: an agent without targets, or what ``jawenv.play`` refuses.
+        InputError: an agent without targets, or an error of ``jawenv.play``.
     """
     return replays_of(agent, patients=patients, seed=seed, env_kwargs=env_kwargs, env_id=env_id)[0]
 
@@ -135,7 +135,7 @@ def replays_of(
     env_id: str = DEFAULT_ENV,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Maneuver, Replay]:
-    """The averaged maneuver of ``replay_of``, and what the agent did with each patient; progress as ``jawenv.play``."""
+    """The averaged maneuver of ``replay_of``, and the actions with each patient; progress as ``jawenv.play``."""
     check_targets(agent, env_kwargs)
     followed_agent = agent if isinstance(agent, ControlledAgent) and _followed(agent) else None
     every = 1 if followed_agent is None else followed_agent.controller.steps_per_decision
@@ -143,9 +143,9 @@ def replays_of(
 
     def note(env: Any, action: Action | None) -> None:
         if action is not None:
-            said = action if followed_agent is None else followed_agent.decision
-            assert said is not None
-            decided.append(said)
+            decision = action if followed_agent is None else followed_agent.decision
+            assert decision is not None
+            decided.append(decision)
 
     recording = play(
         agent,
@@ -162,14 +162,14 @@ def replays_of(
     running = recording.valid[:, :-1:every, None]  # at the beginning of the step
     mean = np.sum(targets * running, axis=0) / np.maximum(running.sum(axis=0), 1)
     name = re.sub(r"[^a-z0-9]+", "_", agent.name.lower()).strip("_")
-    about = {
+    header = {
         "name": f"replay_of_{name}",
         "title": f"Replay of {agent.name}",
         "description": f"The targets of {agent.name}, averaged over {patients} patients, replayed without looking.",
         "source": f"python -m eval replay, seeds {seed} to {seed + patients - 1} of cohort "
         f"{env_kwargs.get('cohort', 'trismus')}",
     }
-    return maneuver_of_targets(mean, period, about), Replay(f"yoked_replay_of_{name}", actions, 1.0 / period)
+    return maneuver_of_targets(mean, period, header), Replay(f"yoked_replay_of_{name}", actions, 1.0 / period)
 
 
 def targets_of(actions: Array, period: float) -> Array:
@@ -196,14 +196,14 @@ def followed(goals: Array, period: float) -> Array:
 
 
 def maneuver_of_targets(
-    targets: Array, period: float, about: dict[str, str], *, return_s: float | None = None
+    targets: Array, period: float, header: dict[str, str], *, return_s: float | None = None
 ) -> Maneuver:
     """The maneuver that reaches targets (T, 4) at the ends of the steps.
 
     Args:
         targets: fractions of the patient's comfort.
         period: length of a step, s.
-        about: name, title, description and source.
+        header: name, title, description and source.
         return_s: time in which it goes back to rest and begins again; None where the last targets hold.
     """
     channels = {channel: _keyframes(targets[:, k], period) for k, channel in enumerate(CHANNELS)}
@@ -211,15 +211,15 @@ def maneuver_of_targets(
         for channel in channels.values():
             end_s = round(len(targets) * period + return_s, 6)
             channel |= {"points": [*channel["points"], {"t_s": end_s, "value": 0.0}], "repeat": True}
-    return Maneuver.model_validate({**about, "fade_in_s": FADE_IN_S, "channels": channels})
+    return Maneuver.model_validate({**header, "fade_in_s": FADE_IN_S, "channels": channels})
 
 
 def _keyframes(values: Array, period: float) -> dict[str, Any]:
     """A channel that begins at rest and reaches ``values`` (T,) at the ends of the steps."""
     path = np.append(0.0, values)
     bends = np.abs(np.diff(path, n=2)) > STRAIGHT
-    kept = np.flatnonzero(np.concatenate([[True], bends, [True]]))
-    points = [{"t_s": round(k * period, 6), "value": round(float(path[k]), DIGITS)} for k in kept]
+    steps = np.flatnonzero(np.concatenate([[True], bends, [True]]))
+    points = [{"t_s": round(k * period, 6), "value": round(float(path[k]), DIGITS)} for k in steps]
     return {"kind": "keyframes", "interpolation": "linear", "points": points}
 
 

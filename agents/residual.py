@@ -30,8 +30,8 @@ class BaseTargets:
     Its memory counts the decisions since the episode began.
 
     Args:
-        maneuver: what is corrected.
-        scale: what an action of 1 adds, fraction of the patient's comfort.
+        maneuver: the corrected maneuver.
+        scale: size of an action of 1, fraction of the patient's comfort.
         decision_hz: actions of the policy per second.
     """
 
@@ -57,7 +57,7 @@ class BaseTargets:
         return action
 
     def features(self, step: NDArray[np.int64]) -> Observation:
-        """What the policy sees of the maneuver.
+        """Features of the maneuver for the policy.
 
         Args:
             step: (N,) decisions since the episode began.
@@ -78,8 +78,8 @@ class BaseTargets:
         Returns:
             (N, 4) in [-1, 1].
         """
-        wanted = self._at_end(step) + self.scale * np.asarray(residual, dtype=np.float64)
-        return action_of(np.clip(wanted, LOWEST, HIGHEST)).astype(np.float32)
+        targets = self._at_end(step) + self.scale * np.asarray(residual, dtype=np.float64)
+        return action_of(np.clip(targets, LOWEST, HIGHEST)).astype(np.float32)
 
     def residuals(self, step: NDArray[np.int64], action: Action) -> NDArray[Any]:
         """The policy's actions (N, 4), in [-1, 1], that come nearest to actions (N, 4) of the environment."""

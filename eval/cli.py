@@ -58,10 +58,10 @@ def play_command(
 ) -> None:
     """Show one episode in a window, or write it as a film; two are shown beside each other, on the same patient."""
     if len(entries) > MOST_FILMED:
-        raise InputError(f"{len(entries)} entries given, a film shows one, or two beside each other")
+        raise InputError(f"entries is {', '.join(entries)}; allowed: one, or two beside each other")
     if video is None:
         if len(entries) > 1:
-            raise InputError("two beside each other are shown as a film: use --video FILE")
+            raise InputError("video is none; allowed: a film of two, use --video FILE")
         from jawenv.rendering.display import check_display
 
         check_display("a window", "use --video FILE, which writes a film")
@@ -71,15 +71,15 @@ def play_command(
 
     asked = Configuration.from_mapping({"env": env_of_runs(entries)} | world)
     loaded, console = load_entries(entries, asked, trust=trust), terminal()
-    films = [film.Film(each, seed, patient, start_s, width, every) for each in loaded]
-    said = film.show(films[0], console) if video is None else film.write(films, video, console)
-    console.print(said + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
+    films = [film.Film(entry, seed, patient, start_s, width, every) for entry in loaded]
+    summary = film.show(films[0], console) if video is None else film.write(films, video, console)
+    console.print(summary + ("" if video is None else f"\nfilm: {video}"), soft_wrap=True)
 
 
 @app.command("study")
 def study_command(
     study: Annotated[str | None, typer.Argument(metavar="[NAME|FILE]", help="A study of --list, or a file.")] = None,
-    known: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="Say which studies come with the project.")] = False,
     patients: Annotated[
         int | None, typer.Option(help="Fewer than the study has, to try it out.", metavar="N", min=1)
     ] = None,
@@ -101,11 +101,11 @@ def study_command(
     from eval.kept.parts import Backend, Run
     from eval.studies import command, design
 
-    if known:
+    if listing:
         for name, path in design.shipped().items():
             print(f"{name:12s} {design.read(str(path))[1].title}")
     elif study is None:
-        raise InputError(f"study: none given; allowed: {', '.join(design.shipped())}, or a file")
+        raise InputError(f"study is none; allowed: {', '.join(design.shipped())}, or a file")
     else:
         console = terminal()
         how = Run(fresh, workers, cast(Backend, backend), console)

@@ -59,7 +59,7 @@ def write_all(
         command: for the description.
         console: where progress is shown.
         fresh: whether data sets that are there are replaced.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Returns:
         Names of the data sets.
@@ -104,7 +104,7 @@ def _advance(progress: Progress, done: int, more: int) -> None:
 def _write(entry: Entry, settings: Settings, file_format: str, made: str, progress: Callable[[int], None]) -> None:
     import minari
 
-    about = (entry.description or entry.label).rstrip(".")
+    description = (entry.description or entry.label).rstrip(".")
     seeds = range(settings.seed, settings.seed + settings.patients)
     env = gym.make(entry.env_id, **entry.env_kwargs)
     collector = minari.DataCollector(env, record_infos=True, data_format=file_format)
@@ -119,14 +119,14 @@ def _write(entry: Entry, settings: Settings, file_format: str, made: str, progre
                 eval_env=gym.make(entry.env_id, **entry.env_kwargs),
                 algorithm_name=entry.label,
                 author="jawenv",
-                description=f"{about}. Seeds {seeds[0]} to {seeds[-1]}. {made}",
+                description=f"{description}. Seeds {seeds[0]} to {seeds[-1]}. {made}",
             )
     finally:
         collector.close()
 
 
 def _play(entry: Entry, env: Any, seed: int) -> None:
-    """One episode: that of ``reset(seed=seed)``."""
+    """One episode, from ``reset(seed=seed)``."""
     observation, _ = env.reset(seed=seed)
     entry.agent.reset(1, seed)
     state, start, ended = None, np.ones(1, dtype=np.bool_), False

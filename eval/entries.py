@@ -1,4 +1,4 @@
-"""What is compared: every maneuver or trained run with the settings under which it is played."""
+"""Entries of a study: maneuvers, runs and agents with their world."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from jawenv.anatomy import Patient
 
 _OWN_OF_A_RUN = ("control", "sensors", "control_hz")
-"""What a trained run keeps of its own."""
+"""Settings that a trained run keeps from its training."""
 _NAMED_IN_NOTES = ("cohort", "episode_s", "force_sensor")
-"""Arguments of which a note gives the training's value; of the others it says that they were others."""
+"""Arguments with the training's value in a note; for others the note only says that they differ."""
 _LEARNING = ("reward", "comfort_weight", "track_bound", "record", "model", "estimator")
 """Arguments that say nothing about a world as an agent meets it."""
 _ALIKE = {DEFAULT_ENV, KNOWN_WITHIN_SDS}
-"""Environments whose actions and observations mean the same."""
+"""Environments with the same meaning of actions and observations."""
 
 
 @dataclass(frozen=True)
@@ -37,15 +37,15 @@ class Entry:
 
     Attributes:
         label: unique within the study.
-        spec: what the user typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of
+        spec: as typed: a maneuver's name, a file, the folder of a run or an exported policy, or an agent of
             one's own.
-        world: what it is played in.
+        world: environment and arguments.
         note: in which settings it differs from those asked for; empty if in none.
         trained: whether it comes from a training run.
         planned: whether it is a planner.
         clairvoyant: whether it plans with the patient's true parameters, and so is a yardstick.
-        replay_of: label of the entry whose averaged targets it replays; empty if of none.
-        description: what it does, in a sentence; empty if unknown.
+        replay_of: label of the entry with the replayed targets; empty if none.
+        description: a sentence on its method; empty if unknown.
         agent: plays it.
     """
 
@@ -100,7 +100,7 @@ class Entry:
 
     def about(self) -> dict[str, Any]:
         """All but the agent, for the results' metadata."""
-        own = {each.name: getattr(self, each.name) for each in fields(self) if each.name not in ("agent", "world")}
+        own = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in ("agent", "world")}
         return own | {"env_id": self.env_id, "env_kwargs": self.env_kwargs}
 
 
@@ -120,7 +120,7 @@ def env_of_runs(specs: Iterable[str]) -> str:
 
 
 def fits(trained_in: str, env_id: str) -> bool:
-    """Whether what was trained in the environment of one id can be played in that of another."""
+    """Whether a policy trained in the environment of one id can be played in another id's."""
     return trained_in == env_id or {trained_in, env_id} <= _ALIKE
 
 
@@ -135,8 +135,8 @@ def load_entries(
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
-        world: what is to be played; the default environment by default.
-        trust: whether checkpoints that lie in no run's folder may be unpickled, which can run code.
+        world: environment and arguments; the default environment by default.
+        trust: whether stable-baselines3 checkpoints may be unpickled, which can run code.
         load: makes the agents, as `agents.registry.load_agent`.
 
     Raises:
@@ -173,15 +173,15 @@ def load_entry(
 
 
 def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[Configuration, list[str]]:
-    """In what a trained run is played, and in what that differs from what was asked for and from its training."""
+    """World of a trained run, and notes on its differences from the world asked for and from the training."""
     if not fits(trained.env_id, asked.env_id):
         raise InputError(
             f"{spec} was trained in {trained.env_id}, but this comparison is in {asked.env_id}: "
             "entries of one comparison have one environment"
         )
-    # What an id stands for is said by the id.
-    said = {*trained.arguments, *asked.arguments}
-    other = [name for name in asked.differences(trained) if name not in _LEARNING and name in said | {"control_hz"}]
+    # Arguments implied by an id need no note: the id names them.
+    named = {*trained.arguments, *asked.arguments}
+    other = [name for name in asked.differences(trained) if name not in _LEARNING and name in named | {"control_hz"}]
     own = {name: getattr(trained, name) for name in _OWN_OF_A_RUN if name in other}
     notes = [f"played with {name} {value}" for name, value in own.items()]
     notes += [f"trained with {name} {_shown(trained, name)}" for name in _NAMED_IN_NOTES if name in other]

@@ -34,7 +34,7 @@ _OVER = object()
 
 @dataclass(frozen=True)
 class Film:
-    """What is shown.
+    """One player of a film.
 
     Attributes:
         entry: who plays, and in which environment.
@@ -70,7 +70,7 @@ class Episode:
     """One episode, step by step.
 
     Args:
-        film: what is shown.
+        film: one player of the film.
         mode: render mode of the environment.
         console: where progress is shown.
 
@@ -78,7 +78,7 @@ class Episode:
         name: who plays, in words.
         title: above every picture.
         rate: pictures per second.
-        outcome: what the episode came to, in a sentence; empty before its end.
+        outcome: result of the episode in a sentence; empty before its end.
     """
 
     def __init__(self, film: Film, mode: str, console: Console) -> None:
@@ -129,7 +129,7 @@ def show(film: Film, console: Console) -> str:
     """Play the episode in a window, in real time.
 
     Returns:
-        What the episode came to, in a sentence.
+        Result of the episode in a sentence.
 
     Raises:
         InputError: there is no display, or the environment or the patient is refused.
@@ -144,24 +144,25 @@ def write(films: Sequence[Film], path: Path, console: Console) -> str:
     """Write an episode as a film, or two beside each other, in real time.
 
     Args:
-        films: what is shown; of two, the same but for who plays.
+        films: one, or two that differ in the agent alone.
         path: .mp4 or .webp.
         console: where progress is shown.
 
     Returns:
-        What each episode came to, in a sentence.
+        Results of the episodes, a sentence each.
 
     Raises:
         InputError: another ending, a folder that cannot be written to, a file in use, two that do not take equally long
-            steps, or what the environment refuses.
+            steps, or an error of the environment.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"video is {path}; allowed: a file that ends in {' or '.join(FORMATS)}")
     if not path.parent.is_dir():
         raise InputError(f"video is {path}; allowed: a file in a folder that exists")
     episodes = [Episode(film, "rgb_array", console) for film in films]
-    if len({episode.rate for episode in episodes}) > 1:
-        raise InputError("two beside each other must have the same control steps per second")
+    rates = [f"{episode.rate:g}" for episode in episodes]
+    if len(set(rates)) > 1:
+        raise InputError(f"control_hz is {' and '.join(rates)}; allowed: one rate for both")
     pictures = _pictures(episodes[0]) if len(episodes) == 1 else _pairs(*episodes)
     scaled = (_scaled(picture, films[0].width) for picture in pictures)
     try:
@@ -229,7 +230,7 @@ def _scaled(picture: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
 
 
 def _title(film: Film) -> str:
-    """What a picture says of the film: maneuver, model, patient and control mode."""
+    """Caption of a picture: maneuver, model, patient and control mode."""
     name, model, kwargs = words.label(film.entry.label), model_of_env(film.entry.env_id).title, film.entry.env_kwargs
     patient = f"{kwargs['cohort']} patient" if film.patient is None else f"patient {film.patient.stem}"
     return f"{name}: {model}, {patient}, seed {film.seed}, {kwargs['control']} control"

@@ -42,9 +42,9 @@ def cells_of(specs: Sequence[str], settings: Settings, contrasts: int, *, trust:
 
     Args:
         specs: maneuvers, files, runs, exported policies or agents of one's own.
-        settings: patients and environment, whose filter knows all but the patient.
+        settings: patients and environment; the filter must know all but the patient.
         contrasts: of each record; 0 leaves the contrastive bounds out.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Raises:
         InputError: no or an unknown entry, or a number below 0.

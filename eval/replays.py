@@ -90,7 +90,7 @@ def add_replays(
             _entry_of(path, entry, "replay"),
             _entry_of(path.with_suffix(".npz"), entry, "yoked replay"),
         )
-    return [each for entry in entries for each in (entry, *replays.get(entry.label, ()))]
+    return [played for entry in entries for played in (entry, *replays.get(entry.label, ()))]
 
 
 def _entry_of(path: Path, entry: Entry, kind: str) -> Entry:

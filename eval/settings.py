@@ -43,7 +43,7 @@ class Settings:
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> Self:
-        """What ``to_mapping`` wrote."""
+        """Settings from a mapping of ``to_mapping``."""
         return cls.of(**mapping)
 
     def to_mapping(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What the patients of a study say about all patients: bootstrap intervals and paired differences.
+"""From the patients of a study to all patients: bootstrap intervals and paired differences.
 
 Every interval is over patients (scipy.stats.bootstrap): bias-corrected and accelerated for means, percentile
 for quantiles, whose acceleration a jackknife cannot estimate (Efron & Tibshirani 1993, chapters 11 and 14).
@@ -126,7 +126,7 @@ def means_together(values: Array) -> list[Interval]:
         rng=np.random.default_rng(0),
     ).bootstrap_distribution
     half = np.quantile(drawn, CONFIDENCE) * error
-    return [Interval(*map(float, each)) for each in zip(means, means - half, means + half, strict=True)]
+    return [Interval(*map(float, ends)) for ends in zip(means, means - half, means + half, strict=True)]
 
 
 def quantile(values: Array, share: float) -> Interval:
@@ -185,7 +185,7 @@ def share(hits: Sequence[bool] | npt.NDArray[np.bool_]) -> Interval:
 
 
 def share_of_muscles(hits: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> Interval:
-    """Share of hits among muscles of several patients, those of one patient being dependent.
+    """Share of hits among muscles of several patients, with dependent muscles of one patient.
 
     The interval is a bootstrap over the patients. Where all or none are hits a bootstrap has no width: then it is that
     of Wilson for as many trials as patients.

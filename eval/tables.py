@@ -24,7 +24,7 @@ class Table:
         head: a heading for each column.
         rows: a text for each column.
         texts: places of the columns that hold no figures.
-        note: what a reader must know, below the table; empty for nothing.
+        note: remark below the table; empty for none.
         title: above it in the terminal.
     """
 
@@ -36,7 +36,7 @@ class Table:
 
     def markdown(self) -> str:
         """The table, and below it the note."""
-        rule = ["---" if place in self.texts else "--:" for place in range(len(self.head))]
+        rule = ["---" if column in self.texts else "--:" for column in range(len(self.head))]
         lines = ["| " + " | ".join(cells) + " |" for cells in (self.head, *self.rows)]
         lines.insert(1, "|" + "|".join(rule) + "|")
         return "\n".join([*lines, *(["", self.note] if self.note else [])])
@@ -44,8 +44,8 @@ class Table:
     def show(self, console: Console, *, intervals: bool = True) -> None:
         """Print it, each interval below its figure."""
         printed = printed_table(self.title)
-        for place, name in enumerate(self.head):
-            texts, broken = place in self.texts, re.sub(r", | (?=[/−] )", "\n", name)
+        for column, name in enumerate(self.head):
+            texts, broken = column in self.texts, re.sub(r", | (?=[/−] )", "\n", name)
             printed.add_column(broken, justify="left" if texts else "right", no_wrap=not texts)
         for row in self.rows:
             printed.add_row(*(_two_lines(text, intervals) for text in row))
@@ -81,17 +81,17 @@ def typed() -> str:
     return shlex.join(["python", "-m", "eval", *sys.argv[1:]])
 
 
-def made_by(about: Mapping[str, Any], what: str) -> str:
-    """A sentence of what made some tables.
+def made_by(metadata: Mapping[str, Any], what: str) -> str:
+    """A sentence on the making of some tables.
 
     Args:
-        about: of `eval.kept.tables.made_with`.
-        what: was played.
+        metadata: of `eval.kept.tables.made_with`.
+        what: description of the played episodes.
     """
-    versions, git, machine = about["versions"], about["git"], about["machine"]
+    versions, git, machine = metadata["versions"], metadata["git"], metadata["machine"]
     state = "" if git is None else f", commit {git['commit'][:12]}" + (" with changes" if git["changed"] else "")
     return (
-        f"Made by `{about['command']}`, {about['finished']}: {what}. jawenv {versions['jawenv']}{state}; "
+        f"Made by `{metadata['command']}`, {metadata['finished']}: {what}. jawenv {versions['jawenv']}{state}; "
         f"{machine['cores']} cores of {machine['processor']}."
     )
 

@@ -1,4 +1,4 @@
-"""What each mechanism of the filter, and each gentle number of the device, is worth.
+"""Worth of each mechanism of the filter, and of each gentle number of the device.
 
 Each row leaves one of them out, and is run by a process of its own that compiles the filter so. A cell is the mean
 NEES over the number of parameters, with its 95 % interval over patients, and the largest of a patient. Prints a table
@@ -27,16 +27,16 @@ FILTER = "jawenv.filter."
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
 
 
-class Row(NamedTuple):
-    """What is left out: constants or kernels of modules that are set otherwise, and fields of the device."""
+class Variant(NamedTuple):
+    """A filter or device without one mechanism: other constants or kernels of modules, other fields of the device."""
 
     what: str
     constants: dict[str, Any] = {}
     device: dict[str, float] = {}
 
 
-class Cell(NamedTuple):
-    """What is played."""
+class Scenario(NamedTuple):
+    """An agent on a cohort."""
 
     agent: str
     control: Control
@@ -80,73 +80,73 @@ class Corners(Biting):
 
 HELD = {agent.name: agent for agent in (Biting, Corners)}
 ROWS = (
-    Row("the filter as it is"),
-    Row("no gate", {"measurement_update.GATE": math.inf}),
-    Row("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
-    Row("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
-    Row("surprises do not renew the belief", {"tick.SURPRISING": 99}),
-    Row("every window filtered again", {"tick.MOVED": 0.0}),
-    Row("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
-    Row("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
-    Row("series of the second order", {"motion.motion_step.ORDER": 2}),
-    Row("no instrument", {"time_update.jacobian_of_tick": along_own_motion}),
-    Row("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
-    Row("motors of 50 N/s", device={"slew_N_s": 50.0}),
-    Row("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
-    Row("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
+    Variant("the filter as it is"),
+    Variant("no gate", {"measurement_update.GATE": math.inf}),
+    Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
+    Variant("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
+    Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),
+    Variant("every window filtered again", {"tick.MOVED": 0.0}),
+    Variant("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
+    Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
+    Variant("series of the second order", {"motion.motion_step.ORDER": 2}),
+    Variant("no instrument", {"time_update.jacobian_of_tick": along_own_motion}),
+    Variant("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
+    Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
+    Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
+    Variant("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),
 )
 BODY_ROWS = (
-    Row("the filter as it is"),
-    Row("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
-    Row("no impulse on the discs", {"time_update.MISSED_CHANGE": 0.0, "time_update.MISSED_NOISE": 0.0}),
-    Row("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
-    Row("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
+    Variant("the filter as it is"),
+    Variant("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
+    Variant("no impulse on the discs", {"time_update.MISSED_CHANGE": 0.0, "time_update.MISSED_NOISE": 0.0}),
+    Variant("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
+    Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
 )
 CELLS = (
-    Cell("hold_still", "force"),
-    Cell("opening_with_swings_and_fore_aft", "force"),
-    Cell("random", "force"),
-    Cell("hold_still", "trajectory"),
-    Cell("opening_with_swings_and_fore_aft", "trajectory"),
-    Cell("ou_slow", "trajectory"),
-    Cell("ou_strong", "force", "wide"),
-    Cell("slow_opening", "force", "wide"),
-    Cell("random", "targets", "one_sided"),
-    Cell("biting", "force"),
-    Cell("biting", "trajectory"),
+    Scenario("hold_still", "force"),
+    Scenario("opening_with_swings_and_fore_aft", "force"),
+    Scenario("random", "force"),
+    Scenario("hold_still", "trajectory"),
+    Scenario("opening_with_swings_and_fore_aft", "trajectory"),
+    Scenario("ou_slow", "trajectory"),
+    Scenario("ou_strong", "force", "wide"),
+    Scenario("slow_opening", "force", "wide"),
+    Scenario("random", "targets", "one_sided"),
+    Scenario("biting", "force"),
+    Scenario("biting", "trajectory"),
 )
 BODY = "jawenv/JawBilateral-v2"
 BODY_CELLS = (
-    Cell("corners", "force", env_id=BODY),
-    Cell("corners", "trajectory", "wide", BODY),
-    Cell("hold_still", "targets", env_id=BODY),
-    Cell("slow_opening", "targets", env_id=BODY),
-    Cell("refined", "targets", env_id=BODY),
+    Scenario("corners", "force", env_id=BODY),
+    Scenario("corners", "trajectory", "wide", BODY),
+    Scenario("hold_still", "targets", env_id=BODY),
+    Scenario("slow_opening", "targets", env_id=BODY),
+    Scenario("refined", "targets", env_id=BODY),
 )
 TABLES = {1: (ROWS, CELLS), 2: (BODY_ROWS, BODY_CELLS)}
 
 
-def measure(row: Row, cells: tuple[Cell, ...], patients: int, seed: int) -> list[list[float]]:
+def measure(row: Variant, cells: tuple[Scenario, ...], patients: int, seed: int) -> list[list[float]]:
     """NEES over the number of parameters of every patient after 30 s, for each cell."""
-    for place, value in row.constants.items():
-        module, _, name = place.rpartition(".")
+    for constant, value in row.constants.items():
+        module, _, name = constant.rpartition(".")
         target = importlib.import_module(FILTER + module)
         if not hasattr(target, name):
-            raise SystemExit(f"error: {place} is no constant of the filter")
+            raise SystemExit(f"error: {constant} is no constant of the filter")
         setattr(target, name, value)
     import jawenv
     from agents import load_agent
 
-    found = []
+    by_cell = []
     for cell in cells:
         kwargs: dict[str, Any] = {"control": cell.control, "cohort": cell.cohort, "device": row.device}
         agent = HELD[cell.agent]() if cell.agent in HELD else load_agent(cell.agent, control=cell.control)
         played = jawenv.play(agent, patients=patients, seed=seed, env_id=cell.env_id, env_kwargs=kwargs)
         error = played.at_end(played.belief_mean) - played.truth
         nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(played.at_end(played.belief_cov)), error)
-        found.append((nees / error.shape[1]).tolist())
+        by_cell.append((nees / error.shape[1]).tolist())
         print(f"  {cell.agent}, {cell.control}, {cell.cohort}: done", file=sys.stderr, flush=True)
-    return found
+    return by_cell
 
 
 def shown(values: list[float]) -> str:
@@ -161,12 +161,12 @@ def main() -> None:
     parser.add_argument("--only", type=int, nargs="+", help="numbers of the rows to make, from 0")
     parser.add_argument("--condyles", type=int, choices=TABLES, default=1)
     parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    table, cells = TABLES[given.condyles]
-    if given.row is not None:
-        print(json.dumps(measure(table[given.row], cells, given.patients, given.seed)))
+    arguments = parser.parse_args()
+    table, cells = TABLES[arguments.condyles]
+    if arguments.row is not None:
+        print(json.dumps(measure(table[arguments.row], cells, arguments.patients, arguments.seed)))
         return
-    rows = list(enumerate(table)) if given.only is None else [(number, table[number]) for number in given.only]
+    rows = list(enumerate(table)) if arguments.only is None else [(number, table[number]) for number in arguments.only]
     print("| left out |" + "".join(f" `{c.agent}`, {c.control}, {c.cohort} |" for c in cells))
     print("|---|" + len(cells) * "--:|", flush=True)
     for number, row in rows:

@@ -25,22 +25,22 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=3000)
     parser.add_argument("--seed", type=int, default=7)
-    given = parser.parse_args()
-    each = -(-given.files // len(FORMATS))
+    arguments = parser.parse_args()
+    files = -(-arguments.files // len(FORMATS))
     faults: list[str] = []
     refused: Counter[str] = Counter()
     start = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         for format_ in FORMATS:  # what reading a whole file loads is not counted
             (Path(folder) / format_.name).mkdir()
-            faults_of(format_, Path(folder) / format_.name, 0, given.seed)
+            faults_of(format_, Path(folder) / format_.name, 0, arguments.seed)
         _limit_memory()
         for format_ in FORMATS:
-            some, refused[format_.name] = faults_of(format_, Path(folder) / format_.name, each, given.seed)
+            some, refused[format_.name] = faults_of(format_, Path(folder) / format_.name, files, arguments.seed)
             faults += some
-            print(f"{format_.name:30s} {each} files, {refused[format_.name]} refused, {len(some)} faults", flush=True)
+            print(f"{format_.name:30s} {files} files, {refused[format_.name]} refused, {len(some)} faults", flush=True)
     print("\n".join(faults[:100]))
-    print(f"{each * len(FORMATS)} damaged files, {len(faults)} faults, {time.monotonic() - start:.0f} s")
+    print(f"{files * len(FORMATS)} damaged files, {len(faults)} faults, {time.monotonic() - start:.0f} s")
     return 1 if faults else 0
 
 

@@ -80,8 +80,8 @@ class Held:
         return 1.0 - 2.0 * (corners[:, None] >> np.arange(4) & 1), None
 
 
-class Beliefs(NamedTuple):
-    """Of N patients at one time; those whose episode had ended are left out."""
+class BeliefSample(NamedTuple):
+    """Beliefs about N patients at one time, without ended episodes."""
 
     nees: np.ndarray  # over the number of parameters
     z: np.ndarray  # (N, P)
@@ -104,13 +104,13 @@ class Beliefs(NamedTuple):
         return f"{100.0 * self.rings.mean():.1f}"
 
 
-def beliefs(agent, times, given, **kwargs):
-    """What is believed at each of the times (s)."""
-    kwargs = {"track_bound": False, "episode_s": times[-1], "knowledge": given.knowledge} | kwargs
+def beliefs(agent, times, arguments, **kwargs):
+    """A sample of beliefs at each of the times (s)."""
+    kwargs = {"track_bound": False, "episode_s": times[-1], "knowledge": arguments.knowledge} | kwargs
     lots = []
-    for first in range(0, given.patients, LOT):
-        number = min(LOT, given.patients - first)
-        lots.append(jawenv.play(agent, patients=number, seed=given.seed + first, env_kwargs=kwargs))
+    for first in range(0, arguments.patients, LOT):
+        number = min(LOT, arguments.patients - first)
+        lots.append(jawenv.play(agent, patients=number, seed=arguments.seed + first, env_kwargs=kwargs))
     return [_together([_at(played, time) for played in lots]) for time in times]
 
 
@@ -121,11 +121,11 @@ def _at(played, time):
     sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2))
     nees = np.einsum("np,npq,nq->n", error, np.linalg.inv(cov), error) / error.shape[1]
     claimed, true = played.information_claimed[:, step], played.information_true[:, step]
-    return [each[reached] for each in (nees, error / sd, sd, claimed, true, played.misfit[:, step] > 1.0)]
+    return [values[reached] for values in (nees, error / sd, sd, claimed, true, played.misfit[:, step] > 1.0)]
 
 
 def _together(lots):
-    return Beliefs(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
+    return BeliefSample(*(np.concatenate(parts) for parts in zip(*lots, strict=True)))
 
 
 def row(*cells):
@@ -137,40 +137,40 @@ def head(*cells):
     print("|---|" + (len(cells) - 1) * "--:|", flush=True)
 
 
-def still(given):
+def still(arguments):
     head("s", "NEES/12", "inside 2 sd, %", "beyond 10", "claimed − true, nats", "rings, %")
     times, agent = (30.0, 60.0, 120.0), Held("targets", [-0.2, 0.0, 0.0, 0.0])
-    for time, found in zip(times, beliefs(agent, times, given, control="targets"), strict=True):
-        gap = words.with_interval(statistics.mean(found.claimed - found.true), 1)
-        row(f"{time:g}", found.figures(), gap, found.ringing())
+    for time, sample in zip(times, beliefs(agent, times, arguments, control="targets"), strict=True):
+        gap = words.with_interval(statistics.mean(sample.claimed - sample.true), 1)
+        row(f"{time:g}", sample.figures(), gap, sample.ringing())
 
 
-def corners(given):
+def corners(arguments):
     head("control", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest", "rings, %")
     for control in CONTROLS:
-        (found,) = beliefs(Held(control), (30.0,), given, control=control)
-        row(control, found.figures(), f"{found.nees.max():.1f}", found.ringing())
+        (sample,) = beliefs(Held(control), (30.0,), arguments, control=control)
+        row(control, sample.figures(), f"{sample.nees.max():.1f}", sample.ringing())
 
 
-def memory(given):
+def memory(arguments):
     head("agent", "true time, s", "told, s", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
     for name, time, factor in product((RICH, SWINGS, PLAIN), (0.05, 0.1, 0.5, 1.0, 2.0), (1.0, 1.0 / 3.0, 3.0)):
         kwargs = {"device": {"unmodelled_time_s": time * factor}, "reality": {"unmodelled_time_s": time}}
-        (found,) = beliefs(load_agent(name), (30.0,), given, **kwargs)
-        row(name, f"{time:g}", f"{time * factor:.2g}", found.figures(), found.ringing())
+        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs)
+        row(name, f"{time:g}", f"{time * factor:.2g}", sample.figures(), sample.ringing())
 
 
-def creep(given):
+def creep(arguments):
     head("agent", "creep", "s", "NEES/12", "inside 2 sd, %", "beyond 10", "rings, %")
     for name, share in product((RICH, SWINGS, PLAIN), (0.2, 0.35, 0.55)):
-        both = beliefs(load_agent(name), (10.0, 30.0), given, reality={"creep_share": share})
-        for time, found in zip((10, 30), both, strict=True):
-            row(name, share, time, found.figures(), found.ringing())
+        both = beliefs(load_agent(name), (10.0, 30.0), arguments, reality={"creep_share": share})
+        for time, sample in zip((10, 30), both, strict=True):
+            row(name, share, time, sample.figures(), sample.ringing())
 
 
-def groups(given):
-    """At the sds of ``--knowledge``; what is left out is known a thousand times as well: two filters do for all."""
-    level = _sds(given.knowledge)
+def groups(arguments):
+    """At the sds of ``--knowledge``; left-out groups are known a thousand times as well: two filters do for all."""
+    level = _sds(arguments.knowledge)
     chosen = {group: {name for name in level if name.startswith(group)} for group in GROUPS} | {"all": set(level)}
     head(
         "agent",
@@ -184,60 +184,62 @@ def groups(given):
         "× exact",
     )
     for name in (RICH, SWINGS):
-        exact = beliefs(load_agent(name), (10.0, 30.0), given, knowledge="exact")
+        exact = beliefs(load_agent(name), (10.0, 30.0), arguments, knowledge="exact")
         for group, unknown in chosen.items():
-            known = {field: sd * (1.0 if field in unknown else 1e-3) for field, sd in level.items()}
-            for time, reference, found in zip(
-                (10, 30), exact, beliefs(load_agent(name), (10.0, 30.0), given, knowledge=known), strict=True
+            sds = {field: sd * (1.0 if field in unknown else 1e-3) for field, sd in level.items()}
+            for time, reference, sample in zip(
+                (10, 30), exact, beliefs(load_agent(name), (10.0, 30.0), arguments, knowledge=sds), strict=True
             ):
-                cost = np.exp(np.log(found.sd).mean() - np.log(reference.sd).mean())
-                row(name, group.replace("_", " "), time, found.figures(), found.ringing(), found.sds(), f"{cost:.2f}")
+                cost = np.exp(np.log(sample.sd).mean() - np.log(reference.sd).mean())
+                row(
+                    name, group.replace("_", " "), time, sample.figures(), sample.ringing(), sample.sds(), f"{cost:.2f}"
+                )
 
 
-def bias(given):
+def bias(arguments):
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "largest mean z", "of")
     names = COHORTS[next(iter(COHORTS))].muscles.parameter_names
     for cohort, control, name in product(COHORTS, CONTROLS, (RICH, SWINGS, PLAIN, "random")):
-        (found,) = beliefs(load_agent(name, control=control), (30.0,), given, cohort=cohort, control=control)
-        means = statistics.means_together(found.z)
-        worst = int(np.argmax([abs(each.value) for each in means]))
-        row(cohort, control, name, found.figures(), words.with_interval(means[worst], 2), names[worst])
+        (sample,) = beliefs(load_agent(name, control=control), (30.0,), arguments, cohort=cohort, control=control)
+        means = statistics.means_together(sample.z)
+        worst = int(np.argmax([abs(mean.value) for mean in means]))
+        row(cohort, control, name, sample.figures(), words.with_interval(means[worst], 2), names[worst])
 
 
-def alarm(given):
+def alarm(arguments):
     head("cohort", "control", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "rings, %")
     total = []
     for cohort, control in product(COHORTS, CONTROLS):
         for name in (RICH, SWINGS, "hold_still", *POLICY_LIKE):
             agent = load_agent(name, control=control)
-            (found,) = beliefs(agent, (30.0,), given, cohort=cohort, control=control)
-            row(cohort, control, name, found.figures(), found.ringing())
-            total.append(found.rings)
+            (sample,) = beliefs(agent, (30.0,), arguments, cohort=cohort, control=control)
+            row(cohort, control, name, sample.figures(), sample.ringing())
+            total.append(sample.rings)
     rings = np.concatenate(total)
     print(f"\n{rings.sum()} of {len(rings)} honest episodes ring: {100.0 * rings.mean():.2f} %\n", flush=True)
     head("not told", "agent", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "NEES/12 > 4", "of these ring, %")
-    given.patients *= 2
+    arguments.patients *= 2
     for reality, name in product(UNTOLD, (RICH, SWINGS, PLAIN)):
-        (found,) = beliefs(load_agent(name), (30.0,), given, reality=reality)
-        said = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
-        wrong = found.nees > 4.0
-        share = f"{100.0 * found.rings[wrong].mean():.0f}" if wrong.any() else "–"
-        row(said, name, found.figures(), f"{wrong.sum()} of {len(wrong)}", share)
+        (sample,) = beliefs(load_agent(name), (30.0,), arguments, reality=reality)
+        effects = ", ".join(f"`{field}={value:g}`" for field, value in reality.items())
+        wrong = sample.nees > 4.0
+        share = f"{100.0 * sample.rings[wrong].mean():.0f}" if wrong.any() else "–"
+        row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
 
 
-def change(given):
+def change(arguments):
     """Between two treatments, drift 0.1."""
     head("agent", "treatments of", "pairs", "inside 95 %, %", "sd, worst / median", "width of 95 %, median", "NEES/12")
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
-        settings = Settings.of(1, given.seed, episode_s=seconds, knowledge=_sds(given.knowledge))
+        settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
         (entry,) = load_entries([name], settings.world)
         prior, z, sd = population_of(entry).prior, [], []
-        for seed in range(given.seed, given.seed + given.patients):
+        for seed in range(arguments.seed, arguments.seed + arguments.patients):
             first = first_treatment(entry, seed)
             course = [first, next_treatment(entry, first, 2, 0.1, seed)]
-            found = change_of(course, prior)
-            z.append((found.mean - (course[1].truth - course[0].truth)) / found.sd)
-            sd.append(found.sd)
+            estimate = change_of(course, prior)
+            z.append((estimate.mean - (course[1].truth - course[0].truth)) / estimate.sd)
+            sd.append(estimate.sd)
         covered = statistics.mean(np.mean(np.abs(z) < 1.96, axis=1))
         width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
         spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
@@ -249,7 +251,7 @@ def _sds(name):
     return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
 
 
-TABLES = {each.__name__: each for each in (still, corners, memory, creep, groups, bias, alarm, change)}
+TABLES = {table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change)}
 
 
 def main() -> None:
@@ -258,8 +260,8 @@ def main() -> None:
     parser.add_argument("--knowledge", default="exact")
     parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
-    given = parser.parse_args()
-    TABLES[given.table](given)
+    arguments = parser.parse_args()
+    TABLES[arguments.table](arguments)
 
 
 if __name__ == "__main__":

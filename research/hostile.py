@@ -1,4 +1,4 @@
-"""Hostile actions in every model, cohort and control: whose filter is lost, and who of them is told.
+"""Hostile actions in every model, cohort and control: lost filters, and how many of them the alarm names.
 
 Each world has its own way to act, held to the end of its episode: the 16 corners of the motors' range, constant random
 commands, random recurrent networks that see the observation, and the excitations of ``agents``. An episode that
@@ -106,29 +106,30 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=2_000_000)
     parser.add_argument("--seed", type=int, default=24_000)
     parser.add_argument("--output", type=Path, default=Path("runs/hostile.json"))
-    given = parser.parse_args()
-    given.output.parent.mkdir(parents=True, exist_ok=True)
-    kept = json.loads(given.output.read_text()) if given.output.exists() else {}
+    arguments = parser.parse_args()
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    totals = json.loads(arguments.output.read_text()) if arguments.output.exists() else {}
     cells, start = list(product(IDS, CONTROLS, sorted(jawenv.COHORTS))), time.monotonic()
     for number, (env_id, control, cohort) in enumerate(cells):
-        share, key, seed = SLOW.get(env_id, 1.0), f"{env_id} {control} {cohort} {given.steps} {given.seed}", given.seed
-        if key in kept:
+        share, seed = SLOW.get(env_id, 1.0), arguments.seed
+        key = f"{env_id} {control} {cohort} {arguments.steps} {seed}"
+        if key in totals:
             continue
-        total, wanted = np.zeros(6), share * given.steps / len(cells)
-        while total[0] < wanted:
+        total, due = np.zeros(6), share * arguments.steps / len(cells)
+        while total[0] < due:
             played = np.array(episode(env_id, cohort, control, seed))
             total[:5] += played[:5]
             total[5] = max(total[5], played[5])
             seed += 1000
-        kept[key] = total.tolist()
-        given.output.write_text(json.dumps(kept))
+        totals[key] = total.tolist()
+        arguments.output.write_text(json.dumps(totals))
         print(f"{number + 1} of {len(cells)} · {time.monotonic() - start:.0f} s · {key}", flush=True)
     head = ("environment", "control", "steps", "episodes", "ended by a limit", "lost", "silent", "largest NEES/p")
     print(f"| {' | '.join(head)} |")
     print("|---|---|--:|--:|--:|--:|--:|--:|")
     for env_id, control in product(IDS, CONTROLS):
-        keys = [f"{env_id} {control} {cohort} {given.steps} {given.seed}" for cohort in sorted(jawenv.COHORTS)]
-        rows = np.array([kept[key] for key in keys])
+        keys = [f"{env_id} {control} {cohort} {arguments.steps} {arguments.seed}" for cohort in sorted(jawenv.COHORTS)]
+        rows = np.array([totals[key] for key in keys])
         steps, worlds, crossed, lost, silent = rows[:, :5].sum(axis=0)
         counts = f"{steps:,.0f} | {worlds:.0f} | {crossed / worlds:.0%} | {lost:.0f} | {silent:.0f}"
         print(f"| `{env_id}` | {control} | {counts} | {rows[:, 5].max():.1f} |")

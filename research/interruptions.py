@@ -69,10 +69,10 @@ def main() -> int:
     parser.add_argument("--times", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("commands", nargs="*", default=list(COMMANDS))
-    given = parser.parse_args()
-    rng, faults = np.random.default_rng(given.seed), 0
+    arguments = parser.parse_args()
+    rng, faults = np.random.default_rng(arguments.seed), 0
     with tempfile.TemporaryDirectory() as folder:
-        for name in given.commands:
+        for name in arguments.commands:
             whole = prepared(Path(folder) / f"{name}-whole")
             if name == "export":
                 finished(COMMANDS["distill"], whole)
@@ -81,7 +81,7 @@ def main() -> int:
             length = time.monotonic() - start
             for signal_ in (signal.SIGKILL, signal.SIGINT):
                 faults += broken(
-                    name, whole, Path(folder) / f"{name}-{signal_.name}", signal_, length, given.times, rng
+                    name, whole, Path(folder) / f"{name}-{signal_.name}", signal_, length, arguments.times, rng
                 )
     return 1 if faults else 0
 
@@ -95,7 +95,7 @@ def prepared(folder: Path) -> Path:
 
 
 def broken(name, whole, folder, signal_, length, times, rng) -> bool:
-    """Stop a command several times in a row; whether what it leaves in the end is not what a whole run leaves."""
+    """Stop a command several times in a row; whether its files differ in the end from a whole run's."""
     prepared(folder)
     if name == "export":
         shutil.copytree(whole / "run", folder / "run")
@@ -109,8 +109,8 @@ def broken(name, whole, folder, signal_, length, times, rng) -> bool:
         if name == "export" and (folder / "shared" / "card.json").exists():  # nothing is left to do
             shutil.rmtree(folder / "shared")
     finished(COMMANDS[name], folder)
-    wanted, found = contents(whole), contents(folder)
-    other = sorted(path for path in wanted.keys() | found.keys() if wanted.get(path) != found.get(path))
+    expected, actual = contents(whole), contents(folder)
+    other = sorted(path for path in expected.keys() | actual.keys() if expected.get(path) != actual.get(path))
     left = unfinished(folder)
     print(
         f"{name:9s} {signal_.name}: exit codes {codes}, other: {other or 'nothing'}, left: {left or 'nothing'}",
@@ -120,13 +120,13 @@ def broken(name, whole, folder, signal_, length, times, rng) -> bool:
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """What each file says, by its place."""
+    """Path of each file -> its content."""
     files = [path for path in folder.rglob("*") if path.is_file() and "tensorboard" not in path.parts]
     return {str(path.relative_to(folder)): content(path) for path in files if path.name not in TIMES}
 
 
 def content(path: Path) -> object:
-    """What a file says, but for the time it was made."""
+    """Content of a file without the time of its making."""
     if path.suffix == ".zip":
         with zipfile.ZipFile(path) as archive:
             return [archive.read(name) for name in ("policy.pth", "pytorch_variables.pth")]

@@ -1,4 +1,4 @@
-"""What each cleverness of the kernels buys: processor time of a first start, and of a step, with and without it.
+"""Gain by each optimisation of the kernels: processor time of a first start, and of a step, with and without it.
 
     python -m research.kernels --repeats 3
 
@@ -39,7 +39,7 @@ VARIANTS = {
     ),
     "cycles collected while compiling": "import gc; gc.disable = lambda: None",
 }
-"""By name: what is done before jawenv's kernels are declared."""
+"""Name -> action before jawenv's kernels are declared."""
 
 
 def measure(
@@ -59,13 +59,18 @@ def measure(
 
 
 def _run(before: str, rounds: int, cache: str) -> tuple[float, float]:
-    """Processor time up to the end of the first step, s, and that of a step of one world, µs."""
+    """Processor time up to the end of the first step, s, and of a step of one world, µs."""
     environment = os.environ | {"JAWENV_CACHE_DIR": cache, "NUMBA_NUM_THREADS": "1"}
     command = [sys.executable, "-c", before + STEP, str(rounds)]
-    told = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
-    start, step = map(float, told.split())
+    output = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+    start, step = map(float, output.split())
     return start, step
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """The command."""
     typer.run(measure)
+
+
+if __name__ == "__main__":
+    main()

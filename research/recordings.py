@@ -35,7 +35,7 @@ Spoil = Callable[[Array, Array], tuple[Array, Array]]
 
 
 def spoilings(start: Array) -> dict[str, Spoil]:
-    """What people do to ``measured`` (T + 1, 12) and ``samples`` (T, 3, 6); ``start`` (3) is the first place."""
+    """Common faults in ``measured`` (T + 1, 12) and ``samples`` (T, 3, 6); ``start`` (3) is the first position."""
     right = np.array([1.0, -1.0, 1.0])
     pitch = np.array([1, 1, 1, -1, 1, 1, 1, 1, 1, 1, -1, 1.0])
     radians = np.repeat([1.0, np.pi / 180.0, 1.0, np.pi / 180.0], 3)
@@ -96,15 +96,15 @@ def judged(record: Record) -> tuple[bool, float, float, float, float]:
     """Whether it is unbelievable; misfit, share of rows refused, of numbers left out; largest error in sds."""
     if not 20.0 <= 1.001 / record.dt <= 1001.0:  # ``jawenv identify`` refuses the file
         return True, np.nan, np.nan, np.nan, np.nan
-    found = identified(record)
+    result = identified(record)
     assert record.truth is not None
-    off = float((np.abs(found.estimate.mean[-1] - record.truth) / found.estimate.sd[-1]).max())
-    shares = found.refused / max(found.rows, 1), found.left_out / max(found.numbers, 1)
-    return not found.believable, found.misfit, *shares, off
+    off = float((np.abs(result.estimate.mean[-1] - record.truth) / result.estimate.sd[-1]).max())
+    shares = result.refused / max(result.rows, 1), result.left_out / max(result.numbers, 1)
+    return not result.believable, result.misfit, *shares, off
 
 
 def rows(seeds: range, number: int, spoilt_number: int, episode_s: float) -> dict[str, list[tuple[float, ...]]]:
-    """What is said of every recording, by kind."""
+    """Judgements of every recording, by kind."""
     results: dict[str, list[tuple[float, ...]]] = {}
     for i in range(number):
         kind = HONEST[i % len(HONEST)]
@@ -123,12 +123,12 @@ def table(results: dict[str, list[tuple[float, ...]]]) -> str:
         "| recording | unbelievable | misfit, median (largest) | rows refused | numbers left out | error, sds |",
         "|---|--:|--:|--:|--:|--:|",
     ]
-    for kind, said in results.items():
-        values = np.array(said, dtype=np.float64)
+    for kind, judgements in results.items():
+        values = np.array(judgements, dtype=np.float64)
         cells = [f"{int(values[:, 0].sum())} of {len(values)}"]
         for column, factor, unit in ((1, 1.0, ""), (2, 100.0, " %"), (3, 100.0, " %"), (4, 1.0, "")):
-            each = factor * values[:, column]
-            cells.append("–" if np.isnan(each).all() else f"{np.median(each):.3g}{unit} ({each.max():.3g}{unit})")
+            scaled = factor * values[:, column]
+            cells.append("–" if np.isnan(scaled).all() else f"{np.median(scaled):.3g}{unit} ({scaled.max():.3g}{unit})")
         lines.append(f"| {kind} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
@@ -141,12 +141,12 @@ def main() -> None:
     parser.add_argument("--spoilt", type=int, default=8, help="how many recordings are spoilt in each way")
     parser.add_argument("--episode-s", type=float, default=10.0)
     parser.add_argument("--output", type=Path)
-    given = parser.parse_args()
-    seeds = TUNING if given.tuning else REPORTS[1]
-    text = table(rows(seeds, given.honest, given.spoilt, given.episode_s))
+    arguments = parser.parse_args()
+    seeds = TUNING if arguments.tuning else REPORTS[1]
+    text = table(rows(seeds, arguments.honest, arguments.spoilt, arguments.episode_s))
     print(text)
-    if given.output is not None:
-        given.output.write_text(text, encoding="utf-8")
+    if arguments.output is not None:
+        arguments.output.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.playing.rollout import information_bound
 from training.run.config import CONFIGS, TrainingConfig
-from training.search.optimise import Design
+from training.search.optimise import Refinement
 
 SHORT = {"episode_s": 1.0, "track_bound": False}
 
@@ -28,7 +28,7 @@ def test_one_default_for_all() -> None:
     assert (
         Configuration().control
         == Settings().world.control
-        == Design(refine="chirp").control
+        == Refinement(refine="chirp").control
         == DEFAULT_CONTROL
         == "targets"
     )

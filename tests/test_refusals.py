@@ -13,7 +13,7 @@ import agents
 import jawenv
 from agents.following import TargetsLaw, decision_hz
 from agents.planners import PLANNERS
-from eval.comparison.admission import Admission
+from eval.comparison.admission import AdmissionLimits
 from eval.entries import load_entries
 from eval.patient.treatments import Course
 from eval.settings import Settings
@@ -38,7 +38,7 @@ from jawenv.playing.singles import SingleWorlds
 from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.train import parse_seeds
-from training.search.optimise import Design
+from training.search.optimise import Refinement
 from training.search.sequential import SequentialDesign
 
 nan, inf = np.nan, np.inf
@@ -199,7 +199,7 @@ COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),
     *(("seeds", lambda s=s: parse_seeds(s)) for s in ("", "a", "1-", "-1", "2-1", "0-5000", "1;2", "1.5")),
     *(
-        (f"{field} {words}", lambda field=field, value=value: Design(**{"refine": "chirp", field: value}))
+        (f"{field} {words}", lambda field=field, value=value: Refinement(**{"refine": "chirp", field: value}))
         for field, value, words in (
             ("criterion", "E", "worst"),
             ("over", "all", "mean"),
@@ -210,8 +210,8 @@ COMMANDS = [
             ("cohort", "knees", "knees"),
         )
     ),
-    ("nothing.yaml file", lambda: Design(refine="nothing.yaml")),
-    ("episode_s -1 allowed", lambda: Design(refine="chirp", horizon_s=-1.0)),
+    ("nothing.yaml file", lambda: Refinement(refine="nothing.yaml")),
+    ("episode_s -1 allowed", lambda: Refinement(refine="chirp", horizon_s=-1.0)),
     *(
         (f"{field} {words}", lambda field=field, value=value: SequentialDesign(**{field: value}))
         for field, value, words in (
@@ -224,9 +224,9 @@ COMMANDS = [
             ("cohort", "nobody", "nobody"),
         )
     ),
-    ("largest-discomfort-s nan finite", lambda: Admission(discomfort_s=nan)),
-    ("largest-discomfort-s -1.0 allowed", lambda: Admission(discomfort_s=-1.0)),
-    ("largest-violation 1.5 share", lambda: Admission(violation=1.5)),
+    ("largest-discomfort-s nan finite", lambda: AdmissionLimits(discomfort_s=nan)),
+    ("largest-discomfort-s -1.0 allowed", lambda: AdmissionLimits(discomfort_s=-1.0)),
+    ("largest-violation 1.5 share", lambda: AdmissionLimits(violation=1.5)),
     ("treatments 0 1", lambda: Course(number=0)),
     *((f"drift {drift} 0.5", lambda drift=drift: Course(drift=drift)) for drift in (-0.1, nan, 2.0)),
     (

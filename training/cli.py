@@ -70,7 +70,7 @@ def train(
         return training.resume(RunFolder(resume), console, steps)
     if overwrite and continue_:
         raise InputError("--overwrite cannot be combined with --continue")
-    wanted, stem = asked_for(
+    training_config, stem = asked_for(
         config,
         world | {"reward": reward},
         residual_on=residual_on,
@@ -85,12 +85,12 @@ def train(
             if value not in (None, False):
                 raise InputError(f"--{name} cannot be combined with --seeds, which begins or continues each run")
         stem_path = output or Path("runs") / stem
-        return training.train_seeds(wanted, training.parse_seeds(seeds), stem_path, console)
-    run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
+        return training.train_seeds(training_config, training.parse_seeds(seeds), stem_path, console)
+    run = RunFolder(output or Path("runs") / f"{stem}-seed{training_config.seed}")
     if continue_ and run.exists():
-        run.check_settings(wanted)
-        return training.resume(run, console, wanted.steps)
-    return training.start(wanted, run, console, overwrite)
+        run.check_settings(training_config)
+        return training.resume(run, console, training_config.steps)
+    return training.start(training_config, run, console, overwrite)
 
 
 @app.command("plot")
@@ -117,10 +117,10 @@ def tune(
     from training.run.config import asked_for
     from training.run.tune import search
 
-    wanted, stem = asked_for(config, {"env": env}, residual_on=residual_on, steps=steps)
+    training_config, stem = asked_for(config, {"env": env}, residual_on=residual_on, steps=steps)
     name = study or stem
     folder = output or Path("runs") / f"tune-{name}"
-    return search(wanted, name, trials, storage, folder, Console(highlight=False, markup=False))
+    return search(training_config, name, trials, storage, folder, Console(highlight=False, markup=False))
 
 
 @app.command("export")

@@ -1,4 +1,4 @@
-"""What a command says when the packages of its group are missing. It imports nothing that has to be installed."""
+"""The one-line error of a command without the packages of its group; it imports nothing that has to be installed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OWN = ("jawenv", "agents", "training", "eval")
 def installed(command: str, group: str) -> Iterator[None]:
     """Around a command: where a package is missing, one line says how to install it, and the exit code is 2.
 
-    What standard output cannot encode is written as a question mark.
+    A terminal without Unicode shows a question mark for each character beyond its encoding.
 
     Args:
         command: as the message names it.
@@ -24,7 +24,7 @@ def installed(command: str, group: str) -> Iterator[None]:
         ModuleNotFoundError: a module of the project itself is missing.
     """
     if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal without Unicode shows a question mark
+        sys.stdout.reconfigure(errors="replace")
     try:
         yield
     except ModuleNotFoundError as error:

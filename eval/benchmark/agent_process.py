@@ -1,4 +1,4 @@
-"""Agents whose loading runs code, in a process of their own: observations go in, actions come out, as lines of JSON.
+"""Agents with code to run on loading, in a process of their own: observations in, actions out, as lines of JSON.
 
 Neither process unpickles what the other writes, and the agent's has no object of an environment. It has the rights of
 whoever starts it: files and other processes are not kept from it.
@@ -29,10 +29,10 @@ _ACTION_SIZE = 4
 
 
 def load_apart(spec: str | Path, *, trust: bool = False, **settings: Any) -> Agent:
-    """As `agents.registry.load_agent`; a module, and a checkpoint that is unpickled, in a process of its own.
+    """As `agents.registry.load_agent`; a module or a pickled checkpoint in a process of its own.
 
     Raises:
-        InputError: what `load_agent` raises.
+        InputError: as `load_agent`.
     """
     if names_own(str(spec)) or (trust and Path(spec).suffix == ".zip"):
         return AgentProcess(str(spec), trust=trust, **settings)
@@ -48,9 +48,9 @@ class AgentProcess:
 
     Attributes:
         name: of the agent.
-        description: what it does; empty if it does not say.
+        description: its own, or empty.
         control: its control mode, where it says so.
-        made_of: files that decide what it does, beside its module.
+        made_of: files that decide its actions, beside its module.
 
     Raises:
         InputError: `load_agent` refuses it, or its process ends or answers something else than was asked for.
@@ -66,11 +66,11 @@ class AgentProcess:
             env={**os.environ, "PYTHONPATH": paths},
         )
         weakref.finalize(self, _end, self._process)
-        about = self._ask({"spec": spec, "settings": settings})
-        self.name, self.description = self._text(about, "name"), self._text(about, "description")
-        self.made_of = about.get("made_of", [])
-        if about.get("control") in CONTROLS:
-            self.control = about["control"]
+        answer = self._ask({"spec": spec, "settings": settings})
+        self.name, self.description = self._text(answer, "name"), self._text(answer, "description")
+        self.made_of = answer.get("made_of", [])
+        if answer.get("control") in CONTROLS:
+            self.control = answer["control"]
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
         """See `Agent.reset`."""
@@ -108,8 +108,8 @@ class AgentProcess:
             raise InputError(" ".join(str(answer["error"]).split())[: 2 * _LONGEST_TEXT])
         return answer
 
-    def _text(self, about: dict[str, Any], name: str) -> str:
-        text = about.get(name)
+    def _text(self, answer: dict[str, Any], name: str) -> str:
+        text = answer.get(name)
         if not isinstance(text, str) or not text.isprintable() or len(text) > _LONGEST_TEXT:
             raise InputError(f"agent '{self._spec}': its {name} is {shown(text)}; allowed: one line of text")
         return text
@@ -139,7 +139,7 @@ def _read(stream: BinaryIO | Any) -> dict[str, Any] | None:
 
 
 class _Answers:
-    """The other process's part: what a question is answered with."""
+    """The other process's part: questions to answers."""
 
     def __init__(self) -> None:
         self._agent: Any = None
@@ -163,7 +163,7 @@ class _Answers:
 def _about(agent: Any) -> dict[str, Any]:
     """Name, description, control mode and files of an agent."""
     if hasattr(agent, "attach"):
-        raise InputError(f"agent '{agent.name}': has attach(); allowed are agents that know observations alone")
+        raise InputError(f"agent '{agent.name}': has attach(); allowed: agents that know observations alone")
     maneuver = getattr(agent, "maneuver", None)
     description = " ".join(str(getattr(maneuver or agent, "description", "")).split())[:_LONGEST_TEXT]
     files = [str(path) for path in getattr(agent, "made_of", ())]
@@ -171,7 +171,7 @@ def _about(agent: Any) -> dict[str, Any]:
 
 
 def _serve() -> None:
-    """Answer the questions of the standard input until it ends; what the agent prints goes to the standard error."""
+    """Answer the questions of the standard input until it ends; prints of the agent go to the standard error."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends with the other process
     answers, stream = _Answers(), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

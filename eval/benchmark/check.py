@@ -13,43 +13,48 @@ import pandas as pd
 
 from agents.own import names_own
 from eval.benchmark import differences, submission, tables
-from eval.benchmark.patients import read_patients
 from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell
 from eval.benchmark.submission import PAGE, PATIENTS, Submission, SubmittedAgent, SubmittedScore
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, TASKS
 from eval.kept.cells import Cell, play_parts
 from eval.kept.parts import Part, Run
+from eval.kept.tables import read_table
+from eval.rows.times import COLUMNS
 from jawenv import versions
 from jawenv.controls import mode_of
 from jawenv.errors import InputError, shown
 from jawenv.reading import read_text
 
 _ROUNDING = 1e-9
+_COLUMNS = ("task", "agent", *COLUMNS)
+_KINDS = {"task": "O", "agent": "O", "seed": "i", "violated": "b", "completed": "b"}  # of NumPy; others are floats
+_LONGEST_S = max(task.episode_s for task in TASKS.values())
+_REMEDY = "get the submission again"
 CANNOT_KNOW = (
     "whether an agent was made for these patients, whose seeds are public",
     "whether a module reads or changes files and other processes of this machine, whose rights it has",
     "who made the submission, when, and on what: command, commit and machine are what it says",
 )
-"""What no check finds."""
+"""Limits of any check."""
 
 
 @dataclass(frozen=True)
 class Checked:
-    """What a check has found.
+    """Result of a check.
 
     Attributes:
         played: how many episodes were played again.
         equal: how many of them have the same score to the digit.
-        faults: what does not reproduce, a line each; none if all does.
-        given: patients of each score; 0 where nothing was played.
+        faults: differences, a line each; none if all reproduces.
+        patients: of each score; 0 where nothing was played.
         exact: whether every column was compared to the bit, on the platform that made them.
     """
 
     played: int
     equal: int
     faults: tuple[str, ...]
-    given: int = 0
+    patients: int = 0
     exact: bool = False
 
 
@@ -64,33 +69,33 @@ def check(folder: Path, patients: int | None = None, run: Run | None = None, *, 
         patients: of each task and agent so many, drawn by entropy of this machine's; with each the part is played in
             which it lies. All by default.
         run: how it is played.
-        trust: whether modules that the submission names may be run, and checkpoints unpickled.
+        trust: whether modules of the submission may be run, and its stable-baselines3 checkpoints unpickled.
 
     Raises:
         InputError: a file is missing or damaged, is of other tasks, or needs trust.
     """
-    given = submission.read(folder)
-    rows = read_patients(folder / PATIENTS, given.made_with)
-    faults = [*_of_agents(given, folder, trust), *_of_figures(given, rows)]
-    if not faults and read_text(folder / PAGE) != tables.markdown(rows, given.made_with):
+    submitted = submission.read(folder)
+    rows = _read_patients(folder / PATIENTS, submitted.made_with)
+    faults = [*_of_agents(submitted, folder, trust), *_of_figures(submitted, rows)]
+    if not faults and read_text(folder / PAGE) != tables.markdown(rows, submitted.made_with):
         faults = [f"{PAGE}: is not the page of these patients"]
     if faults:
         return Checked(0, 0, tuple(faults))
-    cells = [_cell(score, given, folder, trust) for score in given.scores]
-    faults, steps = _of_entries(cells, given)
+    cells = [_cell(score, submitted, folder, trust) for score in submitted.scores]
+    faults, steps = _of_entries(cells, submitted)
     if faults:
         return Checked(0, 0, tuple(faults))
-    with TemporaryDirectory() as place:
+    with TemporaryDirectory() as work:
         draw = np.random.default_rng()
         parts: list[tuple[Cell, Part]] = []
         for cell in cells:
-            parts += [(cell, part) for part in drawn(cell.parts(Path(place)), patients, draw)]
+            parts += [(cell, part) for part in drawn(cell.parts(Path(work)), patients, draw)]
         again = play_parts(parts, run)
-    exact = _platform(given.made_with) == _platform(versions.made_with())
+    exact = _platform(submitted.made_with) == _platform(versions.made_with())
     faults = differences.faults_of(rows, again, None if exact else steps)
     both = again.merge(rows, on=differences.KEYS, suffixes=("", "_given"))
     equal = int((both["score_s"] == both["score_s_given"]).sum())
-    return Checked(len(again), equal, tuple(faults), given.scores[0].patients, exact)
+    return Checked(len(again), equal, tuple(faults), submitted.scores[0].patients, exact)
 
 
 def _platform(made_with: Mapping[str, Any]) -> list[Any]:
@@ -98,31 +103,58 @@ def _platform(made_with: Mapping[str, Any]) -> list[Any]:
     return [machine["processor"], machine["system"], made_with["versions"]]
 
 
-def _of_agents(given: Submission, folder: Path, trust: bool) -> list[str]:
-    """Agents whose files are others than when they were played."""
-    labels = [each.agent for each in given.agents]
+def _read_patients(path: Path, made_with: Mapping[str, Any]) -> pd.DataFrame:
+    """Read ``benchmark.parquet``.
+
+    Args:
+        path: of the file.
+        made_with: metadata of the submission.
+
+    Raises:
+        InputError: it is missing or damaged, was made with something else, or has other columns or values than this
+            program writes.
+    """
+    rows, metadata = read_table(path, _COLUMNS, _REMEDY)
+    if metadata != made_with:
+        raise InputError(f"{path}: was made with something else than the submission says; {_REMEDY}")
+    if list(rows) != list(_COLUMNS):
+        raise InputError(f"{path}: columns are {shown(list(rows))}; allowed: {', '.join(_COLUMNS)}")
+    for column in _COLUMNS:
+        kind = _KINDS.get(column, "f")
+        if rows[column].dtype.kind != kind or (
+            kind == "O" and not all(isinstance(value, str) for value in rows[column])
+        ):
+            raise InputError(f"{path}: {column} holds other values than this program writes; {_REMEDY}")
+    if not rows["score_s"].between(0.0, _LONGEST_S).all():
+        raise InputError(f"{path}: score_s holds values outside of an episode; {_REMEDY}")
+    return rows
+
+
+def _of_agents(submitted: Submission, folder: Path, trust: bool) -> list[str]:
+    """Faults of agents with other files than when they were played."""
+    labels = [agent.agent for agent in submitted.agents]
     faults = [
         f"{score.agent}: has scores, but is no agent of the submission"
-        for score in given.scores
+        for score in submitted.scores
         if score.agent not in labels
     ]
-    for each in given.agents:
-        if each.copy_at is None and names_own(each.spec) and not trust:
+    for agent in submitted.agents:
+        if agent.copy_at is None and names_own(agent.spec) and not trust:
             raise InputError(
-                f"{each.agent} is the module {shown(each.spec)}, which runs code; allowed if you trust it: --trust"
+                f"{agent.agent} is the module {shown(agent.spec)}, which runs code; allowed if you trust it: --trust"
             )
-        if submission.fingerprint_of(_spec(each, folder)) != each.fingerprint:
-            faults.append(f"{each.agent}: its files have changed since it was played")
+        if submission.fingerprint_of(_spec(agent, folder)) != agent.fingerprint:
+            faults.append(f"{agent.agent}: its files have changed since it was played")
     return faults
 
 
-def _of_figures(given: Submission, rows: pd.DataFrame) -> list[str]:
+def _of_figures(submitted: Submission, rows: pd.DataFrame) -> list[str]:
     """Scores that do not follow from the patients' rows."""
     cells = by_cell(rows)
-    named = {(score.task, score.agent) for score in given.scores}
+    named = {(score.task, score.agent) for score in submitted.scores}
     played = dict.fromkeys(zip(map(str, rows["task"]), map(str, rows["agent"]), strict=True))
     faults = [f"{task}, {agent}: patients without a score" for task, agent in played if (task, agent) not in named]
-    for score in given.scores:
+    for score in submitted.scores:
         cell = cells.get((score.task, score.agent))
         if cell is None:
             faults.append(f"{score.task}, {score.agent}: a score without patients")
@@ -136,7 +168,7 @@ def _of_figures(given: Submission, rows: pd.DataFrame) -> list[str]:
                 f"{score.task}, {score.agent}: the score is {score.score_s:.4g} s of {score.patients} patients, "
                 f"the table gives {made.score_s:.4g} s of {made.patients}"
             )
-    numbers = sorted({score.patients for score in given.scores})
+    numbers = sorted({score.patients for score in submitted.scores})
     if len(numbers) > 1 or numbers[0] == 1:
         faults.append(f"scores of {numbers[0]} to {numbers[-1]} patients; allowed: as many for each, 2 at least")
     return faults
@@ -144,15 +176,15 @@ def _of_figures(given: Submission, rows: pd.DataFrame) -> list[str]:
 
 def _same(one: SubmittedScore, other: SubmittedScore) -> bool:
     figures = [[score.score_s, score.low_s, score.high_s] for score in (one, other)]
-    mine, theirs = (np.array([np.nan if value is None else value for value in each]) for each in figures)
+    mine, theirs = (np.array([np.nan if value is None else value for value in row]) for row in figures)
     return one.patients == other.patients and bool(np.allclose(mine, theirs, rtol=_ROUNDING, atol=0.0, equal_nan=True))
 
 
-def _of_entries(cells: Sequence[Cell], given: Submission) -> tuple[list[str], dict[tuple[str, str], float]]:
-    """Labels and notes that are not those of the agents; and the control step, s, by task and agent."""
-    specs = {each.agent: each.spec for each in given.agents}
+def _of_entries(cells: Sequence[Cell], submitted: Submission) -> tuple[list[str], dict[tuple[str, str], float]]:
+    """Faults of labels and notes; and the control step, s, by task and agent."""
+    specs = {agent.agent: agent.spec for agent in submitted.agents}
     faults, steps = [], {}
-    for cell, score in zip(cells, given.scores, strict=True):
+    for cell, score in zip(cells, submitted.scores, strict=True):
         entry = cell.load()
         steps[score.task, score.agent] = 1.0 / mode_of(entry.env_kwargs).steps_per_s
         if score.agent not in (entry.label, f"{entry.label} ({specs[score.agent]})"):
@@ -162,8 +194,8 @@ def _of_entries(cells: Sequence[Cell], given: Submission) -> tuple[list[str], di
     return faults, steps
 
 
-def _cell(score: SubmittedScore, given: Submission, folder: Path, trust: bool) -> Cell:
-    agent = next(each for each in given.agents if each.agent == score.agent)
+def _cell(score: SubmittedScore, submitted: Submission, folder: Path, trust: bool) -> Cell:
+    agent = next(candidate for candidate in submitted.agents if candidate.agent == score.agent)
     return cell_of(TASKS[score.task], _spec(agent, folder), score.agent, score.patients, trust=trust)
 
 
@@ -176,5 +208,5 @@ def drawn(parts: Sequence[Part], patients: int | None, draw: np.random.Generator
     if patients is None:
         return list(parts)
     places = len(parts) * PATIENTS_IN_A_PART
-    found = draw.choice(places, min(patients, places), replace=False) // PATIENTS_IN_A_PART
-    return [parts[place] for place in np.unique(found)]
+    numbers = draw.choice(places, min(patients, places), replace=False) // PATIENTS_IN_A_PART
+    return [parts[number] for number in np.unique(numbers)]

@@ -16,26 +16,28 @@ Mask = npt.NDArray[np.bool_]
 KEYS = ["task", "agent", "seed"]
 TIMES = ("score_s", "claimed_s", *(f"within_{level:g}_s" for level in LEVELS))
 LARGEST_SHARE = 0.10
-"""Largest relative difference of what is no time, on another platform; times may differ by a control step.
+"""Largest relative difference of columns other than times on another platform; times may differ by a control step.
 
 Compiled for a processor without AVX and FMA, 76 of 80 episodes of three tasks differ by less than 1e-6, one by 7 %.
 """
 LEAST_CHANCE = 1e-3
 """Differences that lean one way are a fault if chance makes them lean so far less often."""
 _ROUNDING = 1e-6  # relative: which way smaller differences lean says nothing
-_SMALL = 1e-3  # of what is no time: from here down differences are compared with this
+_SMALL = 1e-3  # of columns other than times: from here down differences are compared with this
 
 
-def faults_of(given: pd.DataFrame, again: pd.DataFrame, step_s: Mapping[tuple[str, str], float] | None) -> list[str]:
-    """What does not reproduce, a line each.
+def faults_of(
+    submitted: pd.DataFrame, again: pd.DataFrame, step_s: Mapping[tuple[str, str], float] | None
+) -> list[str]:
+    """Differences beyond rounding, a line each.
 
     Args:
-        given: rows of the submission, in any order.
+        submitted: rows of the submission, in any order.
         again: rows of some of its patients, played again.
         step_s: control step by task and agent, where another platform may differ by one; None where every column
             has to be equal to the bit.
     """
-    both = again.merge(given, on=KEYS, suffixes=("", "_given"), validate="1:1")
+    both = again.merge(submitted, on=KEYS, suffixes=("", "_given"), validate="1:1")
     faults = []
     for cell, rows in both.groupby(["task", "agent"], sort=False):
         task, agent = map(str, cell)
@@ -52,26 +54,26 @@ def faults_of(given: pd.DataFrame, again: pd.DataFrame, step_s: Mapping[tuple[st
 
 def _apart(rows: pd.DataFrame, column: str, step_s: float | None) -> Mask:
     """Which rows differ by more than is allowed."""
-    played, given = _pair(rows, column)
-    equal: Mask = (played == given) | (np.isnan(played) & np.isnan(given))
+    played, submitted = _pair(rows, column)
+    equal: Mask = (played == submitted) | (np.isnan(played) & np.isnan(submitted))
     if step_s is None:
         return np.logical_not(equal)
     allowed = np.full(len(rows), (1.0 + _ROUNDING) * step_s)
     if column not in TIMES:
         allowed = LARGEST_SHARE * np.maximum(np.abs(played), _SMALL)
     with np.errstate(invalid="ignore"):  # of two that are infinite
-        return np.logical_not(equal | (np.abs(played - given) <= allowed))
+        return np.logical_not(equal | (np.abs(played - submitted) <= allowed))
 
 
 def _leaning(both: pd.DataFrame) -> Iterator[str]:
-    """Columns whose differences lean one way, in one score or in all together."""
+    """Columns with differences that lean one way, in one score or in all together."""
     cells = [(f"{task}, {agent}", rows) for (task, agent), rows in both.groupby(["task", "agent"], sort=False)]
     for name, rows in [*cells, ("all scores", both)]:
         for column in COLUMNS[1:]:
-            played, given = _pair(rows, column)
+            played, submitted = _pair(rows, column)
             with np.errstate(invalid="ignore"):
-                counts = np.abs(given - played) > _ROUNDING * np.abs(played)
-            lower = int((given < played)[counts].sum())
+                counts = np.abs(submitted - played) > _ROUNDING * np.abs(played)
+            lower = int((submitted < played)[counts].sum())
             number = int(counts.sum())
             if number and binomtest(lower, number).pvalue < LEAST_CHANCE:
                 yield f"{name}: {column} of {max(lower, number - lower)} of {number} patients differs the same way"

@@ -24,7 +24,7 @@ def cells_of(
         specs: maneuvers, files, runs, exported policies or agents of one's own; one named twice counts once.
         tasks: at least one.
         patients: the first ones of every task; all by default.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Raises:
         InputError: no agent, one that cannot be loaded, or one that fits no task.
@@ -43,7 +43,7 @@ def cells_of(
 
 
 def _told_apart(cell: Cell, spec: str) -> Cell:
-    """The cell of an agent whose label another one has too."""
+    """The cell of an agent that shares its label with another one."""
     return replace(cell, levels={**cell.levels, "agent": f"{cell.levels['agent']} ({spec})"})
 
 
@@ -52,10 +52,10 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
 
     Args:
         task: the task.
-        spec: what the agent is loaded by.
+        spec: name, file or module of the agent.
         agent: how the table calls it; by its own label by default.
         patients: the first ones; all by default.
-        trust: whether its checkpoint may be unpickled.
+        trust: whether a stable-baselines3 checkpoint may be unpickled.
     """
     load = partial(load_entry, spec, task.settings().world, trust=trust, load=load_apart)
     levels = {"task": task.id, "agent": agent or load().label}

@@ -21,18 +21,18 @@ def score_of(rows: pd.DataFrame) -> Interval:
 
 
 def by_cell(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
-    """The patients' rows by task and agent, tasks in the order of `TASKS`, agents in that of the rows.
+    """The patients' rows by task and agent, tasks in the order of `TASKS`, agents in the order of the rows.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
     """
-    found = {(str(task), str(agent)): cell for (task, agent), cell in rows.groupby(["task", "agent"], sort=False)}
+    rows_of = {(str(task), str(agent)): cell for (task, agent), cell in rows.groupby(["task", "agent"], sort=False)}
     agents = list(dict.fromkeys(map(str, rows["agent"])))
-    return {(task, agent): found[task, agent] for task in TASKS for agent in agents if (task, agent) in found}
+    return {(task, agent): rows_of[task, agent] for task in TASKS for agent in agents if (task, agent) in rows_of}
 
 
 def figures(task: str, rows: pd.DataFrame) -> dict[str, Interval]:
-    """What stands beside a score, by its heading.
+    """Figures beside a score, by heading.
 
     Args:
         task: id of the task.

@@ -6,7 +6,7 @@
            benchmark.md        the scores as tables
            benchmark.parquet   one row per task, agent and patient
            agents/             files of the agents that do not come with jawenv
-           parts/              what is kept, to go on after an interrupt
+           parts/              finished parts, to go on after an interrupt
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmar
 
 def _printable(text: str) -> str:
     if not text.isprintable():
-        raise ValueError("must be one line of printable characters")
+        raise ValueError(f"is {shown(text)}; allowed: one line of printable characters")
     return text
 
 
@@ -75,7 +75,7 @@ class SubmittedAgent(InputModel):
 
     Attributes:
         agent: its label.
-        spec: what was typed.
+        spec: as typed.
         copy_at: where the folder of the submission holds it, from there; None if it comes with jawenv, or is a module.
         fingerprint: SHA-256 of its files' names and contents; None if it has none.
     """
@@ -128,9 +128,9 @@ class Submission(InputModel):
     @model_validator(mode="after")
     def _each_once(self) -> Self:
         scores = [f"{score.task}, {score.agent}" for score in self.scores]
-        agents = [each.agent for each in self.agents]
+        agents = [agent.agent for agent in self.agents]
         for kind, named in (("scores", scores), ("agents", agents)):
-            twice = [each for each in named if named.count(each) > 1]
+            twice = [name for name in named if named.count(name) > 1]
             if twice:
                 raise ValueError(f"{kind}: '{twice[0]}' is there twice; allowed: once")
         return self
@@ -148,26 +148,26 @@ def read(folder: Path) -> Submission:
             f"{folder / FILE}: is of tasks {shown(submission.benchmark)}, digest {shown(submission.tasks_digest)}; "
             f"this jawenv plays {VERSION}, digest {digest()}"
         )
-    for each in submission.agents:
-        _check_origin(each, folder / FILE)
+    for agent in submission.agents:
+        _check_origin(agent, folder / FILE)
     return submission
 
 
 def make(
-    cells: Sequence[Cell], rows: pd.DataFrame, agents: Sequence[SubmittedAgent], about: dict[str, Any]
+    cells: Sequence[Cell], rows: pd.DataFrame, agents: Sequence[SubmittedAgent], metadata: dict[str, Any]
 ) -> Submission:
-    """The submission of what was played.
+    """The submission of played cells.
 
     Args:
-        cells: what was played.
+        cells: the played cells.
         rows: of `eval.kept.cells.play_cells`.
         agents: of `keep_agents`.
-        about: of `eval.kept.tables.made_with`.
+        metadata: of `eval.kept.tables.made_with`.
     """
     notes = {tuple(cell.levels.values()): cell.load().note for cell in cells}
     scores = tuple(scored(task, agent, of_cell, notes[task, agent]) for (task, agent), of_cell in by_cell(rows).items())
     return Submission(
-        benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=json_of(about)
+        benchmark=VERSION, tasks_digest=digest(), agents=tuple(agents), scores=scores, made_with=json_of(metadata)
     )
 
 
@@ -180,9 +180,9 @@ def scored(task: str, agent: str, rows: pd.DataFrame, note: str = "") -> Submitt
     )
 
 
-def json_of(about: dict[str, Any]) -> dict[str, Any]:
-    """What JSON makes of a mapping."""
-    plain: dict[str, Any] = json.loads(json.dumps(about))
+def json_of(metadata: dict[str, Any]) -> dict[str, Any]:
+    """A mapping after a way through JSON: lists for tuples, texts for keys."""
+    plain: dict[str, Any] = json.loads(json.dumps(metadata))
     return plain
 
 
@@ -192,21 +192,21 @@ def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent
     A module of one's own is not copied: whoever checks the submission has it importable.
 
     Args:
-        agents: what each is loaded by, by their labels.
-        folder: of the submission; what its ``agents`` held before goes.
+        agents: label -> name, file or module.
+        folder: of the submission; older content of its ``agents`` goes.
 
     Raises:
         InputError: a file cannot be read or written.
     """
     if (folder / AGENTS).exists():
         shutil.rmtree(folder / AGENTS)
-    kept = []
+    submitted = []
     for number, (agent, spec) in enumerate(agents.items()):
         copies = _comes_with_jawenv(spec) or names_own(spec)
         copy_at = None if copies else _copied(spec, folder, number)
         held = spec if copy_at is None else str(folder / copy_at)
-        kept.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
-    return tuple(kept)
+        submitted.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
+    return tuple(submitted)
 
 
 def refuse_copies(specs: Iterable[str], folder: Path) -> None:
@@ -215,9 +215,9 @@ def refuse_copies(specs: Iterable[str], folder: Path) -> None:
     Raises:
         InputError: one does.
     """
-    place = (folder / AGENTS).resolve()
+    copies = (folder / AGENTS).resolve()
     for spec in specs:
-        if not names_own(spec) and Path(spec).resolve().is_relative_to(place):
+        if not names_own(spec) and Path(spec).resolve().is_relative_to(copies):
             raise InputError(f"{spec} lies in the output's own {AGENTS}, which is written anew: name another output")
 
 
@@ -244,14 +244,14 @@ def _copied(spec: str, folder: Path, number: int) -> str:
     """Copy the files of a spec below ``agents/NUMBER``, as they lie together.
 
     Returns:
-        What the copy is loaded by, from the folder on.
+        Path of the copy from the folder on.
     """
-    given, files = Path(spec).resolve(), registry.files_of(spec)
-    run = card_of(given)
-    root = given if given.is_dir() else given.parent if run is None else run[0].resolve()
-    place = PurePosixPath(AGENTS, str(number), root.name or "root")
-    for file in (each.resolve() for each in files):
-        target = folder / place / file.relative_to(root).as_posix()
+    path, files = Path(spec).resolve(), registry.files_of(spec)
+    run = card_of(path)
+    root = path if path.is_dir() else path.parent if run is None else run[0].resolve()
+    copy = PurePosixPath(AGENTS, str(number), root.name or "root")
+    for file in (source.resolve() for source in files):
+        target = folder / copy / file.relative_to(root).as_posix()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -259,11 +259,11 @@ def _copied(spec: str, folder: Path, number: int) -> str:
         content = read_bytes(file)
         with atomic_write(target) as unfinished:
             unfinished.write_bytes(content)
-    return str(place if given == root else place / given.relative_to(root).as_posix())
+    return str(copy if path == root else copy / path.relative_to(root).as_posix())
 
 
 def _check_origin(agent: SubmittedAgent, file: Path) -> None:
-    """A submission names what lies in its folder, comes with jawenv, or is a module; nothing else on this machine."""
+    """A submission names copies in its folder, agents of jawenv, and modules; nothing else on this machine."""
     if agent.copy_at is None:
         if not (_comes_with_jawenv(agent.spec) or names_own(agent.spec)):
             raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
@@ -271,4 +271,4 @@ def _check_origin(agent: SubmittedAgent, file: Path) -> None:
     copy_at = PurePosixPath(agent.copy_at)
     inside = (file.parent / copy_at).resolve().is_relative_to((file.parent / AGENTS).resolve())
     if copy_at.parts[:1] != (AGENTS,) or ".." in copy_at.parts or "\\" in agent.copy_at or not inside:
-        raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}, allowed is a path within {AGENTS}/")
+        raise InputError(f"{file}: copy_at is {shown(agent.copy_at)}; allowed: a path within {AGENTS}/")

@@ -1,4 +1,4 @@
-"""The scores as tables: in Markdown, with what they were made with, and in the terminal."""
+"""The scores as tables: in Markdown, with command and versions, and in the terminal."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def score_table(rows: pd.DataFrame) -> Table:
 
 
 def details_table(rows: pd.DataFrame) -> Table:
-    """A task and an agent a row, with what stands beside the score."""
+    """A task and an agent a row, with the figures beside the score."""
     table, head = [], ["task", "agent", "patients"]
     for (task, agent), cell in by_cell(rows).items():
         beside = figures(task, cell)
@@ -57,7 +57,7 @@ def details_table(rows: pd.DataFrame) -> Table:
 
 
 def task_row(task: Task) -> list[str]:
-    """What tells a task apart."""
+    """A task's row of settings."""
     device = ", ".join(f"{name} {value:g}" for name, value in task.device.items())
     seeds = f"{task.seeds[0]}–{task.seeds[-1]}"
     share = f"{words.percent(task.within, 0)} %"
@@ -65,17 +65,17 @@ def task_row(task: Task) -> list[str]:
     return [task.id, task.description, model, task.cohort, task.knowledge, device or "–", share, seeds]
 
 
-def markdown(rows: pd.DataFrame, about: dict[str, Any]) -> str:
+def markdown(rows: pd.DataFrame, metadata: dict[str, Any]) -> str:
     """The page ``benchmark.md``.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
-        about: of `eval.kept.tables.made_with`.
+        metadata: of `eval.kept.tables.made_with`.
     """
     tasks = [task for task in TASKS.values() if task.id in set(rows["task"])]
     lines = [
         f"# Benchmark {VERSION}",
-        made_by(about, f"tasks {VERSION}, digest `{digest()}`"),
+        made_by(metadata, f"tasks {VERSION}, digest `{digest()}`"),
         _how_many(rows, tasks),
         score_table(rows).markdown(),
         "## Beside the scores",

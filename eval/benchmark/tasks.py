@@ -1,4 +1,4 @@
-"""The tasks, which are frozen: whoever changes what a task is gives the benchmark a new version."""
+"""The tasks, which are frozen: a changed task makes a new version of the benchmark."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
 
 VERSION = "jawenv-1"
-"""What a paper cites, with the ids of the tasks."""
+"""Version for citation, with the ids of the tasks."""
 PATIENTS_IN_A_PART = 10
 """Patients that are played together. An agent that draws at random draws anew for each part."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One task: on whom and how agents are played, and what the score asks for.
+    """One task: patients, settings and the precision asked of an agent.
 
     Attributes:
         id: its name.
-        description: what it asks, in a sentence.
+        description: the task in a sentence.
         env: id of the environment.
         cohort: name of the population.
-        knowledge: `exact` or `imaged`, what the filter knows beside the muscles.
+        knowledge: `exact` or `imaged`, the filter's knowledge of anatomy and device.
         first_seed: of the first patient; patient i has ``first_seed + i``.
         within: largest relative error of every parameter, 0.05 is 5 %.
         device: fields of the device with other values, which the filter knows.
@@ -58,7 +58,7 @@ class Task:
 
     @property
     def known_within(self) -> dict[str, float]:
-        """The sds of what is known, those above 0."""
+        """The sds of the filter's knowledge above 0."""
         return {name: value for name, value in asdict(knowledge(self.knowledge)).items() if value > 0.0}
 
     def settings(self, patients: int | None = None) -> Settings:
@@ -155,13 +155,13 @@ def tasks_named(names: Iterable[str] | None = None) -> tuple[Task, ...]:
     Raises:
         InputError: there is no such task.
     """
-    wanted = list(TASKS if names is None else names)
-    for name in wanted:
+    ids = list(TASKS if names is None else names)
+    for name in ids:
         if name not in TASKS:
             raise InputError(f"tasks is {shown(name)}; allowed: {', '.join(TASKS)}")
-    if not wanted:
+    if not ids:
         raise InputError(f"tasks is none; allowed: {', '.join(TASKS)}")
-    return tuple(task for name, task in TASKS.items() if name in wanted)
+    return tuple(task for name, task in TASKS.items() if name in ids)
 
 
 def digest() -> str:

@@ -27,7 +27,7 @@ def cells_of(
         filters: names, see `eval.rows.filters`.
         times: s, growing, at which beliefs are judged.
         settings: patients, environment and effects; its ``episode_s`` is the last of the times.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Raises:
         InputError: no or an unknown maneuver, an unknown filter, or times that are not growing numbers above 0, each of

@@ -1,4 +1,4 @@
-"""What calibrations say of nuisances: means of each group over the patients, as a table."""
+"""Calibration of nuisances: means of each group over the patients, as a table."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOTE = (
 
 
 def summarised(judged: pd.DataFrame) -> dict[str, float]:
-    """Means over patients of the columns of each group, those of the squares with the ends of 95 % intervals."""
+    """Means over patients of the columns of each group; of the squares also the ends of 95 % intervals."""
     figures: dict[str, float] = {}
     for group in groups_in(judged):
         squares, left = judged[f"{ERROR}/{group}"], judged[f"{LEFT}/{group}"]
@@ -31,7 +31,7 @@ def groups_in(table: pd.DataFrame) -> list[str]:
 
 
 def table_of(summary: pd.DataFrame, *, intervals: bool = True) -> Table:
-    """A row for each maneuver and time of a summary: squares, and what is left, of each group.
+    """A row for each maneuver and time of a summary: squares and remaining sds of each group.
 
     Args:
         summary: of `eval.calibration.summary.summarise`.

@@ -1,4 +1,4 @@
-"""What the rows of a calibration say of each maneuver, filter and time: figures, and the tables that show them."""
+"""Figures of a calibration for each maneuver, filter and time, and their tables."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def summarise(rows: pd.DataFrame) -> pd.DataFrame:
         rows: of `eval.kept.cells.play_cells`, with levels ``entry`` and ``filter``.
 
     Returns:
-        ``patients`` counts those whose belief is judged; ``ended`` and ``diverged`` those left out. An honest mean NEES
+        ``patients`` counts the judged beliefs; ``ended`` and ``diverged`` those left out. An honest mean NEES
         per parameter lies in ``honest_low`` to ``honest_high`` with 95 %. ``mean_z/<parameter>`` is the mean of
         estimate minus truth over sd, with intervals that hold for all parameters at once; ``largest_mean_z`` that of
         ``largest_mean_z_of``.
@@ -75,8 +75,8 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
     }
     intervals = {key: statistics.mean(column.to_numpy()) if number else UNKNOWN for key, column in values.items()}
     error, bound = (judged[[f"{kind}/{name}" for name in parameters]].to_numpy() for kind in ("error", "bound_sd"))
-    known = number > 0 and np.isfinite(bound).all()
-    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if known else UNKNOWN
+    bounded = number > 0 and np.isfinite(bound).all()
+    intervals["rmse_over_bound"] = statistics.rmse_over_bound(error, bound) if bounded else UNKNOWN
     for key, interval in intervals.items():
         figures |= interval.columns(key)
     figures |= _bias(judged, parameters)
@@ -90,11 +90,11 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
 def _bias(judged: pd.DataFrame, parameters: list[str]) -> dict[str, object]:
     """Mean z of every parameter, and of the one where it is largest, with simultaneous intervals."""
     error, sd = (judged[[f"{kind}/{name}" for name in parameters]].to_numpy() for kind in ("error", "sd"))
-    found = statistics.means_together(error / sd)
-    furthest = int(np.argmax([abs(each.value) for each in found])) if len(judged) else 0
+    means = statistics.means_together(error / sd)
+    furthest = int(np.argmax([abs(mean.value) for mean in means])) if len(judged) else 0
     figures: dict[str, object] = {"largest_mean_z_of": parameters[furthest] if len(judged) else ""}
-    figures |= found[furthest].columns("largest_mean_z")
-    for name, interval in zip(parameters, found, strict=True):
+    figures |= means[furthest].columns("largest_mean_z")
+    for name, interval in zip(parameters, means, strict=True):
         figures |= interval.columns(f"mean_z/{name}")
     return figures
 
@@ -130,7 +130,7 @@ def cells(row: pd.Series) -> list[str]:
 
 
 def tables(table: pd.DataFrame) -> list[Table]:
-    """The table of a summary, and that of its nuisances where the filter has some.
+    """The table of a summary, and a second one of nuisances where the filter has some.
 
     Args:
         table: of `summarise`.
@@ -159,9 +159,9 @@ def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> Non
 
 def _columns(table: pd.DataFrame, names: Sequence[str]) -> list[list[str]]:
     places = [COLUMNS.index(name) for name in names]
-    return [[cells(row)[place] for place in places] for _, row in table.iterrows()]
+    return [[cells(row)[index] for index in places] for _, row in table.iterrows()]
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
-    """A summary as Markdown, below a line that says what it was made with."""
-    return "\n\n".join([lead, *(each.markdown() for each in tables(table))]) + "\n"
+    """A summary as Markdown, below a line on its making."""
+    return "\n\n".join([lead, *(part.markdown() for part in tables(table))]) + "\n"

@@ -37,7 +37,7 @@ def benchmark_command(
     tasks: Annotated[
         str | None, typer.Option(help="Some tasks, with commas between; all by default.", metavar="NAME,...")
     ] = None,
-    known: Annotated[bool, typer.Option("--list", help="Say which tasks there are.")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="Say which tasks there are.")] = False,
     check: Annotated[
         Path | None, typer.Option("--check", help="Play a submission again, in place of agents.", metavar="FOLDER")
     ] = None,
@@ -65,23 +65,23 @@ def benchmark_command(
     from eval.benchmark.tasks import tasks_named
     from eval.kept.parts import Run
 
-    wanted = None if tasks is None else [name.strip() for name in tasks.split(",") if name.strip()]
+    names = None if tasks is None else [name.strip() for name in tasks.split(",") if name.strip()]
     run = Run(fresh, workers, console=terminal())
-    if known:
-        for task in tasks_named(wanted):
+    if listing:
+        for task in tasks_named(names):
             print(f"{task.id:20s} {task.description}")
     elif check is not None:
         if agents or tasks is not None:
             raise InputError("--check: plays what the submission names; allowed beside it: --patients, --trust")
         _check(check, patients, run, trust)
     elif baselines:
-        _play_baselines(agents or [], wanted, patients, output, run)
+        _play_baselines(agents or [], names, patients, output, run)
     else:
-        _play(agents or [], wanted, patients, output, run, trust)
+        _play(agents or [], names, patients, output, run, trust)
 
 
 def _play(
-    agents: list[str], wanted: list[str] | None, patients: int | None, output: Path, run: Run, trust: bool
+    agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run, trust: bool
 ) -> None:
     from eval.benchmark import submission, tables
     from eval.benchmark.run import cells_of
@@ -92,27 +92,27 @@ def _play(
     from jawenv.locks import alone
 
     submission.refuse_copies(agents, output)
-    cells = cells_of(agents, tasks_named(wanted), patients, trust=trust)
+    cells = cells_of(agents, tasks_named(names), patients, trust=trust)
     rows = play_cells(cells, output, run)
-    about = made_with(typed())
+    metadata = made_with(typed())
     with alone(output):
-        kept = submission.keep_agents({str(cell.levels["agent"]): cell.load().spec for cell in cells}, output)
-        write_table(rows, output / submission.PATIENTS, about)
-        write_text(output / submission.PAGE, tables.markdown(rows, about))
-        write_json(output / submission.FILE, submission.make(cells, rows, kept, about))
+        submitted = submission.keep_agents({str(cell.levels["agent"]): cell.load().spec for cell in cells}, output)
+        write_table(rows, output / submission.PATIENTS, metadata)
+        write_text(output / submission.PAGE, tables.markdown(rows, metadata))
+        write_json(output / submission.FILE, submission.make(cells, rows, submitted, metadata))
     console = terminal()
     tables.score_table(rows).show(console)
     console.print(f"tables:     {output / submission.PAGE}\nsubmission: {output / submission.FILE}", soft_wrap=True)
 
 
-def _play_baselines(agents: list[str], wanted: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
+def _play_baselines(agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
     """All patients of all tasks, at a commit without changes."""
     from eval.benchmark.submission import PAGE
     from jawenv.files import write_text
     from jawenv.reading import read_text
     from jawenv.versions import made_with
 
-    if agents or wanted is not None or patients is not None:
+    if agents or names is not None or patients is not None:
         raise InputError(
             "--baselines: plays every task of all patients; allowed beside it: --output, --workers, --fresh"
         )
@@ -128,26 +128,30 @@ def _check(folder: Path, patients: int | None, run: Run, trust: bool) -> None:
     from eval.benchmark.differences import LARGEST_SHARE
     from eval.benchmark.tasks import TASKS
 
-    found = check(folder, patients, run, trust=trust)
-    if found.faults:
-        more = f" (and {len(found.faults) - 1} more)" if len(found.faults) > 1 else ""
-        raise InputError(f"{folder} does not reproduce: {found.faults[0]}{more}")
-    print(f"{folder} reproduces: {found.played} episodes played again, {found.equal} with the same score to the digit")
-    how = "to the bit" if found.exact else f"within a control step and {100 * LARGEST_SHARE:g} %, on another platform"
+    result = check(folder, patients, run, trust=trust)
+    if result.faults:
+        more = f" (and {len(result.faults) - 1} more)" if len(result.faults) > 1 else ""
+        raise InputError(f"{folder} does not reproduce: {result.faults[0]}{more}")
+    print(
+        f"{folder} reproduces: {result.played} episodes played again, {result.equal} with the same score to the digit"
+    )
+    how = "to the bit" if result.exact else f"within a control step and {100 * LARGEST_SHARE:g} %, on another platform"
     print(f"compared: every column, {how}")
     whole = min(task.patients for task in TASKS.values())
-    trial = "" if found.given >= whole else f"the first {found.given} of {whole}, which is no whole submission; "
-    print(f"patients: {trial}{_drawn(patients, found.given)}")
+    trial = (
+        "" if result.patients >= whole else f"the first {result.patients} of {whole}, which is no whole submission; "
+    )
+    print(f"patients: {trial}{_drawn(patients, result.patients)}")
     for line in CANNOT_KNOW:
         print(f"not known: {line}")
 
 
-def _drawn(patients: int | None, given: int) -> str:
+def _drawn(patients: int | None, available: int) -> str:
     """How surely a check finds patients that were forged."""
-    if patients is None or patients >= given:
+    if patients is None or patients >= available:
         return "all were played"
     from scipy.stats import hypergeom
 
-    forged = -(-given // 10)
-    missed = 100 * hypergeom(given, forged, patients).pmf(0)
+    forged = -(-available // 10)
+    missed = 100 * hypergeom(available, forged, patients).pmf(0)
     return f"{patients} were drawn: {forged} forged ones of a score stay unseen with a chance of {missed:.2g} % at most"

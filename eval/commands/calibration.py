@@ -56,9 +56,9 @@ def calibrate_command(
     cells = cells_of(list(dict.fromkeys(entries or [])), names, moments, settings, trust=trust)
     rows = play_cells(cells, output, Run(fresh, console=console), "estimates")
     table = summary.summarise(rows)
-    about = made_with(typed(), settings=settings.to_mapping(), filters=names, times=moments)
-    write_table(rows, output / "beliefs.parquet", about)
-    write_table(table, output / "calibration.parquet", about)
+    metadata = made_with(typed(), settings=settings.to_mapping(), filters=names, times=moments)
+    write_table(rows, output / "beliefs.parquet", metadata)
+    write_table(table, output / "calibration.parquet", metadata)
     write_text(output / "calibration.md", summary.markdown(table, f"`{typed()}`"))
     summary.show(table, console, details=details)
     console.print(

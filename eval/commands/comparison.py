@@ -15,7 +15,7 @@ from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
 
 if TYPE_CHECKING:
-    from eval.comparison.admission import Admission
+    from eval.comparison.admission import AdmissionLimits
     from eval.comparison.results import Results
 
 
@@ -53,15 +53,15 @@ def compare_command(
     patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the same command goes on from
     there.
     """
-    from eval.comparison.admission import Admission
+    from eval.comparison.admission import AdmissionLimits
     from eval.comparison.compare import compare
     from eval.entries import env_of_runs, load_entries, maneuver_names
     from eval.settings import Settings
 
-    admission = Admission(largest_discomfort_s, largest_violation)
-    wanted = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
-    settings = Settings.of(patients, seed, **{"env": env_of_runs(wanted)} | world)
-    loaded = load_entries(wanted, settings.world, trust=trust)
+    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
+    specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
+    settings = Settings.of(patients, seed, **{"env": env_of_runs(specs)} | world)
+    loaded = load_entries(specs, settings.world, trust=trust)
     if reference is not None and reference not in [entry.label for entry in loaded]:
         allowed = ", ".join(entry.label for entry in loaded)
         raise InputError(f"reference is {reference!r}; allowed: {allowed}")
@@ -88,9 +88,9 @@ def report_command(
 ) -> None:
     """Print the tables of a finished comparison and write its report again."""
     from eval.comparison import results
-    from eval.comparison.admission import Admission
+    from eval.comparison.admission import AdmissionLimits
 
-    admission = Admission(largest_discomfort_s, largest_violation)
+    admission = AdmissionLimits(largest_discomfort_s, largest_violation)
     study = results.load(folder)
     _present(study, folder, reference, admission, terminal(), details, patient, trust=trust)
 
@@ -143,33 +143,31 @@ def _present(
     study: Results,
     output: Path,
     reference: str | None,
-    admission: Admission,
+    admission: AdmissionLimits,
     console: Console,
     details: bool,
     patient: int | None = None,
     *,
     trust: bool = False,
 ) -> None:
-    from eval.comparison.adaptation import adaptations
+    from eval.comparison.motion import play_patient
     from eval.comparison.ranking import rank
-    from eval.comparison.replayed import play_patient
-    from eval.comparison.trainings import gains
+    from eval.comparison.trainings import adaptations, gains
     from eval.report import films, page, table
-    from eval.report import gains as gained
     from eval.report.learned import learned
 
     ranking = rank(study, reference, admission)
     table.show(ranking, console, details=details)
     table.show_adaptations(adaptations(study), console)
-    found = gains(study, reference)
-    gained.show(found, console)
+    study_gains = gains(study, reference)
+    table.show_gains(study_gains, console)
     with alone(output):
         labels = films.candidates(ranking, learned(study, ranking))
         study = play_patient(study, labels, console, patient, trust=trust)
         console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
-        if found:
-            gained.write(found, output / "gains.md")
+        if study_gains:
+            table.write_gains(study_gains, output / "gains.md")
     table.show_verdict(ranking, learned(study, ranking), console)
     console.print(
         f"results: {output / 'patients.parquet'}, {output / 'curves.parquet'}\nreport:  {written}",

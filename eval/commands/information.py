@@ -45,13 +45,13 @@ def information_command(
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
     cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=trust)
     rows = play_cells(cells, output, Run(fresh, workers, console=console), "records")
-    summary, about = (
+    summary, metadata = (
         information.summarise(rows),
         made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts),
     )
     table = information.table(summary)
-    write_table(rows, output / "patients.parquet", about)
-    write_table(summary, output / "information.parquet", about)
-    write_text(output / "information.md", f"Made by `{about['command']}`.\n\n{table.markdown()}\n")
+    write_table(rows, output / "patients.parquet", metadata)
+    write_table(summary, output / "information.parquet", metadata)
+    write_text(output / "information.md", f"Made by `{metadata['command']}`.\n\n{table.markdown()}\n")
     table.show(console)
     console.print(f"table: {output / 'information.md'}", soft_wrap=True)

@@ -50,7 +50,7 @@ def _agents(entries: list[str], world: Configuration, trust: bool) -> dict[str, 
     agents: dict[str, Agent] = {}
     for entry in load_entries(entries, world, trust=trust):
         if not entry.world.mode.takes_targets:
-            raise InputError(f"{entry.label}: control {entry.world.control}; allowed on the live page: targets")
+            raise InputError(f"{entry.label}: control {entry.world.control}; allowed: targets")
         if isinstance(entry.agent, Planning):
             raise InputError(f"{entry.label}: plans longer than a step of the live page lasts; allowed: other agents")
         agents[entry.label] = entry.agent

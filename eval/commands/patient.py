@@ -66,16 +66,20 @@ def patient_command(
     (loaded,) = load_entries([entry], settings.world, trust=trust)
     console = terminal()
     courses = play_courses(loaded, plan, people, output, fresh=fresh, console=console)
-    about = made_with(typed(), settings=settings.to_mapping(), course=asdict(plan), entry=loaded.about())
+    metadata = made_with(typed(), settings=settings.to_mapping(), course=asdict(plan), entry=loaded.about())
     prior = population_of(loaded).prior
-    rows = [row for each in zip(people, courses, strict=True) for row in page.verdict_rows(*each, prior)]
-    write_table(pd.DataFrame(rows), output / "verdicts.parquet", about)
+    rows = [
+        row for person, course in zip(people, courses, strict=True) for row in page.verdict_rows(person, course, prior)
+    ]
+    write_table(pd.DataFrame(rows), output / "verdicts.parquet", metadata)
     for person, course in zip(people, courses, strict=True):
         subject = page.Subject.simulated(loaded, person, plan, float(course[-1].time[-1]))
-        text = page.render(subject, course, about, show_truth)
+        text = page.render(subject, course, metadata, show_truth)
         written = page.write(text, output / f"patient-{person.name}.html")
-        said = {name: each.word for name, each in zip(MUSCLE_NAMES, page.said_of(course), strict=True)}
-        console.print(f"{written}: {page.headline(said)}", soft_wrap=True)
+        verdict_words = {
+            name: verdict.word for name, verdict in zip(MUSCLE_NAMES, page.verdicts_of(course), strict=True)
+        }
+        console.print(f"{written}: {page.headline(verdict_words)}", soft_wrap=True)
     console.print(f"verdicts: {output / 'verdicts.parquet'}", soft_wrap=True)
 
 
@@ -103,11 +107,11 @@ def diagnose_command(
     from eval.patient import accuracy
     from eval.settings import Settings
 
-    wanted = entries or []
-    if not wanted:
-        raise InputError("nothing to diagnose with: name a maneuver or a training run")
-    settings = Settings.of(patients, seed, **{"env": env_of_runs(wanted), "cohort": "one_sided"} | world)
-    loaded, console = load_entries(wanted, settings.world, trust=trust), terminal()
+    specs = entries or []
+    if not specs:
+        raise InputError("entries is none; allowed: a maneuver or a training run, or several")
+    settings = Settings.of(patients, seed, **{"env": env_of_runs(specs), "cohort": "one_sided"} | world)
+    loaded, console = load_entries(specs, settings.world, trust=trust), terminal()
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
     table = accuracy.accuracy(study)
     write_table(table, output / "diagnosis.parquet", study.about)
@@ -122,6 +126,6 @@ def diagnose_command(
 
 
 def as_a_clinic(world: dict[str, Any]) -> dict[str, Any]:
-    """A world whose filter knows the anatomy as an image gives it, unless its knowledge is named, or must be exact."""
+    """Arguments of a world with anatomy as an image gives it, unless the knowledge is named, or must be exact."""
     one_point = world.get("estimator") == "midline" or env_id_of(world["env"]) == DEFAULT_ENV
     return {"knowledge": "imaged"} | world if one_point else world

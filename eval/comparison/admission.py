@@ -1,4 +1,4 @@
-"""Who is ranked: entries within comfort whose stated precision can be believed."""
+"""Admission to the ranking: entries within comfort, with a stated precision that can be believed."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ LARGEST_RINGING = 0.05
 
 
 @dataclass(frozen=True)
-class Admission:
-    """What an entry may cost the patient and still be ranked.
+class AdmissionLimits:
+    """Largest cost to the patient of a ranked entry.
 
     Attributes:
         discomfort_s: largest mean discomfort, s per 30 s, >= 0.
@@ -44,12 +44,12 @@ class Admission:
             discomfort_s: its mean discomfort, s per 30 s.
             violation: share of its episodes that cross a hard limit.
         """
-        found = []
+        reasons = []
         if discomfort_s > self.discomfort_s:
-            found.append(f"discomfort {discomfort_s:.2g} s per {PER_S:g} s, allowed {self.discomfort_s:g}")
+            reasons.append(f"discomfort {discomfort_s:.2g} s per {PER_S:g} s, allowed {self.discomfort_s:g}")
         if violation > self.violation:
-            found.append(f"{violation:.1%} of the episodes cross a hard limit, allowed {self.violation:.1%}")
-        return [reason.replace("%", " %") for reason in found]
+            reasons.append(f"{violation:.1%} of the episodes cross a hard limit, allowed {self.violation:.1%}")
+        return [reason.replace("%", " %") for reason in reasons]
 
 
 def does_not_fit(ringing: float) -> str:

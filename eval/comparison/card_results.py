@@ -1,4 +1,4 @@
-"""What a comparison says of one entry, for the model card of a policy."""
+"""Results of one entry of a comparison, for the model card of a policy."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def card_results(results: Results, entry: str) -> ResultsFile:
         results=tuple(
             Result(
                 metric=metric,
-                low=round(found.low, DECIMALS),
-                high=round(found.high, DECIMALS),
-                **{kind: round(found.value, DECIMALS)},
+                low=round(interval.low, DECIMALS),
+                high=round(interval.high, DECIMALS),
+                **{kind: round(interval.value, DECIMALS)},
                 **common,
             )
-            for metric, kind, found in _figures(results, entry)
+            for metric, kind, interval in _figures(results, entry)
         )
     )
 

@@ -34,7 +34,7 @@ def compare(
     """Play every entry on the same patients and noise; keep each as soon as it is finished.
 
     Args:
-        entries: what to compare.
+        entries: the contestants.
         settings: on whom and how.
         output: folder for `patients.parquet`, `curves.parquet` and what is kept, which is used again when nothing that
             decides it has changed; without a folder nothing is kept.
@@ -56,11 +56,13 @@ def compare(
             raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.world.env_id}")
     with TemporaryDirectory() if output is None else nullcontext(output) as folder, alone(Path(folder)):
         # All patients of an entry together: threads share them out, and a yoked replay knows its patient by the place.
-        seeds, kept = settings.seeds, Outcomes()
-        cells = [Cell({"entry": entry.label}, partial(_itself, entry), seeds, kept, len(seeds)) for entry in entries]
+        seeds, outcomes = settings.seeds, Outcomes()
+        cells = [
+            Cell({"entry": entry.label}, partial(_itself, entry), seeds, outcomes, len(seeds)) for entry in entries
+        ]
         rows = play_cells(cells, Path(folder), Run(fresh, 1, console=console))
-        about = made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries])
-        study = Results.of_rows(rows, about)
+        metadata = made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries])
+        study = Results.of_rows(rows, metadata)
         if output is not None:
             results.save(study, output)
     return study

@@ -1,19 +1,62 @@
-"""What is played back in the report: how an entry moves the first patient, as plain numbers for JSON."""
+"""The motion of the first patient under an entry, as plain numbers for the report's JSON."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 
+from eval import words
+from eval.comparison.results import Results
+from eval.entries import load_entry
+from eval.settings import Settings
 from jawenv.controls import CONTROLS
+from jawenv.errors import InputError
 from jawenv.playing.protocol import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 
 
-class Motion:
-    """What happens to the first patient, as ``jawenv.play`` tells it (``on_step``)."""
+def play_patient(
+    study: Results, labels: Collection[str], console: Console, seed: int | None = None, *, trust: bool = False
+) -> Results:
+    """The same results with the motions of one of their patients, by those entries that are still there.
+
+    Args:
+        study: a finished comparison.
+        labels: of the entries that are played.
+        console: where progress is shown, and who is not there any more.
+        seed: of the patient; the first by default.
+        trust: see ``load_entries``.
+
+    Raises:
+        InputError: no patient of the comparison has that seed.
+    """
+    settings = Settings.from_mapping(study.about["settings"])
+    seed = settings.seed if seed is None else seed
+    if seed not in settings.seeds:
+        last = settings.seeds[-1]
+        raise InputError(f"patient is {seed}; allowed: the seeds of the comparison, {settings.seed} to {last}")
+    motions: dict[str, Any] = {}
+    for metadata in study.about["entries"]:
+        if (label := metadata["label"]) not in labels:
+            continue
+        recorder = MotionRecorder()
+        try:
+            with console.status(f"playing {words.label(label)}"):
+                load_entry(metadata["spec"], settings.world, trust=trust).play(1, seed, on_step=recorder)
+        except InputError as error:
+            console.print(f"not filmed: {words.label(label)} ({error})", soft_wrap=True)
+        if recorder.motion():
+            motions[label] = recorder.motion()
+    return replace(study, motions=motions, about=study.about | {"played_seed": seed})
+
+
+class MotionRecorder:
+    """Recorder of the first patient's motion, for ``jawenv.play`` (``on_step``)."""
 
     def __init__(self) -> None:
         """Nothing is seen yet."""
@@ -29,7 +72,7 @@ class Motion:
         self._step += 1
 
     def motion(self) -> dict[str, Any]:
-        """What was seen so far; lengths in mm, forces in N, sds of natural logs.
+        """The record so far; lengths in mm, forces in N, sds of natural logs.
 
         Keys: ``muscles`` (M names), ``origin`` (M, 3), ``insertion`` (M, 3) and ``mouthpiece`` (3) in axes of the body,
         ``path`` (drop and frequency of the condyle's path), ``parameters``, ``commands`` (names) and ``title``; and in
@@ -53,7 +96,7 @@ class Motion:
 
 
 def frame_of(scene: Any, action: Action) -> dict[str, Any]:
-    """What is different in each frame."""
+    """Values of one frame."""
     frame = {
         "time_s": scene.time_s,
         "contact": 1e3 * scene.contact_m,
@@ -68,7 +111,7 @@ def frame_of(scene: Any, action: Action) -> dict[str, Any]:
 
 
 def beginning(scene: Any, control: str) -> dict[str, Any]:
-    """What is the same in all frames."""
+    """Values common to all frames."""
     in_body = scene.rotation.T
     return {
         "muscles": list(scene.muscle_names),
@@ -93,5 +136,5 @@ def _rounded(value: Any) -> Any:
     """Plain numbers with four significant digits, which is finer than a pixel."""
     array = np.asarray(value, dtype=np.float64)
     if array.ndim:
-        return [_rounded(each) for each in array]
+        return [_rounded(element) for element in array]
     return float(f"{array:.4g}")

@@ -14,7 +14,7 @@ import numpy as np
 
 from agents.registry import shipped_names
 from eval import statistics
-from eval.comparison.admission import LARGEST_RINGING, PER_S, Admission, does_not_fit, false_sd
+from eval.comparison.admission import LARGEST_RINGING, PER_S, AdmissionLimits, does_not_fit, false_sd
 from eval.comparison.results import Results
 from eval.statistics import Interval
 from jawenv.errors import InputError
@@ -40,7 +40,7 @@ _TIME_TO = re.compile(r"time_to_(.+)_s")
 
 
 @dataclass(frozen=True)
-class Row:
+class RankingRow:
     """One entry; means over the patients unless said otherwise, sd of natural logs, information in nats.
 
     Attributes:
@@ -49,7 +49,7 @@ class Row:
         own: whether it does not come with the project, and is no replay of another entry.
         control: its control mode.
         note: in which settings it differs from those asked for.
-        description: what it does.
+        description: its own, in a sentence.
         excluded: why it is not ranked; empty if it is.
         false_sd: why its sds cannot be believed; empty if they can.
         does_not_fit: why nothing counts as known, where the alarm rings too often; else empty.
@@ -121,41 +121,41 @@ class Ranking:
     Attributes:
         rows: ranked, then the others in the same order among themselves.
         env: id of the environment that all were played in.
-        parameters: names of what was to be identified.
+        parameters: names of the parameters to identify.
         reference: the entry that differences are taken against.
         patients: how many.
-        admission: what was allowed.
+        admission: limits of comfort.
         effects: fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know.
         estimator: mechanics that the filter believes in, if not the environment's own; else empty.
         band: in which 95 % of honest studies of this size have the mean NEES of all their entries (Bonferroni).
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[RankingRow, ...]
     env: str
     parameters: tuple[str, ...]
     reference: str
     patients: int
-    admission: Admission
+    admission: AdmissionLimits
     effects: dict[str, float]
     estimator: str
     band: tuple[float, float]
 
     @property
-    def ranked(self) -> tuple[Row, ...]:
+    def ranked(self) -> tuple[RankingRow, ...]:
         """The rows that are ranked, best first."""
         return tuple(row for row in self.rows if not row.excluded)
 
     @property
-    def others(self) -> tuple[Row, ...]:
+    def others(self) -> tuple[RankingRow, ...]:
         """The rows that are not ranked."""
         return tuple(row for row in self.rows if row.excluded)
 
-    def place(self, row: Row) -> int | None:
+    def place(self, row: RankingRow) -> int | None:
         """The place of a row, from 1 on; None for one that is not ranked."""
         return None if row.excluded else self.rows.index(row) + 1
 
-    def mark(self, row: Row) -> str:
-        """What stands for a row in figures: its place, or a letter where it is not ranked."""
+    def mark(self, row: RankingRow) -> str:
+        """Mark of a row in figures: its place, or a letter where it is not ranked."""
         if not row.excluded:
             return str(self.place(row))
         number = self.others.index(row)
@@ -168,40 +168,40 @@ class Ranking:
 
     @property
     def n_parameters(self) -> int:
-        """How many parameters there are, which is also what an honest NEES is on average."""
+        """Number of parameters, which is also the mean of an honest NEES."""
         return len(self.parameters)
 
     @property
-    def best(self) -> Row | None:
-        """The first ranked row whose stated errors can be believed, by NEES and alarm; None if there is none."""
+    def best(self) -> RankingRow | None:
+        """The first ranked row with stated errors to be believed, by NEES and alarm; None if there is none."""
         return next((row for row in self.ranked if self.believes(row)), None)
 
-    def believes(self, row: Row) -> bool:
+    def believes(self, row: RankingRow) -> bool:
         """Whether a row's stated errors can be believed: neither too small, nor false, nor those of ringing alarms."""
         rings = row.rings.value > LARGEST_RINGING
         return self.calibration(row) != "overconfident" and not rings and not row.false_sd
 
-    def calibration(self, row: Row) -> str:
+    def calibration(self, row: RankingRow) -> str:
         """`honest`, `overconfident` or `cautious`, by the mean NEES against its band."""
         if row.nees.value > self.band[1]:
             return "overconfident"
         return "cautious" if row.nees.value < self.band[0] else "honest"
 
 
-def rank(study: Results, reference: str | None = None, admission: Admission | None = None) -> Ranking:
+def rank(study: Results, reference: str | None = None, admission: AdmissionLimits | None = None) -> Ranking:
     """Order the entries of a study and give every figure its interval.
 
     Args:
         study: results of all entries on the same patients.
         reference: label of the entry that the others are compared with; the best by default.
-        admission: what an entry may cost the patient; the defaults of ``Admission`` without one.
+        admission: limits of comfort; the defaults of ``AdmissionLimits`` without one.
 
     Raises:
         InputError: no entry has the label `reference`.
     """
     if reference is not None and reference not in study.entries:
         raise InputError(f"reference is {reference!r}; allowed: {', '.join(study.entries)}")
-    allowed = admission or Admission()
+    allowed = admission or AdmissionLimits()
     rows = sorted((_row(study, entry, allowed) for entry in study.entries), key=_order)
     against = reference or rows[0].entry
     number, parameters = len(study.of(against)), len(study.parameters)
@@ -219,8 +219,8 @@ def rank(study: Results, reference: str | None = None, admission: Admission | No
     )
 
 
-def _order(row: Row) -> tuple[float | bool, ...]:
-    """What rows are sorted by."""
+def _order(row: RankingRow) -> tuple[float | bool, ...]:
+    """Sorting key of rows."""
     soon = (row.time_to[KNOWN].value, row.time_to_p90[KNOWN].value, -row.share_to[KNOWN].value)
     return (bool(row.excluded), bool(row.does_not_fit), bool(row.false_sd), *soon, -row.information_true.value)
 
@@ -229,17 +229,17 @@ def _difference(study: Results, entry: str, reference: str) -> Interval | None:
     """True information of an entry minus the reference's on the same patients; None for the reference itself."""
     if entry == reference:
         return None
-    own, other = (study.of(each)["information_true"].to_numpy() for each in (entry, reference))
+    own, other = (study.of(label)["information_true"].to_numpy() for label in (entry, reference))
     return statistics.difference(own, other)
 
 
-def _row(study: Results, entry: str, admission: Admission) -> Row:
+def _row(study: Results, entry: str, admission: AdmissionLimits) -> RankingRow:
     table = study.of(entry)
 
     def mean(column: str) -> Interval:
         return statistics.mean(table[column].to_numpy(dtype=np.float64))
 
-    about: dict[str, Any] = next((each for each in study.about["entries"] if each["label"] == entry), {})
+    metadata: dict[str, Any] = next((other for other in study.about["entries"] if other["label"] == entry), {})
     targets = [match.group(1) for match in map(_TIME_TO.fullmatch, map(str, table)) if match]
     times = {float(target): table[f"time_to_{target}_s"].to_numpy(dtype=np.float64) for target in targets}
     truth, error, sd = (study.array(entry, name) for name in ("truth", "error", "sd"))
@@ -254,16 +254,16 @@ def _row(study: Results, entry: str, admission: Admission) -> Row:
     rings = alarm_rings(table["misfit"].to_numpy(dtype=np.float64))
     unfit = does_not_fit(float(rings.mean()))
     rate = PER_S * float(table["discomfort_s"].sum() / table["duration_s"].sum())
-    reasons = [CLAIRVOYANT] if about.get("clairvoyant") else []
+    reasons = [CLAIRVOYANT] if metadata.get("clairvoyant") else []
     reasons += [reason for reason in (unfit, false) if reason]
     reasons += admission.reasons(rate, float(table["violated"].mean()))
-    return Row(
+    return RankingRow(
         entry=entry,
-        trained=about.get("trained", False),
-        own=about.get("spec", entry) not in shipped_names() and not about.get("replay_of"),
-        control=about.get("env_kwargs", {}).get("control", "?"),
-        note=about.get("note", ""),
-        description=about.get("description", ""),
+        trained=metadata.get("trained", False),
+        own=metadata.get("spec", entry) not in shipped_names() and not metadata.get("replay_of"),
+        control=metadata.get("env_kwargs", {}).get("control", "?"),
+        note=metadata.get("note", ""),
+        description=metadata.get("description", ""),
         excluded="; ".join(reasons),
         false_sd=false,
         does_not_fit=unfit,

@@ -24,7 +24,7 @@ PATIENTS, CURVES = "patients.parquet", "curves.parquet"
 
 @dataclass(frozen=True)
 class Results:
-    """Tables of a comparison, and what they were made with.
+    """Tables of a comparison with their metadata.
 
     Attributes:
         patients: one row per patient and entry.
@@ -39,12 +39,12 @@ class Results:
     motions: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_rows(cls, rows: pd.DataFrame, about: dict[str, Any]) -> Results:
+    def of_rows(cls, rows: pd.DataFrame, metadata: dict[str, Any]) -> Results:
         """Both tables of the rows of `eval.rows.outcomes.Outcomes`, which have a column ``entry`` besides."""
         patients = without_times(rows)
         patients.insert(1, "patient", patients.groupby("entry", sort=False).cumcount())
         of_entries = [curves(group).assign(entry=entry) for entry, group in rows.groupby("entry", sort=False)]
-        return cls(patients, pd.concat(of_entries, ignore_index=True), about)
+        return cls(patients, pd.concat(of_entries, ignore_index=True), metadata)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -80,7 +80,7 @@ def save(results: Results, folder: Path) -> None:
 
 
 def load(folder: Path) -> Results:
-    """Read what `save` has written.
+    """Read a folder of `save`.
 
     Args:
         folder: of the comparison.
@@ -89,6 +89,6 @@ def load(folder: Path) -> Results:
         InputError: a file is missing, damaged, or not a table of this program.
     """
     remedy = "repeat the comparison: what is finished is kept"
-    patients, about = read_table(folder / PATIENTS, ("entry", "patient", *PATIENT_METRICS), remedy)
+    patients, metadata = read_table(folder / PATIENTS, ("entry", "patient", *PATIENT_METRICS), remedy)
     of_times, _ = read_table(folder / CURVES, ("entry", "time_s", "quantity", "centre", "bound"), remedy)
-    return Results(patients, of_times, about)
+    return Results(patients, of_times, metadata)

@@ -1,4 +1,6 @@
-"""What training gains: entries of several seeds together, against a reference and against their own replays.
+"""Gains by training: entries of several seeds together, against a reference and against their own replays.
+
+An entry that does better than its own averaged targets, replayed without looking, adapts to its patient.
 
 A policy is a draw of its training as a patient is one of the cohort. So both seeds and patients are resampled, each
 with all values of the other (the pigeonhole bootstrap; Owen 2007, Annals of Applied Statistics 1:386).
@@ -32,11 +34,11 @@ def _same(values: Array) -> Array:
 
 
 class Figure(NamedTuple):
-    """A figure whose differences are taken.
+    """A figure to take differences of.
 
     Attributes:
-        title: what the difference is of.
-        value: what of a patient's figure is compared.
+        title: title of the difference.
+        value: transform of a patient's figure before the difference.
         digits: decimals.
     """
 
@@ -64,7 +66,7 @@ class Gain:
     """A policy, or all seeds of its training, against another entry on the same patients and noise.
 
     Attributes:
-        name: label of the entry, or what the labels of its seeds begin with.
+        name: label of the entry, or common beginning of the labels of its seeds.
         against: label of the reference, or ``its replay`` and ``its yoked replay``.
         seeds: how many trainings.
         figures: of each of `FIGURES` the mean difference over seeds and patients.
@@ -83,22 +85,22 @@ def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
         study: a comparison.
         reference: label of the entry that all are compared with; None to compare with replays alone.
     """
-    about = study.about.get("entries", [])
-    made = [each for each in about if each.get("trained") or each.get("planned")]
-    trained = [each["label"] for each in made if each["label"] != reference]
-    replays = {label: [each["label"] for each in about if each.get("replay_of") == label] for label in trained}
-    found: list[Gain] = []
+    entries = study.about.get("entries", [])
+    made = [entry for entry in entries if entry.get("trained") or entry.get("planned")]
+    trained = [entry["label"] for entry in made if entry["label"] != reference]
+    replays = {label: [entry["label"] for entry in entries if entry.get("replay_of") == label] for label in trained}
+    rows: list[Gain] = []
     for name, group in _groups(trained):
         if reference is not None:
-            found += _of(study, name, group, [reference] * len(group), reference)
-        for place, kind in enumerate(_KINDS):
-            if all(len(replays[label]) > place for label in group):
-                found += _of(study, name, group, [replays[label][place] for label in group], f"its {kind}")
-    return tuple(found)
+            rows += _of(study, name, group, [reference] * len(group), reference)
+        for number, kind in enumerate(_KINDS):
+            if all(len(replays[label]) > number for label in group):
+                rows += _of(study, name, group, [replays[label][number] for label in group], f"its {kind}")
+    return tuple(rows)
 
 
 def _groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Labels by what they begin with, the name of that first; one that ends in no seed is alone."""
+    """Labels grouped by common beginning, name of the group first; a label that ends in no seed is alone."""
     seeds: dict[str, list[str]] = {}
     alone: list[tuple[str, list[str]]] = []
     for label in labels:
@@ -120,11 +122,53 @@ def _of(study: Results, name: str, group: list[str], others: list[str], against:
         )
         for figure, (_, value, _) in FIGURES.items()
     }
-    found = [
+    gains_of_seeds = [
         Gain(label, against, 1, {figure: statistics.mean(rows[k]) for figure, rows in differences.items()})
         for k, label in enumerate(group)
     ]
     if len(group) > 1:
         together = {figure: statistics.mean_over_both(rows) for figure, rows in differences.items()}
-        found.append(Gain(name, against, len(group), together))
-    return found
+        gains_of_seeds.append(Gain(name, against, len(group), together))
+    return gains_of_seeds
+
+
+@dataclass(frozen=True)
+class Adaptation:
+    """An entry against its replay on the same patients and noise.
+
+    Attributes:
+        entry: label of the entry.
+        replay: label of its replay.
+        early: mean difference of the natural log of the worst sd after ``EARLY_S``, below 0 where the entry is better;
+            NaN in shorter episodes.
+        end: the same at the end.
+    """
+
+    entry: str
+    replay: str
+    early: Interval
+    end: Interval
+
+    def verdict(self, difference: Interval) -> str:
+        """`adapts` where the whole interval is below 0, `does worse` where it is above, else `not shown`."""
+        if not difference.known:
+            return "not known"
+        if difference.high < 0.0:
+            return "adapts"
+        return "does worse" if difference.low > 0.0 else "not shown"
+
+
+def adaptations(study: Results) -> tuple[Adaptation, ...]:
+    """Every entry of a study that has a replay, in the order in which they were played."""
+    entries = study.about.get("entries", [])
+    pairs = [(played["replay_of"], played["label"]) for played in entries if played.get("replay_of")]
+    return tuple(
+        Adaptation(entry, replay, *(_log_difference(study, entry, replay, sd) for sd in ("early_worst_sd", "worst_sd")))
+        for entry, replay in pairs
+    )
+
+
+def _log_difference(study: Results, entry: str, replay: str, column: str) -> Interval:
+    """Mean over the patients of the difference of the logs."""
+    own, other = study.of(entry), study.of(replay)
+    return statistics.difference(np.log(own[column].to_numpy()), np.log(other[column].to_numpy()))

@@ -1,1 +1,1 @@
-"""The engine: what is played is made in parts, kept by a digest of what decides it, and found again."""
+"""The engine: cells are played in parts, kept on disk under a digest of all that decides them."""

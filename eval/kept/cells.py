@@ -24,14 +24,14 @@ from eval.kept.tables import read_table, write_table
 from jawenv.progress import Progress
 
 FOLDER = "parts"
-"""Of an output folder: what is finished."""
+"""Folder of finished parts within an output folder."""
 
 
 @dataclass(frozen=True)
 class Rows(ABC):
     """A family of columns: how patients are played, and the rows that are kept of them.
 
-    Fields of subclasses decide what is kept, and so do the sources of their module.
+    Fields of subclasses and the sources of their module enter the digest of kept parts.
 
     Attributes:
         columns: those that kept rows must have.
@@ -46,7 +46,7 @@ class Rows(ABC):
         """Play ``number`` patients from a seed on, and make their rows, each with its ``seed``.
 
         Args:
-            entry: whose agent is freshly loaded.
+            entry: with a freshly loaded agent.
             number: of patients.
             seed: of the first one.
             progress: see `jawenv.play`.
@@ -58,10 +58,10 @@ class Cell:
     """One entry in one world.
 
     Attributes:
-        levels: columns that tell its rows from those of other cells, numbers among them in Hz.
+        levels: columns that distinguish its rows from other cells', numbers among them in Hz.
         load: makes the entry; a function that processes can be sent.
         seeds: of the patients.
-        rows: what is kept of them.
+        rows: columns of a patient's row.
         size: patients that are played together.
     """
 
@@ -73,7 +73,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """What tells it apart in its study."""
+        """Its levels as a text, unique in its study."""
         return " · ".join(f"{level:g} Hz" if isinstance(level, float) else level for level in self.levels.values())
 
     def parts(self, folder: Path) -> list[Part]:
@@ -89,13 +89,13 @@ class Cell:
 
 
 def play_cells(cells: Sequence[Cell], output: Path, run: Run | None = None, unit: str = "episodes") -> pd.DataFrame:
-    """Play all cells, but for what is kept in the output folder.
+    """Play all cells, but for parts kept in the output folder.
 
     Args:
         cells: of a study, with different levels.
-        output: folder; its ``parts`` holds what is finished.
+        output: folder; its ``parts`` holds the finished parts.
         run: how it is played.
-        unit: what a patient of a cell is called, in the plural.
+        unit: name of a cell's patients, in the plural.
 
     Returns:
         The rows of all cells, in their order, each with the levels of its cell as its first columns.
@@ -119,14 +119,14 @@ def play_parts(parts: Sequence[tuple[Cell, Part]], run: Run | None = None, unit:
     """
     cells = {part.key: cell for cell, part in parts}
     needed = {path: cell.rows.columns for cell, part in parts for _, path in part.files}
-    kept = finish(
+    tables = finish(
         [part for _, part in parts],
         partial(play_part, cells=cells),
         lambda path: read_table(path, needed[path])[0],
         unit,
         run,
     )
-    return pd.concat([_placed(kept[path], cell) for cell, part in parts for _, path in part.files], ignore_index=True)
+    return pd.concat([_placed(tables[path], cell) for cell, part in parts for _, path in part.files], ignore_index=True)
 
 
 def play_part(part: Part, progress: Progress, cells: Mapping[str, Cell]) -> None:

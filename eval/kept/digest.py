@@ -1,4 +1,4 @@
-"""Names of what is kept: they change with whatever could change what it holds."""
+"""Names of kept files: digests of everything that can change their content."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ DECIDING = (
 
 
 def digest(decided_by: Any, files: Iterable[Path] = (), made_by: Iterable[ModuleType] = ()) -> str:
-    """16 hexadecimal digits for values, files, what of jawenv can change a number, agents, and computing packages.
+    """16 hexadecimal digits for values, files, sources of jawenv that change numbers, agents, and packages.
 
     Args:
         decided_by: values that JSON can hold.
         files: read for it.
-        made_by: modules beside jawenv and the agents whose source decides it; of a package all of its files count.
+        made_by: further modules with an effect on the result; of a package all of its files count.
 
     Raises:
         InputError: a file cannot be read.
@@ -63,8 +63,8 @@ def fingerprint(entry: Entry, settings: Any, *made_by: ModuleType) -> str:
     ``made_of``, and those among the arguments of its environment, such as a cohort's.
 
     Args:
-        entry: whose results are kept.
-        settings: on whom and how it is played, and what else decides what is kept.
+        entry: player of the kept results.
+        settings: patients, settings, and anything else that decides the content.
         made_by: see `digest`.
 
     Raises:

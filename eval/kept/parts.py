@@ -1,10 +1,11 @@
-"""Work in parts, on all cores, each kept on disk as soon as it is finished; what the disk holds is not done again.
+"""Work in parts, on all cores, each kept on disk as soon as it is finished; kept parts are not done again.
 
 What is made is the same from any number of processes, and however often a run was interrupted.
 """
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -13,10 +14,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, TypeVar, get_args
 
-from joblib import Parallel, delayed
+from joblib import Parallel, delayed, register_parallel_backend
 from rich.console import Console
 
 from jawenv.errors import InputError, shown
+from jawenv.extras import needs
 from jawenv.locks import alone
 from jawenv.progress import Progress
 
@@ -26,14 +28,14 @@ Content = TypeVar("Content")
 
 @dataclass(frozen=True)
 class Part:
-    """Some items of a piece of work, and the files that keep what comes out.
+    """Some items of a piece of work, and the files of their results.
 
     Attributes:
-        key: what they are items of.
+        key: name of the piece of work.
         first: number of the first item.
         number: of items.
         files: of each kind of result, by its name; one may be made without the others. Their names change with
-            whatever could change what they hold.
+            everything that could change their content.
     """
 
     key: str
@@ -47,9 +49,9 @@ class Run:
     """How work is done.
 
     Attributes:
-        fresh: do again what is on disk.
+        fresh: do kept parts again.
         workers: processes; all cores by default. 1 works in this process.
-        backend: joblib's; "ray" works on the cores of a cluster, whose machines see the folder of the files.
+        backend: joblib's; "ray" takes the cores of a cluster, with the folder of the files on all machines.
         console: where progress is shown; nowhere by default.
 
     Raises:
@@ -71,11 +73,11 @@ def parts_of(key: str, items: range, size: int, folder: Path, digests: Mapping[s
     """The parts of some items, each kept as a table.
 
     Args:
-        key: what they are items of.
+        key: name of the piece of work.
         items: their numbers, which follow each other.
         size: how many a part has: few enough to lose little when interrupted, enough to be quick together.
         folder: of the files.
-        digests: of each kind of result, by its name: what decides it, but for the items' numbers.
+        digests: kind of result -> digest of all that decides it, but for the items' numbers.
     """
     parts = []
     for first in items[::size]:
@@ -107,20 +109,20 @@ def finish(
     unit: str,
     run: Run | None = None,
 ) -> dict[Path, Content]:
-    """Read what is kept of every part, do what is missing, and read that.
+    """Read the kept files of every part, do the missing parts, and read theirs.
 
-    An interrupt ends the processes at once: a file is on disk or not, and what is not is made by the next run.
+    An interrupt ends the processes at once: a file is on disk or not, and the next run makes the missing ones.
 
     Args:
         parts: all of the work.
         work: writes all files of a part, each whole or not at all; a function that processes can be sent. The
             progress counts items, and is shown where one process works.
-        read: what a file holds. Damage is found before anything is done.
-        unit: what items are called, in the plural.
+        read: from a file to its content. Damage is found before anything is done.
+        unit: name of the items, in the plural.
         run: how it is done.
 
     Returns:
-        What each file holds.
+        The content of each file.
 
     Raises:
         InputError: another process is at work in the same folder, a kept file is damaged, the package of the backend
@@ -128,9 +130,9 @@ def finish(
     """
     run = run or Run()
     paths = list(dict.fromkeys(path for part in parts for _, path in part.files))
-    kept = {path: read(path) for path in paths if not run.fresh and path.exists()}
+    contents = {path: read(path) for path in paths if not run.fresh and path.exists()}
     missing = [
-        replace(part, files=tuple((kind, path) for kind, path in part.files if path not in kept)) for part in parts
+        replace(part, files=tuple((kind, path) for kind, path in part.files if path not in contents)) for part in parts
     ]
     missing = [part for part in missing if part.files]
     total, left = _items(parts), _items(missing)
@@ -145,7 +147,7 @@ def finish(
         # A process that has compiled or loaded kernels is taken for one that leaks, and replaced: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         _do(missing, work, run, progress)
-    return {path: kept[path] if path in kept else read(path) for path in paths}
+    return {path: contents[path] if path in contents else read(path) for path in paths}
 
 
 def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run, progress: Progress) -> None:
@@ -163,13 +165,54 @@ def _do(parts: Sequence[Part], work: Callable[[Part, Progress], None], run: Run,
 def _parallel(run: Run, most: int) -> Parallel:
     """Joblib's processes, at most as many as there are parts; one thread each: more would wait for each other."""
     if run.backend == "ray":
-        from eval.kept.cluster import connect
-
-        cores = connect(run.workers)
+        cores = _connect_ray(run.workers)
         count = min(run.workers or cores, cores, most)
         return Parallel(count, run.backend, "generator_unordered", batch_size=1, pre_dispatch=count)
     count = min(run.workers or os.cpu_count() or 1, most)
     return Parallel(count, run.backend, "generator_unordered", batch_size=1, inner_max_num_threads=1)
+
+
+def _connect_ray(workers: int | None = None) -> int:
+    """Let joblib use Ray's cores: those of this machine, or of the cluster that RAY_ADDRESS names.
+
+    Args:
+        workers: processes on this machine, where no cluster is named; one per core by default.
+
+    Returns:
+        How many cores it has.
+
+    Raises:
+        MissingPackageError: ray is not installed.
+        InputError: the cluster cannot be reached.
+    """
+    with needs("--backend ray", "ray", group="cluster"):
+        import ray
+        from ray.util.joblib.ray_backend import RayBackend
+
+    if not ray.is_initialized():
+        root = str(Path(__file__).parents[2])
+        path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
+        threads = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+        address = os.environ.get("RAY_ADDRESS")
+        try:
+            ray.init(
+                num_cpus=None if address else workers,
+                runtime_env={"env_vars": {"PYTHONPATH": path, **threads}},
+                log_to_driver=False,
+                logging_level=logging.ERROR,
+                include_dashboard=None if address else False,
+            )
+        except (ConnectionError, ValueError, RuntimeError) as error:
+            reason = " ".join(str(error).split())[:120]
+            raise InputError(f"ray cannot be reached (RAY_ADDRESS is {shown(address)}): {reason}") from None
+
+    class Backend(RayBackend):
+        """Hand over finished parts while the rest goes on, as Ray's pool can."""
+
+        supports_return_generator = True
+
+    register_parallel_backend("ray", Backend)
+    return int(ray.cluster_resources()["CPU"])
 
 
 def _worked(work: Callable[[Part, Progress], None], part: Part) -> Part:

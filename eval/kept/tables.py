@@ -1,4 +1,4 @@
-"""Tables as Parquet files, whole or not at all, and what they were made with."""
+"""Tables as Parquet files, whole or not at all, with metadata on their making."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ _KEY = b"jawenv.eval"
 
 
 def made_with(command: str, **more: Any) -> dict[str, Any]:
-    """What results were made with: the command, what else is given, `jawenv.versions.made_with`, and the time now."""
+    """Metadata of results: the command, further keywords, `jawenv.versions.made_with`, and the time now."""
     now = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
     return versions.made_with(command=command, **more, finished=now)
 
 
-def write_table(frame: pd.DataFrame, path: Path, about: dict[str, Any]) -> None:
-    """Write a table and what it was made with.
+def write_table(frame: pd.DataFrame, path: Path, metadata: dict[str, Any]) -> None:
+    """Write a table with its metadata.
 
     Raises:
         InputError: the file cannot be written.
     """
     table = pa.Table.from_pandas(frame, preserve_index=False)
-    metadata = {**(table.schema.metadata or {}), _KEY: json.dumps(about, sort_keys=True).encode()}
+    schema_metadata = {**(table.schema.metadata or {}), _KEY: json.dumps(metadata, sort_keys=True).encode()}
     with atomic_write(path) as unfinished:
-        write_parquet(table.replace_schema_metadata(metadata), unfinished)
+        write_parquet(table.replace_schema_metadata(schema_metadata), unfinished)
 
 
 def read_table(
     path: Path, columns: Sequence[str] = (), remedy: str = "delete it, or use --fresh"
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Read what ``write_table`` has written.
+    """Read a file of ``write_table``.
 
     Args:
         path: of the file.
         columns: those that it must have.
-        remedy: what to do about a damaged file.
+        remedy: advice for a damaged file.
 
     Raises:
         InputError: the file is missing, damaged, or not a table of this program.
     """
     try:
         table = read_parquet(path)
-        about = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
+        metadata = json.loads((table.schema.metadata or {}).get(_KEY, b"null"))
         frame = table.to_pandas()
     except (OSError, pa.ArrowException, ValueError, TypeError, KeyError) as error:
         if isinstance(error, InputError):
@@ -60,10 +60,10 @@ def read_table(
         reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path} is damaged ({reason}); {remedy}") from None
     missing = [column for column in columns if column not in frame]
-    if about is None or missing:
+    if metadata is None or missing:
         lacks = f"column {missing[0]!r}" if missing else "what it was made with"
         raise InputError(f"{path} is no table of this program, it lacks {lacks}; {remedy}")
-    return frame, about
+    return frame, metadata
 
 
 def rows_in(path: Path) -> pd.DataFrame:

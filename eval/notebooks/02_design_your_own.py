@@ -96,8 +96,8 @@ axes.figure
 short = {"episode_s": EPISODE_S}
 played = {"mine": maneuver, "slow opening": "slow_opening", "hold still": "hold_still"}
 scores = {
-    name: jawenv.score(jawenv.play(jawenv.Player(given), patients=PATIENTS, seed=200, env_kwargs=short))
-    for name, given in played.items()
+    name: jawenv.score(jawenv.play(jawenv.Player(candidate), patients=PATIENTS, seed=200, env_kwargs=short))
+    for name, candidate in played.items()
 }
 scores["mine"].summary()
 

@@ -83,11 +83,11 @@ from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 estimate = ExtendedKalman().estimate(record)
 mean, sd = estimate.mean[-1], estimate.sd[-1]
-found = pd.DataFrame({"estimate": np.exp(mean), "sd, %": 100 * sd}, index=record.parameter_names)
+results = pd.DataFrame({"estimate": np.exp(mean), "sd, %": 100 * sd}, index=record.parameter_names)
 if record.truth is not None:
-    found["true"] = np.exp(record.truth)
-    found["error / sd"] = (mean - record.truth) / sd
-found.round(2)
+    results["true"] = np.exp(record.truth)
+    results["error / sd"] = (mean - record.truth) / sd
+results.round(2)
 
 # %% [markdown]
 # How the parameters become known:

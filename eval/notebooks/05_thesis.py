@@ -53,8 +53,12 @@ def look_at(key):
     """Draw a result, print the thesis's words and ours, and return the figure."""
     item = ITEMS[key]
     tables[key] = draw_all([item], settings, OUTPUT, Run(workers=WORKERS))[key]
-    found = item.judge(tables[key])
-    for words in (f"{item.where}: {item.says}", f"We measure: {found.measured}", f"{found.verdict}: {found.why}"):
+    judgement = item.judge(tables[key])
+    for words in (
+        f"{item.where}: {item.says}",
+        f"We measure: {judgement.measured}",
+        f"{judgement.verdict}: {judgement.why}",
+    ):
         print(textwrap.fill(words, 100), end="\n\n")
     return item.figure(tables[key])
 

@@ -114,8 +114,8 @@ def neural_posterior(seed):
         ends = (low - median) / sd, (high - median) / sd
         theta = median + sd * truncnorm.rvs(*ends, size=(SIMULATIONS, 2), random_state=rng)
         made = simulate(theta, seed=10_000 * (number + 1))
-        kept = made.treatable & np.isfinite(made.measured).all(axis=(1, 2))
-        theta, x = theta[kept], averages(made)[kept]
+        usable = made.treatable & np.isfinite(made.measured).all(axis=(1, 2))
+        theta, x = theta[usable], averages(made)[usable]
         summarise, middle, spread = summary(x, theta), theta.mean(axis=0), theta.std(axis=0)
         log = TensorBoardTracker(SummaryWriter(tempfile.mkdtemp()))
         trainer = NPE(prior=None, tracker=log, show_progress_bars=False)
@@ -143,9 +143,9 @@ from jawenv.laboratory.record_filter import TensionFilter
 belief = TensionFilter().estimate(record)
 believed = belief.mean[-1], belief.cov[-1]
 exact = importance_posterior(record, *believed, SAMPLES, np.random.default_rng(0))[:2]
-found = {"importance sampling": exact, "filter": believed}
+posteriors = {"importance sampling": exact, "filter": believed}
 if draws is not None:
-    found["neural (NPE)"] = draws.mean(axis=0), np.cov(draws.T)
+    posteriors["neural (NPE)"] = draws.mean(axis=0), np.cov(draws.T)
 pd.DataFrame(
     {
         name: {
@@ -156,7 +156,7 @@ pd.DataFrame(
             "correlation": cov[0, 1] / np.sqrt(cov[0, 0] * cov[1, 1]),
             "divergence, nats": divergence(*exact, mean, cov),
         }
-        for name, (mean, cov) in found.items()
+        for name, (mean, cov) in posteriors.items()
     }
 ).T.round(3)
 
@@ -173,7 +173,7 @@ circle = 2.4477 * np.array([np.cos(angle), np.sin(angle)])  # holds 95 %
 figure, axes = plt.subplots(figsize=(5.5, 4.5))
 if draws is not None:
     axes.plot(*np.exp(draws.T), ".", color="0.75", markersize=2, label="neural (NPE), draws")
-for (name, (mean, cov)), style in zip(found.items(), ("-", "--", ":"), strict=False):
+for (name, (mean, cov)), style in zip(posteriors.items(), ("-", "--", ":"), strict=False):
     axes.plot(*np.exp(mean[:, None] + np.linalg.cholesky(cov) @ circle), style, label=f"{name}, 95 %")
 axes.plot(*np.exp(truth[0]), "k+", markersize=12, label="truth")
 axes.set(xlabel="F_o, N", ylabel="b")

@@ -1,1 +1,1 @@
-"""``python -m eval patient`` and ``diagnose``: what treatments tell of one patient, and how often that is right."""
+"""``python -m eval patient`` and ``diagnose``: verdicts on a patient after treatments, and how often they are right."""

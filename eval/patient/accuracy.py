@@ -36,7 +36,7 @@ def accuracy(study: Results) -> pd.DataFrame:
     """One row per entry, property and muscle, and one for all muscles together.
 
     Args:
-        study: of a comparison; a patient counts with what was known when the episode ended.
+        study: results of a comparison; a patient counts with the belief at the end of the episode.
 
     Returns:
         Columns ``entry``, ``property`` (`stiff` or `blocked`), ``above`` (threshold of F_o, N, or of b), ``muscle``,
@@ -54,9 +54,9 @@ def _rows(study: Results, entry: str) -> list[dict[str, object]]:
     for name, first, threshold in (("stiff", 0, forces), ("blocked", 1, BLOCKED_B)):
         columns = slice(first, None, 2)
         made = diagnose(truth[:, columns], (truth + error)[:, columns], sd[:, columns], threshold)
-        about: dict[str, object] = {"entry": entry, "property": name, "above": threshold}
-        rows.append(about | {"muscle": ALL} | _figures(made, slice(None)))
-        rows += [about | {"muscle": muscle} | _figures(made, slice(i, i + 1)) for i, muscle in enumerate(muscles)]
+        labels: dict[str, object] = {"entry": entry, "property": name, "above": threshold}
+        rows.append(labels | {"muscle": ALL} | _figures(made, slice(None)))
+        rows += [labels | {"muscle": muscle} | _figures(made, slice(i, i + 1)) for i, muscle in enumerate(muscles)]
     return rows
 
 
@@ -71,8 +71,8 @@ def _figures(made: Diagnosis, muscles: slice) -> dict[str, object]:
         "undecided": _share(~(up | down), np.ones_like(raised)),
     }
     figures: dict[str, object] = {"raised": int(raised.sum()), "normal": int((~raised).sum())}
-    for name, found in shares.items():
-        figures |= found.columns(name)
+    for name, interval in shares.items():
+        figures |= interval.columns(name)
     return figures
 
 
@@ -107,7 +107,7 @@ def show(table: pd.DataFrame, console: Console) -> None:
 
 
 def markdown(table: pd.DataFrame, lead: str) -> str:
-    """A Markdown table per entry and property, below a line that says what they were made with."""
+    """A Markdown table per entry and property, below a line on their making."""
     parts = [lead]
     for _, rows in table.groupby(["entry", "property"], sort=False):
         parts += [

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Belief:
+class PatientBelief:
     """A normal belief about P natural-log parameters.
 
     Attributes:
@@ -46,7 +46,7 @@ class Belief:
     cov: Array
 
     @classmethod
-    def of_prior(cls, prior: Prior) -> Belief:
+    def of_prior(cls, prior: Prior) -> PatientBelief:
         """The belief of a cohort's prior, without correlations."""
         return cls(np.array(prior.mean), np.diag(np.square(prior.sd)))
 
@@ -55,30 +55,30 @@ class Belief:
         """(P,) standard deviations."""
         return np.sqrt(np.diagonal(self.cov))
 
-    def widened(self, sd: float) -> Belief:
+    def widened(self, sd: float) -> PatientBelief:
         """After every parameter may have changed by a normal step of that sd, independently."""
-        return Belief(self.mean, self.cov + sd**2 * np.eye(len(self.mean)))
+        return PatientBelief(self.mean, self.cov + sd**2 * np.eye(len(self.mean)))
 
     def working_prior(self, population: Prior) -> Prior:
         """Where the filter starts: the same means, the sds of the cohort's prior or larger ones, no correlations."""
         return Prior(self.mean, np.maximum(self.sd, population.sd))
 
 
-def combined(before: Belief, working: Prior, mean: Array, cov: Array) -> tuple[Array, Array]:
+def combined(before: PatientBelief, working: Prior, mean: Array, cov: Array) -> tuple[Array, Array]:
     """The full belief at each of T times of a treatment.
 
     Args:
         before: the full belief before the treatment.
-        working: what the filter started from.
+        working: prior of the filter's run.
         mean: (T, P) of the filter.
         cov: (T, P, P) of the filter.
 
     Returns:
         (T, P) means and (T, P, P) covariances.
     """
-    at_start, known = np.linalg.inv(before.cov), 1.0 / np.square(working.sd)
+    at_start, prior_information = np.linalg.inv(before.cov), 1.0 / np.square(working.sd)
     gained = np.linalg.inv(cov)
-    precision = at_start + gained - np.diag(known)
+    precision = at_start + gained - np.diag(prior_information)
     # Means as steps from the working prior's, so that nothing large is subtracted.
     steps = np.einsum("tij,tj->ti", gained, mean - working.mean) + at_start @ (before.mean - working.mean)
     covariance = np.linalg.inv(precision)
@@ -114,7 +114,7 @@ class KnownPatient(Cohort):
         """Put the prior in place of the cohort's own.
 
         Raises:
-            InputError: what `Cohort` refuses.
+            InputError: as `Cohort`.
         """
         super().__post_init__()
         object.__setattr__(self, "_typical", self.prior.mean)

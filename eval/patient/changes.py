@@ -40,12 +40,12 @@ class Change:
 def change(first: JointLikelihood, later: JointLikelihood, prior: Prior) -> tuple[Array, Array]:
     """How much the muscles have changed between two treatments of a patient.
 
-    The muscles of both have the cohort's prior, independently: what is said of a change is what was measured. The
+    The muscles of both have the cohort's prior, independently: only measurements tell of a change. The
     anatomy is one and has one prior, so that errors which come of it and are alike in both treatments cancel.
 
     Args:
-        first: what one treatment has told.
-        later: what another one has told.
+        first: likelihood of one treatment.
+        later: likelihood of another one.
         prior: of the muscles.
 
     Returns:
@@ -57,9 +57,9 @@ def change(first: JointLikelihood, later: JointLikelihood, prior: Prior) -> tupl
     now = np.r_[parameters : size + parameters]
     mean, cov = at_start(Prior(np.tile(prior.mean, 2), np.tile(prior.sd, 2)), size + parameters)
     information, vector = np.zeros_like(cov), np.zeros_like(mean)
-    for places, each in ((then, first), (now, later)):
-        information[np.ix_(places, places)] += each.information
-        vector[places] += each.vector
+    for places, likelihood in ((then, first), (now, later)):
+        information[np.ix_(places, places)] += likelihood.information
+        vector[places] += likelihood.vector
     mean, cov = JointLikelihood(information, vector).posterior(mean, cov)
     difference = np.hstack([-np.eye(parameters), np.eye(parameters), np.zeros((parameters, size - parameters))])
     changed: Array = difference @ cov @ difference.T
@@ -73,7 +73,7 @@ def change_of(course: Sequence[Treatment], prior: Prior) -> Change | None:
         course: treatments of a patient.
         prior: of the muscles.
     """
-    first, last = course[0].told, course[-1].told
+    first, last = course[0].likelihood, course[-1].likelihood
     if len(course) == 1 or first is None or last is None:
         return None
     mean, cov = change(first, last, prior)
@@ -83,6 +83,6 @@ def change_of(course: Sequence[Treatment], prior: Prior) -> Change | None:
 def change_in_words(factor: float, low: float, high: float) -> str:
     """As `softer by 20 % (12 … 27)`: a factor with the ends of its interval."""
     word, sign = ("softer", -1.0) if factor < 1.0 else ("stiffer", 1.0)
-    value, *ends = (100.0 * sign * (each - 1.0) for each in (factor, low, high))
+    value, *ends = (100.0 * sign * (ratio - 1.0) for ratio in (factor, low, high))
     low, high = sorted(ends)
     return f"{word} by {words.number(value, 0)} % ({words.number(low, 0)} … {words.number(high, 0)})"

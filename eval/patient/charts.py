@@ -53,7 +53,7 @@ def moments(course: Sequence[Treatment]) -> Array:
     """(T,) of all kept times of a course: seconds of a single treatment, or treatments since the start."""
     if len(course) == 1:
         return course[0].time
-    return np.concatenate([number + each.time / each.time[-1] for number, each in enumerate(course)])
+    return np.concatenate([number + treatment.time / treatment.time[-1] for number, treatment in enumerate(course)])
 
 
 def chart(course: Sequence[Treatment], parameter: int, axis: Axis, label: str, with_truth: bool) -> Markup:
@@ -63,12 +63,12 @@ def chart(course: Sequence[Treatment], parameter: int, axis: Axis, label: str, w
         course: of at least one treatment.
         parameter: its number.
         axis: the vertical one.
-        label: what a screen reader says.
+        label: text for a screen reader.
         with_truth: whether the true value is drawn.
     """
     time = moments(course)
-    mean = np.concatenate([each.mean[:, parameter] for each in course])
-    sd = np.sqrt(np.concatenate([each.cov[:, parameter, parameter] for each in course]))
+    mean = np.concatenate([treatment.mean[:, parameter] for treatment in course])
+    sd = np.sqrt(np.concatenate([treatment.cov[:, parameter, parameter] for treatment in course]))
     chosen = np.unique(np.linspace(0, len(time) - 1, _POINTS).round().astype(int))
     low, middle, high = (
         np.clip(np.exp(mean + factor * sd)[chosen], axis.low, axis.high) for factor in (-SD_95, 0.0, SD_95)
@@ -83,13 +83,15 @@ def chart(course: Sequence[Treatment], parameter: int, axis: Axis, label: str, w
         axes.axhline(axis.threshold, color=_NORMAL, lw=1.2, ls=(0, (4, 2.5)))
         axes.plot(time[chosen], middle, color=_ESTIMATE, lw=1.5)
         if with_truth:
-            truth = np.concatenate([np.full(len(each.time), np.exp(each.truth[parameter])) for each in course])
+            truth = np.concatenate(
+                [np.full(len(treatment.time), np.exp(treatment.truth[parameter])) for treatment in course]
+            )
             axes.plot(time[chosen], np.clip(truth[chosen], axis.low, axis.high), color=_TRUTH, lw=1.2, ls=(0, (1.5, 2)))
-        said: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "size": _LETTERS}
-        axes.annotate("normal", (1, 0), (-3, 4), ha="right", color=_NORMAL, **said)
+        style: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "size": _LETTERS}
+        axes.annotate("normal", (1, 0), (-3, 4), ha="right", color=_NORMAL, **style)
         ends = ("0 s", f"{time[-1]:g} s") if len(course) == 1 else ("start", f"{len(course)} treatments")
-        for place, text in enumerate(ends):
-            axes.annotate(text, (place, 0), (0, -12), ha=("left", "right")[place], **said)
+        for end, text in enumerate(ends):
+            axes.annotate(text, (end, 0), (0, -12), ha=("left", "right")[end], **style)
         axes.set_yticks(axis.ticks, [f"{tick:g}" for tick in axis.ticks])
         axes.yaxis.set_minor_locator(NullLocator())
         axes.tick_params(length=0, labelbottom=False, labelsize=_LETTERS)

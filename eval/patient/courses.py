@@ -55,11 +55,11 @@ def persons(seed: int, number: int, files: Sequence[Path] = ()) -> list[Person]:
         raise InputError(f"seed is {seed}; allowed: 0 or more")
     if not files:
         return [Person(str(seed + i), seed + i) for i in range(number)]
-    given = [Person(path.stem, seed + i, Patient.load(path)) for i, path in enumerate(files)]
-    for i, person in enumerate(given):
-        if person.name in [earlier.name for earlier in given[:i]]:
-            raise InputError(f"patient: {files[i]} given beside another file of that name; allowed are other names")
-    return given
+    people = [Person(path.stem, seed + i, Patient.load(path)) for i, path in enumerate(files)]
+    for i, person in enumerate(people):
+        if person.name in [earlier.name for earlier in people[:i]]:
+            raise InputError(f"patient is {files[i]}, beside another file of that name; allowed: other names")
+    return people
 
 
 def play_courses(
@@ -77,15 +77,15 @@ def play_courses(
         entry: the maneuver or agent.
         course: how many treatments, and how much a patient changes between them.
         people: on whom.
-        output: folder; its ``treatments`` holds what is over, and an interrupted course goes on there.
-        fresh: play again what the folder holds.
+        output: folder; its ``treatments`` holds finished ones, and an interrupted course goes on there.
+        fresh: play kept treatments again.
         console: where progress is shown; nowhere by default.
 
     Returns:
         The treatments of each patient, at some of their times.
 
     Raises:
-        InputError: the folder cannot be used or is in use, a kept file is damaged, or what the environment refuses.
+        InputError: the folder cannot be used or is in use, a kept file is damaged, or an error of the environment.
     """
     folder, parts = folder_for(output, "treatments"), []
     for person in people:
@@ -95,12 +95,12 @@ def play_courses(
         paths = {str(number): folder / f"{name}-{number:04d}.npz" for number in range(1, course.number + 1)}
         parts.append(Part(person.name, 1, 1, tuple(paths.items())))
     work = partial(_play_course, entry=entry, drift=course.drift, people={person.name: person for person in people})
-    kept = finish(parts, work, load, "treatments", Run(fresh, 1, console=console))
-    return [[kept[path] for _, path in part.files] for part in parts]
+    by_path = finish(parts, work, load, "treatments", Run(fresh, 1, console=console))
+    return [[by_path[path] for _, path in part.files] for part in parts]
 
 
 def _play_course(part: Part, progress: Progress, entry: Entry, drift: float, people: Mapping[str, Person]) -> None:
-    """Play what is missing of a course; each treatment but the first begins with what the one before has left."""
+    """Play the missing treatments of a course; each but the first begins with the belief after the one before."""
     person, before = people[part.key], progress.done
     for played, (kind, path) in enumerate(part.files, start=1):
         number = int(kind)
@@ -123,7 +123,7 @@ def save(treatment: Treatment, path: Path) -> None:
 
 
 def load(path: Path) -> Treatment:
-    """Read what ``save`` has written.
+    """Read a file of ``save``.
 
     Raises:
         InputError: the file is damaged.

@@ -61,16 +61,16 @@ def _path(points: Array) -> str:
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points) + "Z"
 
 
-def view(side: str, muscles: MuscleSet, said: Mapping[str, str]) -> Markup:
+def view(side: str, muscles: MuscleSet, verdict_words: Mapping[str, str]) -> Markup:
     """One side of the head with its closing muscles.
 
     Args:
         side: `left` or `right`, the patient's.
-        muscles: whose lines are drawn, jaw closed.
-        said: muscle -> what is said of it, one of `verdicts.WORDS` or `verdicts.NO_VERDICT`.
+        muscles: muscle set to draw, jaw closed.
+        verdict_words: muscle -> verdict, one of `verdicts.WORDS` or `verdicts.NO_VERDICT`.
     """
     shown = _Side(side)
-    spoken = ", ".join(f"{words.label(name)}: {word}" for name, word in said.items() if name.endswith(side))
+    spoken = ", ".join(f"{words.label(name)}: {word}" for name, word in verdict_words.items() if name.endswith(side))
     parts = [
         f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" class="jaw" role="img" xmlns="http://www.w3.org/2000/svg" '
         f'aria-label="{html.escape(f"The patient’s {side} side: {spoken}")}">',
@@ -82,13 +82,13 @@ def view(side: str, muscles: MuscleSet, said: Mapping[str, str]) -> Markup:
         if kind == "temporalis":
             parts += _bones(shown)
         name = f"{kind}_{side}"
-        parts.append(_belly(shown, kind, lines[name], said[name]))
+        parts.append(_belly(shown, kind, lines[name], verdict_words[name]))
         if kind == "temporalis":
             parts.append(f'<path class="skull" d="{shown.flat(outlines.closed(outlines.SIDE_ARCH))}"/>')
     # The inner muscle shows through the bone as an outline.
     inner = f"medial_pterygoid_{side}"
-    parts.append(_belly(shown, "medial_pterygoid", lines[inner], said[inner], "behind"))
-    parts += [_name(shown, kind, lines[f"{kind}_{side}"], said[f"{kind}_{side}"]) for kind in _NAMES]
+    parts.append(_belly(shown, "medial_pterygoid", lines[inner], verdict_words[inner], "behind"))
+    parts += [_name(shown, kind, lines[f"{kind}_{side}"], verdict_words[f"{kind}_{side}"]) for kind in _NAMES]
     return Markup("".join([*parts, "</svg>"]))  # noqa: S704  (numbers, our own words, and an escaped label)
 
 
@@ -97,7 +97,7 @@ def _bones(shown: _Side) -> list[str]:
     teeth = "".join(shown.silhouette(mesh) for mesh in (outlines.lower_teeth(), outlines.upper_teeth()))
     drawn = []
     for kind, path in (("bone", half), ("tooth", teeth)):
-        # A wide line below, then the faces without one: what stays of the line is the contour.
+        # A wide line below, then the faces without one: only the contour of the line stays visible.
         drawn += [f'<path class="{kind} edge" d="{path}"/>', f'<path class="{kind}" d="{path}"/>']
     return drawn
 

@@ -1,4 +1,4 @@
-"""One patient on one page: each closing muscle, how sure that is, and what it means; prints on one sheet."""
+"""One patient on one page: each closing muscle, its certainty and its meaning; prints on one sheet."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN, WITHHELD, WORDS, 
 FORCE = Axis(0.05, 20.0, (0.1, 1.0, 10.0), FIBROSED_F_O_N)
 STIFFENING = Axis(2.0, 50.0, (2.0, 5.0, 10.0, 20.0, 50.0), BLOCKED_B)
 SHEET = Path(__file__).parent
-ABOUT = {
+LOCATIONS = {
     "masseter": "the thick muscle of the cheek",
     "temporalis": "the fan at the temple",
     "medial_pterygoid": "the deep muscle inside the angle of the jaw",
@@ -36,7 +36,7 @@ ABOUT = {
 
 
 @dataclass(frozen=True)
-class Quantity:
+class CardQuantity:
     """An estimate with its 95 % interval and its change, as words; and over time, as a picture."""
 
     value: str
@@ -48,29 +48,29 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Card:
-    """What the page says of one muscle.
+    """Texts and pictures of one muscle.
 
     Attributes:
         title: the muscle's name and side.
-        about: where it is, in plain words.
-        verdict: what is said of it.
+        location: where it is, in plain words.
+        verdict: word of the verdict.
         badge: CSS class of the verdict.
         chance: the probability in words.
-        since: from when on the same has been said; empty where nothing is known.
+        since: start of the present verdict; empty where nothing is known.
         force: F_o.
         stiffening: b.
         doubling: stretch that doubles the pull, %.
-        truth: what it truly is, where that is shown.
+        truth: the true condition, where it is shown.
     """
 
     title: str
-    about: str
+    location: str
     verdict: Verdict
     badge: str
     chance: str
     since: str
-    force: Quantity
-    stiffening: Quantity
+    force: CardQuantity
+    stiffening: CardQuantity
     doubling: str
     truth: str
 
@@ -81,10 +81,10 @@ class Subject:
 
     Attributes:
         who: the title.
-        account: what was done, in a line.
-        notice: what the page is not.
+        account: the treatments in a line.
+        notice: disclaimer.
         prior: belief about the muscles before the first treatment.
-        effects: what acts that the estimate does not know of; empty for nothing.
+        effects: effects unknown to the estimate; empty for none.
     """
 
     who: str
@@ -104,8 +104,8 @@ class Subject:
             account += f"; the muscles change by about {100 * plan.drift:g} % from one to the next"
         effects = ", ".join(f"{name} = {value:g}" for name, value in entry.env_kwargs.get("reality", {}).items())
         exact = "known exactly: with a scan's anatomy all is several times less sure"
-        known = exact if entry.world.build_knowledge().exact else "known within the errors of a scan, or as told"
-        notice = f"Research, not a medical device. The patient is simulated, the anatomy {known}."
+        anatomy = exact if entry.world.build_knowledge().exact else "known within the errors of a scan, or as told"
+        notice = f"Research, not a medical device. The patient is simulated, the anatomy {anatomy}."
         return cls(_who(entry, person), account, notice, population_of(entry).prior, effects)
 
 
@@ -120,17 +120,17 @@ def check_env(env_id: str) -> None:
         raise InputError(f"env is {env_id}; allowed: those with six closing muscles, Jaw and JawBilateral")
 
 
-def render(subject: Subject, course: Sequence[Treatment], about: dict[str, Any], show_truth: bool) -> str:
+def render(subject: Subject, course: Sequence[Treatment], metadata: dict[str, Any], show_truth: bool) -> str:
     """The page as HTML text.
 
     Args:
-        subject: whose page it is.
+        subject: patient and treatments.
         course: treatments, or a recording as one.
-        about: command, versions, time.
+        metadata: command, versions, time.
         show_truth: whether the true values of the simulated patient are shown.
     """
-    now = said_of(course)
-    said = {name: each.word for name, each in zip(MUSCLE_NAMES, now, strict=True)}
+    now = verdicts_of(course)
+    verdict_words = {name: verdict.word for name, verdict in zip(MUSCLE_NAMES, now, strict=True)}
     changed = change_of(course, subject.prior)
     cards = {name: _card(course, changed, i, now[i], show_truth) for i, name in enumerate(MUSCLE_NAMES)}
     return template.render(
@@ -139,15 +139,15 @@ def render(subject: Subject, course: Sequence[Treatment], about: dict[str, Any],
         subject=subject,
         number=len(course),
         seconds=f"{course[-1].time[-1]:g}",
-        ended_early=[i for i, each in enumerate(course, 1) if each.violated],
-        unfit=[i for i, each in enumerate(course, 1) if each.rings],
-        headline=headline(said),
-        views={side: drawing.view(side, muscle_set(), said) for side in ("right", "left")},
-        rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in ABOUT],
+        ended_early=[i for i, treatment in enumerate(course, 1) if treatment.violated],
+        unfit=[i for i, treatment in enumerate(course, 1) if treatment.rings],
+        headline=headline(verdict_words),
+        views={side: drawing.view(side, muscle_set(), verdict_words) for side in ("right", "left")},
+        rows=[(cards[f"{kind}_right"], cards[f"{kind}_left"]) for kind in LOCATIONS],
         legend=[
             (word, drawing.class_of(word))
             for word in (*WORDS, NO_VERDICT)
-            if word not in (BOTH, NO_VERDICT) or word in said.values()
+            if word not in (BOTH, NO_VERDICT) or word in verdict_words.values()
         ],
         fibrosed=f"{FIBROSED_F_O_N:g}",
         blocked=f"{BLOCKED_B:g}",
@@ -155,37 +155,39 @@ def render(subject: Subject, course: Sequence[Treatment], about: dict[str, Any],
         confidence=f"{100.0 * CONFIDENCE:g}",
         show_truth=show_truth,
         changes=changed is not None,
-        about=about,
+        about=metadata,
     )
 
 
-def said_of(course: Sequence[Treatment]) -> list[Verdict]:
+def verdicts_of(course: Sequence[Treatment]) -> list[Verdict]:
     """The verdict on every muscle after the last treatment; none where the readings of any do not fit the model.
 
     Args:
-        course: treatments, each of which begins with what the one before has left known.
+        course: treatments, each begun with the belief after the one before.
     """
-    if any(each.rings for each in course):
+    if any(treatment.rings for treatment in course):
         return [WITHHELD] * len(MUSCLE_NAMES)
     return verdicts(course[-1].mean[-1], course[-1].cov[-1])
 
 
-def headline(said: dict[str, str]) -> str:
+def headline(verdict_words: dict[str, str]) -> str:
     """All verdicts in a sentence or two.
 
     Args:
-        said: muscle -> verdict.
+        verdict_words: muscle -> verdict.
     """
-    if NO_VERDICT in said.values():
+    if NO_VERDICT in verdict_words.values():
         return "No verdict: the readings do not fit the model."
-    groups = {word: [words.label(name) for name, each in said.items() if each == word] for word in WORDS}
-    if len(groups[UNKNOWN]) == len(said):
+    groups = {
+        word: [words.label(name) for name, found_word in verdict_words.items() if found_word == word] for word in WORDS
+    }
+    if len(groups[UNKNOWN]) == len(verdict_words):
         return "Nothing can be said about any of the six closing muscles yet."
     order = [word for word in (*WORDS[1:-1], WORDS[0], UNKNOWN) if groups[word]]
     parts = []
     for word in order:
         names = groups[word]
-        if len(names) == len(said):
+        if len(names) == len(verdict_words):
             return f"All six closing muscles are {word}."
         parts.append(f"{word.capitalize()}: {_listed(names)}.")
     return " ".join(parts)
@@ -193,7 +195,7 @@ def headline(said: dict[str, str]) -> str:
 
 def _listed(names: Sequence[str]) -> str:
     for side in ("left", "right"):
-        if len(names) == len(ABOUT) and all(name.endswith(side) for name in names):
+        if len(names) == len(LOCATIONS) and all(name.endswith(side) for name in names):
             return f"all three on the {side}"
     return ", ".join(names)
 
@@ -211,7 +213,7 @@ def _card(course: Sequence[Treatment], changed: Change | None, muscle: int, now:
     b = math.exp(float(course[-1].mean[-1, 2 * muscle + 1]))
     return Card(
         title=title,
-        about=ABOUT[kind],
+        location=LOCATIONS[kind],
         verdict=now,
         badge=drawing.class_of(now.word),
         chance=_chance(now.probability) if now.word != NO_VERDICT else "",
@@ -233,10 +235,10 @@ def _quantity(
     label: str,
     unit: str,
     show_truth: bool,
-) -> Quantity:
+) -> CardQuantity:
     mean, sd = float(course[-1].mean[-1, parameter]), math.sqrt(course[-1].cov[-1, parameter, parameter])
     low, high = (_significant(math.exp(mean + factor * sd)) for factor in (-SD_95, SD_95))
-    return Quantity(
+    return CardQuantity(
         value=f"{_significant(math.exp(mean))} {unit}".strip(),
         interval=f"{low} to {high}",
         change="" if changed is None else change_in_words(*changed.of(parameter)),
@@ -260,14 +262,14 @@ def _since(course: Sequence[Treatment], muscle: int, word: str) -> str:
     if word in (UNKNOWN, NO_VERDICT):
         return ""
     pair = slice(2 * muscle, 2 * muscle + 2)
-    kept = [(number, step) for number, each in enumerate(course) for step in range(len(each.time))]
-    since = kept[-1]
-    for number, step in reversed(kept):
-        each = course[number]
-        if verdicts(each.mean[step, pair], each.cov[step, pair, pair])[0].word != word:
+    steps = [(number, step) for number, treatment in enumerate(course) for step in range(len(treatment.time))]
+    since = steps[-1]
+    for number, step in reversed(steps):
+        treatment = course[number]
+        if verdicts(treatment.mean[step, pair], treatment.cov[step, pair, pair])[0].word != word:
             break
         since = number, step
-    if since == kept[0]:
+    if since == steps[0]:
         return ", from the start"
     number, step = since
     when = f"{float(course[number].time[step]):.1f} s" if len(course) == 1 else f"treatment {number + 1}"
@@ -295,19 +297,23 @@ def verdict_rows(person: Person, course: Sequence[Treatment], prior: Prior) -> l
         prior: of the muscles.
     """
     rows: list[dict[str, object]] = []
-    for number, each in enumerate(course, 1):
-        sd = np.sqrt(np.diagonal(each.cov[-1]))
-        estimate, truth = np.exp(each.mean[-1]), np.exp(each.truth)
-        low, high = np.exp(each.mean[-1] - SD_95 * sd), np.exp(each.mean[-1] + SD_95 * sd)
+    for number, treatment in enumerate(course, 1):
+        sd = np.sqrt(np.diagonal(treatment.cov[-1]))
+        estimate, truth = np.exp(treatment.mean[-1]), np.exp(treatment.truth)
+        low, high = np.exp(treatment.mean[-1] - SD_95 * sd), np.exp(treatment.mean[-1] + SD_95 * sd)
         changed = change_of(course[:number], prior) or Change(*np.full((2, len(truth)), np.nan))
-        for i, said in enumerate(said_of(course[:number])):
+        for i, verdict in enumerate(verdicts_of(course[:number])):
             row: dict[str, object] = {"patient": person.name, "seed": person.seed, "treatment": number}
-            row |= {"muscle": MUSCLE_NAMES[i], "verdict": said.word, "probability": said.probability}
-            row |= {"stiff": said.stiff, "blocked": said.blocked, "truly": truly(each.truth[2 * i : 2 * i + 2])}
+            row |= {"muscle": MUSCLE_NAMES[i], "verdict": verdict.word, "probability": verdict.probability}
+            row |= {
+                "stiff": verdict.stiff,
+                "blocked": verdict.blocked,
+                "truly": truly(treatment.truth[2 * i : 2 * i + 2]),
+            }
             for symbol, k in (("F_o_N", 2 * i), ("b", 2 * i + 1)):
                 row |= {symbol: estimate[k], f"{symbol}_low": low[k], f"{symbol}_high": high[k]}
                 row |= {f"{symbol}_true": truth[k]}
                 names = (f"{symbol.removesuffix('_N')}_change{end}" for end in ("", "_low", "_high"))
                 row |= dict(zip(names, changed.of(k), strict=True))
-            rows.append(row | {"nees_of_12": each.nees, "misfit": each.misfit})
+            rows.append(row | {"nees_of_12": treatment.nees, "misfit": treatment.misfit})
     return rows

@@ -18,12 +18,12 @@ from jawenv.laboratory.identification import Identification
 from jawenv.laboratory.recordings.record import Record
 
 
-def write_page(record: Record, found: Identification, recording: Path, target: Path) -> Path:
+def write_page(record: Record, result: Identification, recording: Path, target: Path) -> Path:
     """Write the page; without a verdict where the estimates are not to be believed.
 
     Args:
         record: the recording.
-        found: what was found in it.
+        result: its identification.
         recording: its file.
         target: the page's file.
 
@@ -34,22 +34,22 @@ def write_page(record: Record, found: Identification, recording: Path, target: P
         InputError: a model without the six muscles that the page draws, or a page that cannot be written.
     """
     if record.parameter_names != PARAMETER_NAMES:
-        raise InputError(f"{recording}: has other muscles; allowed for a page: the six closing ones")
-    known = record.truth is not None
-    estimate = found.estimate
+        raise InputError(f"{recording}: has other muscles; allowed: the six closing ones")
+    simulated = record.truth is not None
+    estimate = result.estimate
     treatment = Treatment(
         time=estimate.time,
         mean=estimate.mean,
         cov=estimate.cov,
         truth=np.full(len(PARAMETER_NAMES), np.nan) if record.truth is None else record.truth,
         violated=False,
-        misfit=found.misfit if found.believable else inf,
+        misfit=result.misfit if result.believable else inf,
     ).thinned(MOMENTS)
     subject = page.Subject(
         who=f"Recording “{recording.stem}”",
-        account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {found.rows:,} rows, {found.refused:,} refused",
-        notice="Research, not a medical device." + (" The patient is simulated." if known else ""),
+        account=f"{record.time[-1]:g} s at {1.0 / record.dt:.3g} Hz, {result.rows:,} rows, {result.refused:,} refused",
+        notice="Research, not a medical device." + (" The patient is simulated." if simulated else ""),
         prior=record.prior,
     )
     command = shlex.join(["jawenv", "identify", str(recording), "--page", str(target)])
-    return page.write(page.render(subject, [treatment], made_with(command), known), target)
+    return page.write(page.render(subject, [treatment], made_with(command), simulated), target)

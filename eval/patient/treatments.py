@@ -1,4 +1,4 @@
-"""Treatments of one patient, one after the other: what each leaves known is where the next begins."""
+"""Treatments of one patient, one after the other: each begins with the belief after the one before."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eval.entries import Entry
-from eval.patient.belief import Belief, KnownPatient, at_start, combined, is_shared
+from eval.patient.belief import KnownPatient, PatientBelief, at_start, combined, is_shared
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError
 from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood, joint_likelihood
@@ -50,7 +50,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Treatment:
-    """What is believed during one treatment, at T times from its start to its end.
+    """The belief during one treatment, at T times from its start to its end.
 
     Attributes:
         time: (T,) s since its start.
@@ -59,10 +59,10 @@ class Treatment:
         truth: (P,) the patient's natural-log parameters, the same during a treatment.
         violated: whether it ended at a hard limit of comfort.
         misfit: the filter's alarm, the largest of the treatment.
-        information: (P + Q, P + Q) what this treatment alone has told of the muscles and the patient's anatomy
+        information: (P + Q, P + Q) information of this treatment alone on the muscles and the patient's anatomy
             together, see ``JointLikelihood``; empty where the anatomy is known exactly.
         vector: (P + Q,) the same.
-        joint_mean: (P + Q,) what is known of them at the end after all treatments so far; empty as well.
+        joint_mean: (P + Q,) joint belief at the end after all treatments so far; empty as well.
         joint_cov: (P + Q, P + Q).
     """
 
@@ -78,8 +78,8 @@ class Treatment:
     joint_cov: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     @property
-    def told(self) -> JointLikelihood | None:
-        """What this treatment alone has told; None where the anatomy is known exactly."""
+    def likelihood(self) -> JointLikelihood | None:
+        """Likelihood of this treatment alone; None where the anatomy is known exactly."""
         return JointLikelihood(self.information, self.vector) if len(self.vector) else None
 
     @property
@@ -114,16 +114,16 @@ def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> 
         patient: drawn from the entry's cohort by default, as `jawenv.play` draws it where the anatomy is known exactly.
 
     Raises:
-        InputError: a patient who cannot be treated, or what the environment refuses.
+        InputError: a patient who cannot be treated, or an error of the environment.
     """
     population = population_of(entry)
     if not is_shared(entry):
-        return _play(entry, Belief.of_prior(population.prior), patient, seed)
+        return _play(entry, PatientBelief.of_prior(population.prior), patient, seed)
     generator = np.random.default_rng(seed)
     for attempt in range(REDRAWS):
-        given = population.draw(generator) if patient is None else patient
+        drawn = population.draw(generator) if patient is None else patient
         try:
-            return _play_shared(entry, None, _of_one_anatomy(given, seed), seed)
+            return _play_shared(entry, None, _of_one_anatomy(drawn, seed), seed)
         except InputError:
             if patient is not None or attempt == REDRAWS - 1:
                 raise
@@ -133,7 +133,7 @@ def first_treatment(entry: Entry, seed: int, patient: Patient | None = None) -> 
 def next_treatment(
     entry: Entry, last: Treatment, number: int, drift: float, seed: int, patient: Patient | None = None
 ) -> Treatment:
-    """The treatment that begins with what the last one left known.
+    """The treatment that begins with the belief after the last one.
 
     Every parameter has made a normal step since, and the belief is widened by as much. A step that makes a patient whom
     the device cannot treat is drawn again.
@@ -144,7 +144,7 @@ def next_treatment(
         number: of this treatment; the first is 1.
         drift: sd of the step.
         seed: of the patient; noise and step follow from it and the number.
-        patient: whose name, anatomy and tilt of the head it keeps; those of a drawn one by default.
+        patient: source of name, anatomy and tilt of the head; a drawn one by default.
 
     Raises:
         InputError: the environment refuses the settings, or all patients that are drawn.
@@ -164,19 +164,19 @@ def next_treatment(
             if shared:
                 # How the device sits is drawn with the noise, and decides with whom it can treat.
                 return _play_shared(entry, _widened(last, drift), _of_one_anatomy(changed, seed), noises[attempt])
-            return _play(entry, Belief(last.mean[-1], last.cov[-1]).widened(drift), changed, noises[0])
+            return _play(entry, PatientBelief(last.mean[-1], last.cov[-1]).widened(drift), changed, noises[0])
         except InputError:
             if (drift == 0.0 and not shared) or attempt == REDRAWS - 1:
                 raise
     raise AssertionError("the last attempt returns or raises")
 
 
-def _play(entry: Entry, belief: Belief, patient: Patient | None, noise: int) -> Treatment:
+def _play(entry: Entry, belief: PatientBelief, patient: Patient | None, noise: int) -> Treatment:
     """One treatment that begins with a belief."""
     population = population_of(entry)
     working = belief.working_prior(population.prior)
-    known = KnownPatient.of(population, working)
-    recording = entry.play([patient], noise, cohort=known, track_bound=False)
+    cohort = KnownPatient.of(population, working)
+    recording = entry.play([patient], noise, cohort=cohort, track_bound=False)
     last = recording.last[0] + 1
     mean, cov = combined(belief, working, recording.belief_mean[0, :last], recording.belief_cov[0, :last])
     return Treatment(recording.time[:last], mean, cov, recording.truth[0], *_outcome(recording))
@@ -188,26 +188,26 @@ def _play_shared(entry: Entry, before: tuple[Array, Array] | None, patient: Pati
     working, parameters = population.prior, len(population.prior.mean)
     if before is not None:
         mean, cov = (values[:parameters] for values in before)
-        working = Belief(mean, cov[:, :parameters]).working_prior(population.prior)
-    heard: list[JointLikelihood] = []  # what the filter has learned, that of the reset first
+        working = PatientBelief(mean, cov[:, :parameters]).working_prior(population.prior)
+    heard: list[JointLikelihood] = []  # of the filter after each step, the reset first
 
     def hear(env: Any, action: Any) -> None:
         heard.append(joint_likelihood(env.unwrapped.simulation, 0))
 
-    known = KnownPatient.of(population, working)
-    recording = entry.play([patient], noise, on_step=hear, cohort=known, track_bound=False)
+    cohort = KnownPatient.of(population, working)
+    recording = entry.play([patient], noise, on_step=hear, cohort=cohort, track_bound=False)
     last = int(recording.last[0]) + 1
-    told = heard[:last]
-    start = before or at_start(population.prior, len(told[0].vector))
-    beliefs = [each.posterior(*start) for each in told]
+    likelihoods = heard[:last]
+    start = before or at_start(population.prior, len(likelihoods[0].vector))
+    beliefs = [likelihood.posterior(*start) for likelihood in likelihoods]
     return Treatment(
         recording.time[:last],
         np.array([mean[:parameters] for mean, _ in beliefs]),
         np.array([cov[:parameters, :parameters] for _, cov in beliefs]),
         recording.truth[0],
         *_outcome(recording),
-        told[-1].information,
-        told[-1].vector,
+        likelihoods[-1].information,
+        likelihoods[-1].vector,
         *beliefs[-1],
     )
 
@@ -218,14 +218,14 @@ def _outcome(recording: Recording) -> tuple[bool, float]:
 
 
 def _widened(last: Treatment, drift: float) -> tuple[Array, Array]:
-    """What is known of muscles and anatomy after each muscle's step; the anatomy makes none."""
+    """Joint belief on muscles and anatomy after each muscle's step; the anatomy makes none."""
     steps = np.zeros(len(last.joint_mean))
     steps[: len(last.truth)] = drift**2
     return last.joint_mean, last.joint_cov + np.diag(steps)
 
 
 def _of_one_anatomy(patient: Patient, seed: int) -> Patient:
-    """The patient with an anatomy of its own: that of the seed, if the patient names none."""
+    """The patient with an anatomy: its own, or one drawn by the seed."""
     if patient.anatomy_seed is not None:
         return patient
     own = int(np.random.SeedSequence((seed, 0)).generate_state(1)[0])

@@ -28,7 +28,7 @@ SYMBOLS = ("circle", "square", "triangle-up", "cross", "star", "hexagon")
 _ROW_PX, _MARGIN_PX = 34, 70
 _BELOW = 0.27  # of a row: where a second mark stands, so that the first does not hide it
 _POINTS = 100
-_LEAST_DISCOMFORT = 1e-3  # s per 30 s: what is shown of less, on a log axis
+_LEAST_DISCOMFORT = 1e-3  # s per 30 s: floor of the log axis
 _COARSE, _FINE = (1, 1.5, 2, 3, 5, 7), (1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)
 _NARROW = 3.0  # highest over lowest NEES of a chart, below which it needs the finer marks
 _STRIPS = (
@@ -76,7 +76,7 @@ def all_charts(study: Results, ranking: Ranking) -> dict[str, Chart]:
 
 
 def information(ranking: Ranking) -> Chart:
-    """True information with its interval, what is claimed, and the bound where there is one."""
+    """True information with its interval, claimed information, and the bound where there is one."""
     floor = -0.1 * max(row.information_claimed.value for row in ranking.rows)
     traces = []
     for i, row in enumerate(ranking.rows):
@@ -101,7 +101,7 @@ def information(ranking: Ranking) -> Chart:
 
 
 def has_bound(ranking: Ranking) -> bool:
-    """Whether the bound is one: it holds for a filter whose model is true."""
+    """Whether the bound holds: only for a filter with a true model."""
     return not ranking.effects and not ranking.estimator
 
 
@@ -161,18 +161,18 @@ def _nees_ticks(ranking: Ranking) -> Chart:
     """Marks of an axis of NEES, so close that the chart shows two at least."""
     shown = [end for row in ranking.rows for end in (row.nees.value, row.nees.low, row.nees.high) if end > 0.0]
     narrow = not shown or max(shown) < _NARROW * min(shown)
-    return {"tickvals": [round(each * 10.0**k, 6) for k in range(-1, 7) for each in (_FINE if narrow else _COARSE)]}
+    return {"tickvals": [round(factor * 10.0**k, 6) for k in range(-1, 7) for factor in (_FINE if narrow else _COARSE)]}
 
 
 def reached(study: Results, ranking: Ranking, target: float) -> Chart:
-    """Share of the patients whose worst sd has come down to a target, over time."""
+    """Share of the patients with a worst sd at or below a target, over time."""
     longest = float(study.patients["duration_s"].max())
     traces = []
     for i, row in enumerate(ranking.rows):
         seconds = np.sort(study.of(row.entry)[f"time_to_{target:g}_s"].to_numpy())
-        found = seconds[np.isfinite(seconds)]
-        time = np.concatenate([[0.0], found, [longest]])
-        share = np.concatenate([[0.0], np.arange(1, len(found) + 1), [len(found)]]) / len(seconds)
+        times = seconds[np.isfinite(seconds)]
+        time = np.concatenate([[0.0], times, [longest]])
+        share = np.concatenate([[0.0], np.arange(1, len(times) + 1), [len(times)]]) / len(seconds)
         trace = _styled(ranking, i, time, 100.0 * share, "%{y:.0f} % at %{x:.1f} s")
         trace["line"]["shape"] = "hv"
         traces.append(trace)
@@ -228,11 +228,11 @@ def motion(moved: dict[str, Any]) -> Chart:
     layout: Chart = {"xaxis": {"title": "time, s", "anchor": "y3"}, "height": 430, "hovermode": "closest"}
     layout |= {"shapes": [cursor], "annotations": []}
     traces = []
-    for place, (title, names, values) in enumerate(strips):
-        axis, sds, top = f"y{place + 1 if place else ''}", names is parameters, 0.96 - 0.34 * place
+    for index, (title, names, values) in enumerate(strips):
+        axis, sds, top = f"y{index + 1 if index else ''}", names is parameters, 0.96 - 0.34 * index
         for number, name in enumerate(names):
             look = {"color": drawing.REFERENCE, "width": 1} if sds else _STRIPS[number % len(_STRIPS)]
-            shape = {"shape": "hv"} if place == 0 else {}
+            shape = {"shape": "hv"} if index == 0 else {}
             line = {"x": _plain(frames["time_s"]), "y": _plain(values[:, number]), "yaxis": axis, "mode": "lines"}
             hover = f"{name} {'%{y:.1%}' if sds else '%{y:.2f}'} at %{{x:.1f}} s<extra></extra>"
             traces.append(line | {"line": look | shape, "hovertemplate": hover})
@@ -248,7 +248,7 @@ def motion(moved: dict[str, Any]) -> Chart:
 
 def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
     """Sd of every parameter over time, entry by entry: time, and of each parameter centre, low, high and bound."""
-    found: dict[str, Any] = {}
+    by_entry: dict[str, Any] = {}
     for row in ranking.rows:
         of_entry: dict[str, Any] = {}
         for parameter in study.parameters:
@@ -256,8 +256,8 @@ def curves(study: Results, ranking: Ranking) -> dict[str, Any]:
             of_entry["time"] = _plain(table["time_s"])
             names = ("centre", "low", "high", "bound") if has_bound(ranking) else ("centre", "low", "high")
             of_entry[parameter] = {name: _plain(table[name]) for name in names if np.isfinite(table[name]).all()}
-        found[row.entry] = of_entry
-    return found
+        by_entry[row.entry] = of_entry
+    return by_entry
 
 
 def sd_range(study: Results) -> list[float]:
@@ -320,7 +320,7 @@ def _line(study: Results, ranking: Ranking, i: int, quantity: str, hover: str) -
 
 
 def _thin(study: Results, entry: str, quantity: str) -> dict[str, Array]:
-    """One curve, thinned to what a panel can show."""
+    """One curve, thinned to the resolution of a panel."""
     table = study.curves[(study.curves["entry"] == entry) & (study.curves["quantity"] == quantity)]
     picked = table.iloc[np.unique(np.linspace(0, len(table) - 1, _POINTS).round().astype(int))]
     return {name: picked[name].to_numpy(dtype=np.float64) for name in ("time_s", "centre", "low", "high", "bound")}
@@ -330,15 +330,15 @@ def _point(ranking: Ranking, i: int, x: float, y: float, interval: Interval, hov
     """A dot with its interval."""
     colour = drawing.colours(ranking)[ranking.rows[i].entry]
     point = _marks(i, x, y, {"size": 11} | _look(ranking, i), hover)
-    known = interval.known and math.isfinite(interval.high)
-    high, low = (max(interval.high - x, 0.0), max(x - interval.low, 0.0)) if known else (0.0, 0.0)
+    has_ends = interval.known and math.isfinite(interval.high)
+    high, low = (max(interval.high - x, 0.0), max(x - interval.low, 0.0)) if has_ends else (0.0, 0.0)
     error = {"type": "data", "array": [high], "arrayminus": [low], "symmetric": False, "color": colour}
     return point | {"error_x": error | {"thickness": 3, "width": 0}}
 
 
 def _marks(i: int, x: float, y: float, marker: Chart, hover: str) -> Chart:
-    found: Chart = {"x": _plain(np.array([x])), "y": _plain(np.array([y])), "mode": "markers", "meta": i}
-    return found | {"marker": marker, "hovertemplate": f"{hover}<extra></extra>"}
+    trace: Chart = {"x": _plain(np.array([x])), "y": _plain(np.array([y])), "mode": "markers", "meta": i}
+    return trace | {"marker": marker, "hovertemplate": f"{hover}<extra></extra>"}
 
 
 def _cloud(ranking: Ranking, i: int, values: Array, seeds: Array, unit: str) -> Chart:

@@ -70,11 +70,11 @@ def colours(ranking: Ranking) -> dict[str, str]:
 def repeats(ranking: Ranking) -> dict[str, int]:
     """How many entries before each have its colour."""
     seen: dict[str, int] = {}
-    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for entry, colour in colours(ranking).items():
-        found[entry] = seen.get(colour, 0)
-        seen[colour] = found[entry] + 1
-    return found
+        counts[entry] = seen.get(colour, 0)
+        seen[colour] = counts[entry] + 1
+    return counts
 
 
 def names(ranking: Ranking) -> dict[str, str]:

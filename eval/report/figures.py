@@ -27,15 +27,15 @@ def _overview(study: Results, ranking: Ranking) -> Figure:
     colour = drawing.colours(ranking)
     rng = np.random.default_rng(0)
     floor = _floor(ranking)
-    for place, row in enumerate(ranking.rows):
-        _bar(left, row.information_true, place, colour[row.entry], floor)
-        left.plot(row.information_claimed.value, place, "d", mfc="none", mec=colour[row.entry], ms=6)
-        left.plot(row.information_bound.value, place, "|", color=REFERENCE, ms=13, mew=1.6)
+    for y, row in enumerate(ranking.rows):
+        _bar(left, row.information_true, y, colour[row.entry], floor)
+        left.plot(row.information_claimed.value, y, "d", mfc="none", mec=colour[row.entry], ms=6)
+        left.plot(row.information_bound.value, y, "|", color=REFERENCE, ms=13, mew=1.6)
         worst = study.of(row.entry)["worst_sd"].to_numpy()
-        shaken = place + rng.uniform(-0.24, 0.24, len(worst))
+        shaken = y + rng.uniform(-0.24, 0.24, len(worst))
         right.scatter(worst, shaken, s=7, color=colour[row.entry], alpha=0.35, lw=0, rasterized=len(worst) > 200)
-        _bar(right, row.worst_sd_median, place, colour[row.entry])
-        right.plot(row.worst_sd_p90.value, place, "|", color=INK, ms=12, mew=1.6)
+        _bar(right, row.worst_sd_median, y, colour[row.entry])
+        right.plot(row.worst_sd_p90.value, y, "|", color=INK, ms=12, mew=1.6)
     left.plot([], [], "o", color=INK, label="true, with interval")
     left.plot([], [], "d", mfc="none", mec=INK, label="claimed")
     left.plot([], [], "|", color=REFERENCE, ms=11, mew=1.6, label="bound")
@@ -54,13 +54,13 @@ def _overview(study: Results, ranking: Ranking) -> Figure:
     return figure
 
 
-def _bar(axes: Axes, estimate: Interval, place: float, colour: str, floor: float = -np.inf) -> None:
-    """A dot with its interval, or an arrow and a number at the floor for what lies below it."""
+def _bar(axes: Axes, estimate: Interval, y: float, colour: str, floor: float = -np.inf) -> None:
+    """A dot with its interval, or an arrow and a number at the floor for a value below it."""
     if estimate.value < floor:
-        axes.plot(floor, place, "<", color=colour, ms=7, mec="none", zorder=3)
+        axes.plot(floor, y, "<", color=colour, ms=7, mec="none", zorder=3)
         axes.annotate(
             words.number(estimate.value, 0),
-            (floor, place),
+            (floor, y),
             xytext=(7, 0),
             textcoords="offset points",
             va="center_baseline",
@@ -68,8 +68,8 @@ def _bar(axes: Axes, estimate: Interval, place: float, colour: str, floor: float
         return
     if estimate.known:
         ends = [max(estimate.low, floor), estimate.high]
-        axes.plot(ends, [place, place], color=colour, lw=2.6, solid_capstyle="butt")
-    axes.plot(estimate.value, place, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
+        axes.plot(ends, [y, y], color=colour, lw=2.6, solid_capstyle="butt")
+    axes.plot(estimate.value, y, "o", color=colour, ms=6.5, mec="white", mew=0.8, zorder=3)
 
 
 def _floor(ranking: Ranking) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from eval.comparison.ranking import Ranking, Row
+from eval.comparison.ranking import Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.film import write_mp4
 from eval.report.learned import Learned
@@ -22,11 +22,11 @@ from jawenv.rendering import Scene, palette
 from jawenv.rendering.film import JawRenderer
 
 BESIDE = "slow_opening"
-"""Whose film stands beside that of the best: what is played in practice."""
+"""Entry of the film beside the best one's: the maneuver of practice."""
 ENOUGH, MOST = 4, 6
-"""So many entries are filmed, and more only where trainings are compared with what they began as."""
+"""Number of filmed entries; only trainings beside their base maneuvers add to them."""
 LONGEST_S, PICTURES_PER_S, SPEED = 12.0, 8, 1.5
-"""What is filmed of an episode, s; pictures for each of these; how much quicker the film is."""
+"""Longest film of an episode, s; pictures per second of it; speed of the film."""
 QUALITY = ("-crf", "32", "-preset", "slow")
 _SMOOTH = ("contact", "turn", "moved")
 
@@ -42,23 +42,23 @@ def candidates(ranking: Ranking, trained: Sequence[Learned]) -> set[str]:
     return {BESIDE, *(row.entry for row in rows)}
 
 
-def beside(study: Results, ranking: Ranking) -> list[Row]:
-    """The best entry whose motion was kept, else the first, and ``BESIDE``."""
-    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    best = ranking.best if ranking.best in kept else kept[0] if kept else None
-    return [row for row in kept if row is best or row.entry == BESIDE]
+def beside(study: Results, ranking: Ranking) -> list[RankingRow]:
+    """The best entry, or the first, among those with a kept motion, and ``BESIDE``."""
+    rows = [row for row in ranking.rows if study.motions.get(row.entry)]
+    best = ranking.best if ranking.best in rows else rows[0] if rows else None
+    return [row for row in rows if row is best or row.entry == BESIDE]
 
 
-def filmed(study: Results, ranking: Ranking, wanted: Sequence[Row]) -> list[Row]:
+def filmed(study: Results, ranking: Ranking, asked_rows: Sequence[RankingRow]) -> list[RankingRow]:
     """The entries of `beside`, those that are wanted, and the next best where there is time for more."""
-    kept = [row for row in ranking.rows if study.motions.get(row.entry)]
-    asked = list(dict.fromkeys(row.entry for row in (*beside(study, ranking), *wanted) if row in kept))[:MOST]
-    others = [row.entry for row in kept if row.entry not in asked]
+    rows = [row for row in ranking.rows if study.motions.get(row.entry)]
+    asked = list(dict.fromkeys(row.entry for row in (*beside(study, ranking), *asked_rows) if row in rows))[:MOST]
+    others = [row.entry for row in rows if row.entry not in asked]
     shown = {*asked, *others[: max(ENOUGH - len(asked), 0)]}
-    return [row for row in kept if row.entry in shown]
+    return [row for row in rows if row.entry in shown]
 
 
-def films(study: Results, rows: Sequence[Row]) -> dict[str, str]:
+def films(study: Results, rows: Sequence[RankingRow]) -> dict[str, str]:
     """An mp4 in base64 of every row, by its label; progress is shown on the error stream."""
     if not rows:
         return {}

@@ -1,4 +1,4 @@
-"""What a newcomer sees first: the answer, whether it can be believed, and three bars per entry."""
+"""The first screen of the report: the answer, whether it can be believed, and three bars per entry."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from eval import words
 from eval.comparison.admission import LARGEST_RINGING
-from eval.comparison.ranking import KNOWN, Ranking, Row
+from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.rollout import DEFAULT_ENV
@@ -25,11 +25,11 @@ class Bar:
     """A figure and how good it is.
 
     Attributes:
-        said: the figure with its unit.
+        text: the figure with its unit.
         full: 0, as bad as the scale goes, to 1, the best possible.
     """
 
-    said: str
+    text: str
     full: float
 
 
@@ -42,13 +42,13 @@ class Bars:
     comfortable: Bar
 
 
-def firsts(ranking: Ranking) -> tuple[Row, ...]:
+def firsts(ranking: Ranking) -> tuple[RankingRow, ...]:
     """The best five, and all entries that do not come with the project, in the order of the rows."""
     best = ranking.rows[:N_BEST]
     return tuple(row for row in ranking.rows if row in best or row.own)
 
 
-def rest(ranking: Ranking) -> tuple[Row, ...]:
+def rest(ranking: Ranking) -> tuple[RankingRow, ...]:
     """All other rows."""
     shown = firsts(ranking)
     return tuple(row for row in ranking.rows if row not in shown)
@@ -57,11 +57,11 @@ def rest(ranking: Ranking) -> tuple[Row, ...]:
 def answer(ranking: Ranking) -> str:
     """Which entry is best, how soon all parameters are known by it, and on how many patients, in one sentence.
 
-    Before it what acted on the truth and the filter did not know, if anything.
+    Before it the effects on the truth unknown to the filter, if any.
     """
     effects = ", ".join(f"{name} = {value:g}" for name, value in ranking.effects.items())
-    said = f"with {effects}, which the filter does not know: {_answer(ranking)}" if effects else _answer(ranking)
-    return said[0].upper() + said[1:]
+    sentence = f"with {effects}, which the filter does not know: {_answer(ranking)}" if effects else _answer(ranking)
+    return sentence[0].upper() + sentence[1:]
 
 
 def _answer(ranking: Ranking) -> str:
@@ -74,25 +74,25 @@ def _answer(ranking: Ranking) -> str:
     if best is None:
         ahead = words.label(ranking.ranked[0].entry)
         return f"No maneuver is best on these {patients}: {ahead} is ahead, but its stated errors cannot be believed."
-    said = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
+    times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
-    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are known {said}."
+    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are known {times}."
 
 
 def assumption(study: Results) -> str:
-    """What the answer takes for granted of anatomy and disturbance, in a sentence or two."""
+    """Assumptions of the answer on anatomy and disturbance, in a sentence or two."""
     settings = study.about.get("settings", {})
     imaged = study.env == KNOWN_WITHIN_SDS
-    known = "only roughly, as a scan shows it" if imaged or settings.get("knowledge") else "exactly"
+    how = "only roughly, as a scan shows it" if imaged or settings.get("knowledge") else "exactly"
     lasts = imaged or settings.get("device", {}).get("unmodelled_time_s", 0.0) > 0.0
     lasting = "that last" if lasts else "that do not last"
-    said = f"This holds for a jaw whose anatomy is known {known}, with small disturbances {lasting}."
+    sentence = f"This holds for a jaw whose anatomy is known {how}, with small disturbances {lasting}."
     less = " Where a scan alone shows the anatomy, all is known several times less precisely."
-    return said + (less if known == "exactly" and study.env == DEFAULT_ENV else "")
+    return sentence + (less if how == "exactly" and study.env == DEFAULT_ENV else "")
 
 
-def _reached(row: Row, target: float) -> str:
+def _reached(row: RankingRow, target: float) -> str:
     """`to 5 % after 9.3 s`, as the median over the patients."""
     to = f"to {100.0 * target:g} %"
     if math.isfinite(row.time_to[target].value):
@@ -113,12 +113,12 @@ def belief(ranking: Ranking) -> tuple[bool, str]:
     return ranking.believes(row), because
 
 
-def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:
+def bars(ranking: Ranking, row: RankingRow, episode_s: float) -> Bars:
     """How soon, how sure and how comfortable; a fuller bar is better.
 
     Args:
         ranking: of the study.
-        row: whose.
+        row: of the entry.
         episode_s: length of the episodes, in which the first bar is empty where nothing becomes known.
     """
     seconds, worst, allowed = row.time_to[KNOWN].value, row.worst_sd_median.value, ranking.admission
@@ -135,7 +135,7 @@ def bars(ranking: Ranking, row: Row, episode_s: float) -> Bars:
     )
 
 
-def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[Row]) -> list[tuple[Row, Bars]]:
+def all_bars(ranking: Ranking, episode_s: float, rows: Iterable[RankingRow]) -> list[tuple[RankingRow, Bars]]:
     """Rows with their bars."""
     return [(row, bars(ranking, row, episode_s)) for row in rows]
 

@@ -1,4 +1,4 @@
-"""What a training has changed: a trained correction beside the maneuver that it corrects, and its learning curves."""
+"""Effect of a training: a trained correction beside the maneuver that it corrects, and its learning curves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from agents.card import card_of
 from agents.evaluations import CURVES, read_evaluations
 from eval import statistics, words
-from eval.comparison.ranking import KNOWN, Ranking, Row
+from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.report import charts
 from eval.rows.outcomes import EARLY_S
@@ -24,8 +24,8 @@ _MIDDLE = (5, 95)
 
 
 @dataclass(frozen=True)
-class Change:
-    """One target before and after, as fractions of the comfortable excursion: the middle 90 % of what was asked for."""
+class TargetShift:
+    """Middle 90 % of one target before and after, as fractions of the comfortable excursion."""
 
     target: str
     before: tuple[float, float]
@@ -42,42 +42,42 @@ class Learned:
         steps: environment steps of the training.
         early: mean difference of the natural log of the worst sd after ``EARLY_S``; below 0 the entry is better.
         end: the same at the end.
-        changes: of its targets, on the patient whose motion was kept; none where the device follows no targets.
+        changes: of its targets, on the patient with a kept motion; none where the device follows no targets.
     """
 
-    entry: Row
-    base: Row
+    entry: RankingRow
+    base: RankingRow
     steps: int
     early: Interval
     end: Interval
-    changes: tuple[Change, ...]
+    changes: tuple[TargetShift, ...]
 
     @property
     def sooner(self) -> str:
         """How soon all parameters are known, before and after."""
         before, after = (row.time_to[KNOWN].value for row in (self.base, self.entry))
-        said = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
+        times = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
         base, entry = words.label(self.base.entry), words.label(self.entry.entry)
-        known = f"knows all parameters to {100.0 * KNOWN:g} % {said[0]}"
-        return f"{entry} began as {base}. In half of the patients that {known}, {entry} {said[1]}."
+        phrase = f"knows all parameters to {100.0 * KNOWN:g} % {times[0]}"
+        return f"{entry} began as {base}. In half of the patients that {phrase}, {entry} {times[1]}."
 
     @property
     def gain(self) -> tuple[str, Interval]:
-        """When, and the worst sd as a share of that of the base on the same patient."""
+        """When, and the worst sd as a share of the base's on the same patient."""
         when, log = (f"after {EARLY_S:g} s", self.early) if self.early.known else ("at the end", self.end)
         return when, Interval(*(math.exp(end) for end in (log.value, log.low, log.high)))
 
 
 def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
-    """Every trained entry whose run lies where it was, and which corrects a maneuver of the same study."""
+    """Every trained entry with its run still in place that corrects a maneuver of the same study."""
     rows = {row.entry: row for row in ranking.rows}
-    found = []
-    for each in study.about.get("entries", []):
-        corrected = _corrected(Path(each["spec"])) if each.get("trained") and each["label"] in rows else None
+    lessons = []
+    for played in study.about.get("entries", []):
+        corrected = _corrected(Path(played["spec"])) if played.get("trained") and played["label"] in rows else None
         if corrected is None or corrected[0] not in rows:
             continue
-        entry, base = rows[each["label"]], rows[corrected[0]]
-        found.append(
+        entry, base = rows[played["label"]], rows[corrected[0]]
+        lessons.append(
             Learned(
                 entry,
                 base,
@@ -87,7 +87,7 @@ def learned(study: Results, ranking: Ranking) -> tuple[Learned, ...]:
                 _changes(study.motions.get(base.entry), study.motions.get(entry.entry), study.about),
             )
         )
-    return tuple(found)
+    return tuple(lessons)
 
 
 def _corrected(folder: Path) -> tuple[str, int] | None:
@@ -100,32 +100,36 @@ def _corrected(folder: Path) -> tuple[str, int] | None:
     return None if residual is None or not table else (residual.maneuver.name, int(table[-1]["steps"]))
 
 
-def _difference(study: Results, entry: Row, base: Row, column: str) -> Interval:
+def _difference(study: Results, entry: RankingRow, base: RankingRow, column: str) -> Interval:
     own, other = (study.of(row.entry)[column].to_numpy() for row in (entry, base))
     return statistics.difference(np.log(own), np.log(other))
 
 
-def _changes(before: dict[str, Any] | None, after: dict[str, Any] | None, about: dict[str, Any]) -> tuple[Change, ...]:
+def _changes(
+    before: dict[str, Any] | None, after: dict[str, Any] | None, metadata: dict[str, Any]
+) -> tuple[TargetShift, ...]:
     from jawenv.playing.maneuvers.player import goals_of
 
-    if not before or not after or not takes_targets(about["settings"]["control"]):
+    if not before or not after or not takes_targets(metadata["settings"]["control"]):
         return ()
-    ranges = [np.percentile(goals_of(np.array(each["frames"]["command"])), _MIDDLE, axis=0) for each in (before, after)]
-    first, then = (np.round(each, 2).T.tolist() for each in ranges)
+    ranges = [
+        np.percentile(goals_of(np.array(motion["frames"]["command"])), _MIDDLE, axis=0) for motion in (before, after)
+    ]
+    first, then = (np.round(ends, 2).T.tolist() for ends in ranges)
     return tuple(
-        Change(name, (one[0], one[1]), (two[0], two[1]))
+        TargetShift(name, (one[0], one[1]), (two[0], two[1]))
         for name, one, two in zip(after["commands"], first, then, strict=True)
     )
 
 
 def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
-    """A chart of each of ``agents.evaluations.CURVES`` over steps, and what could not be read of the runs."""
-    trained = [each for each in study.about.get("entries", []) if each.get("trained")]
+    """A chart of each of ``agents.evaluations.CURVES`` over steps, and notes on unreadable runs."""
+    trained = [entry for entry in study.about.get("entries", []) if entry.get("trained")]
     if not trained:
         return {}, []
-    tables, notes = _tables({each["label"]: each["spec"] for each in trained}, ranking)
+    tables, notes = _tables({entry["label"]: entry["spec"] for entry in trained}, ranking)
     looks = charts.entries(ranking)
-    found = {}
+    drawn = {}
     for column, label, factor in CURVES if tables else ():
         traces = []
         for i, table in tables.items():
@@ -148,8 +152,8 @@ def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.
             "height": 300,
             "hovermode": "closest",
         }
-        found[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
-    return found, notes
+        drawn[f"learning_{column}"] = {"data": traces, "layout": layout, "labels": True}
+    return drawn, notes
 
 
 def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: str) -> dict[str, Any]:
@@ -170,7 +174,7 @@ def _errors(rows: list[dict[str, float]], column: str, factor: float, colour: st
 
 def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dict[str, float]]], list[str]]:
     """Evaluations by the number of the row, of the runs that are still where they were."""
-    found, notes = {}, []
+    by_row, notes = {}, []
     for i, row in enumerate(ranking.rows):
         if row.entry not in specs or not Path(specs[row.entry]).is_dir():
             continue
@@ -180,5 +184,5 @@ def _tables(specs: dict[str, str], ranking: Ranking) -> tuple[dict[int, list[dic
             notes.append(str(error))
             continue
         if table:
-            found[i] = table
-    return found, notes
+            by_row[i] = table
+    return by_row, notes

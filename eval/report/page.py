@@ -14,10 +14,10 @@ import numpy as np
 from markupsafe import Markup
 
 from eval import words
-from eval.comparison.adaptation import adaptations
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import Results
+from eval.comparison.trainings import adaptations
 from eval.report import charts, films, first, template
 from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
@@ -51,7 +51,7 @@ def render(study: Results, ranking: Ranking) -> str:
     """
     learning, learning_notes = learning_charts(study, ranking)
     learnt = learned(study, ranking)
-    filmed = films.filmed(study, ranking, [row for each in learnt for row in (each.base, each.entry)])
+    filmed = films.filmed(study, ranking, [row for lesson in learnt for row in (lesson.base, lesson.entry)])
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
         "entries": charts.entries(ranking),
@@ -118,9 +118,9 @@ def _played(study: Results) -> str:
     return f"the {'first ' if seed == first_seed else ''}patient (seed {seed})"
 
 
-def _entries_in(found: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:
+def _entries_in(traced: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:
     """Place and name of the entries that have a line in a chart."""
-    numbers = dict.fromkeys(trace["meta"] for chart in found.values() for trace in chart["data"])
+    numbers = dict.fromkeys(trace["meta"] for chart in traced.values() for trace in chart["data"])
     return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]
 
 
@@ -141,14 +141,14 @@ def _limits(study: Results) -> list[str]:
 
 def _use_of_limits(study: Results, ranking: Ranking) -> dict[str, dict[str, dict[str, float]]]:
     """Largest use of every soft limit in any patient, and mean s beyond it, by entry and limit."""
-    found = {}
+    uses = {}
     for row in ranking.rows:
         table = study.of(row.entry)
-        found[row.entry] = {
+        uses[row.entry] = {
             limit: {
                 "largest": float(np.nanmax(table[f"used/{limit}"])),
                 "beyond_s": float(table[f"beyond/{limit}_s"].mean()),
             }
             for limit in _limits(study)
         }
-    return found
+    return uses

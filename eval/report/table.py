@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from eval import words
-from eval.comparison.adaptation import Adaptation
-from eval.comparison.ranking import KNOWN, Ranking, Row
+from eval.comparison.ranking import KNOWN, Ranking, RankingRow
+from eval.comparison.trainings import FIGURES, Adaptation, Gain
 from eval.report import first
 from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
 from eval.statistics import Interval
+from eval.tables import Table as WrittenTable
 from eval.tables import printed_table
+from jawenv.files import write_text
 
 _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
+GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
+"""The figures of gains that a terminal has room for."""
 _MEANING = {"honest": "honest", "overconfident": "too small", "cautious": "too large"}
 
 
@@ -38,12 +43,12 @@ def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
 
 
 def show_verdict(ranking: Ranking, learnt: Sequence[Learned], console: Console) -> None:
-    """Print which entry is best, whether that can be believed, and what trained entries have learned."""
+    """Print which entry is best, whether that can be believed, and the effect of trainings."""
     believed, because = first.belief(ranking)
     console.print(Text(first.answer(ranking), style="bold"), soft_wrap=True)
     console.print(Text(f"Can it be believed? {'Yes' if believed else 'No'}, because {because}"), soft_wrap=True)
-    for each in learnt:
-        console.print(Text(f"What was learned? {each.sooner}"), soft_wrap=True)
+    for lesson in learnt:
+        console.print(Text(f"What was learned? {lesson.sooner}"), soft_wrap=True)
 
 
 def _show_all(ranking: Ranking, console: Console) -> None:
@@ -64,9 +69,9 @@ def _show_all(ranking: Ranking, console: Console) -> None:
     )
 
 
-def show_adaptations(found: tuple[Adaptation, ...], console: Console) -> None:
+def show_adaptations(adaptations: tuple[Adaptation, ...], console: Console) -> None:
     """Print how much better entries are than their replays; nothing where none was replayed."""
-    if not found:
+    if not adaptations:
         return
     table = _table(
         "Against the own targets, replayed without looking: mean difference of the log of the worst sd",
@@ -75,14 +80,14 @@ def show_adaptations(found: tuple[Adaptation, ...], console: Console) -> None:
         "at the end",
         "",
     )
-    for place, each in enumerate(found, 1):
+    for number, adaptation in enumerate(adaptations, 1):
         table.add_row(
-            str(place),
-            f"{words.label(each.entry)}\nagainst {words.label(each.replay)}",
-            _both(each.early, 2),
-            each.verdict(each.early),
-            _both(each.end, 2),
-            each.verdict(each.end),
+            str(number),
+            f"{words.label(adaptation.entry)}\nagainst {words.label(adaptation.replay)}",
+            _both(adaptation.early, 2),
+            adaptation.verdict(adaptation.early),
+            _both(adaptation.end, 2),
+            adaptation.verdict(adaptation.end),
         )
     console.print(table)
 
@@ -147,7 +152,7 @@ def _short(ranking: Ranking) -> Table:
     return table
 
 
-def _time_to(row: Row, target: float) -> str:
+def _time_to(row: RankingRow, target: float) -> str:
     return words.number(row.time_to[target].value) if target in row.time_to else words.NOTHING
 
 
@@ -174,7 +179,7 @@ def _speed(ranking: Ranking) -> Table:
     return table
 
 
-def _rows(ranking: Ranking, table: Table) -> Iterator[Row]:
+def _rows(ranking: Ranking, table: Table) -> Iterator[RankingRow]:
     """All rows, with a line in the table above the first that is not ranked."""
     for row in ranking.rows:
         if ranking.others and row is ranking.others[0] and ranking.ranked:
@@ -208,7 +213,7 @@ def _trust(ranking: Ranking) -> Table:
     return table
 
 
-def _name(row: Row) -> Text:
+def _name(row: RankingRow) -> Text:
     name = Text(words.label(row.entry), style="bold magenta" if row.trained else "")
     if row.note:
         name.append(f"\n{row.note}", style="dim")
@@ -219,3 +224,33 @@ def _both(estimate: Interval, digits: int = 1) -> Text:
     text = Text(words.number(estimate.value, digits))
     text.append(f"\n{words.interval(estimate, digits)}", style="dim")
     return text
+
+
+def show_gains(gains: tuple[Gain, ...], console: Console) -> None:
+    """Print the differences; nothing where there are none."""
+    if not gains:
+        return
+    table = printed_table("Trained and planned entries, patient by patient: mean differences")
+    table.add_column("entry", min_width=16)
+    for figure in GAINS_SHOWN:
+        table.add_column(FIGURES[figure].title, justify="right")
+    for gain in gains:
+        entry = Text(words.label(gain.name) + (f", {gain.seeds} seeds" if gain.seeds > 1 else ""))
+        entry.append(f"\nagainst {words.label(gain.against)}", style="dim")
+        table.add_row(entry, *(_both(gain.figures[name], FIGURES[name].digits) for name in GAINS_SHOWN))
+    console.print(table)
+
+
+def write_gains(gains: tuple[Gain, ...], path: Path) -> None:
+    """Write all figures as a Markdown table."""
+    head = ["contestant", "against", "seeds", *(figure.title for figure in FIGURES.values())]
+    rows = [
+        [
+            words.label(gain.name),
+            words.label(gain.against),
+            str(gain.seeds),
+            *(words.with_interval(gain.figures[name], figure.digits) for name, figure in FIGURES.items()),
+        ]
+        for gain in gains
+    ]
+    write_text(path, WrittenTable(head, rows, (0, 1)).markdown() + "\n")

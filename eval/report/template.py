@@ -1,4 +1,4 @@
-"""HTML files out of templates, which need no network and no other file, and what stands in them: figures and terms."""
+"""HTML files out of templates, which need no network and no other file; their figures and terms."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _COLOURS = {
 _NAME = re.compile(r'(\bid="|url\(#|href="#)')
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}")
-# What the page says once, or nobody refers to: metadata, a style for all of the page, names of groups, fonts.
+# Dropped as repeated or unused: metadata, a style for all of the page, names of groups, fonts.
 _NOT_WANTED = re.compile(
     r'<metadata>.*?</metadata>|<style.*?</style>|(?<=<g) id="[^"]*"| font-family: [^;"]*;|^\s+',
     re.DOTALL | re.MULTILINE,
@@ -95,7 +95,7 @@ def picture(figure: Figure, name: str, label: str, colours: Mapping[str, str] | 
     Args:
         figure: drawn in `eval.report.drawing.style`.
         name: unique on the page; every id inside begins with it.
-        label: what a screen reader says.
+        label: text for a screen reader.
         colours: drawn colour -> CSS, besides those of `eval.report.drawing`.
     """
     with drawing.style():

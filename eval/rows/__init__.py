@@ -1,1 +1,1 @@
-"""What is kept of a patient: one module for each family of columns."""
+"""Columns of a patient's row: one module for each family."""

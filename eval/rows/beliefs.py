@@ -1,4 +1,4 @@
-"""What a filter believes of each patient at some times: how far off, and how sure."""
+"""Errors and sds of a filter's belief about each patient at some times."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LATE = 1e-6  # s; by how much a kept time may miss the wanted one
 
 @dataclass(frozen=True)
 class Beliefs(Rows):
-    """What a filter believes, with its nuisances where it is the environment's own and has some.
+    """Belief of a filter, with its nuisances where it is the environment's own and has some.
 
     Attributes:
         filter: name, see ``eval.rows.filters``.
@@ -54,7 +54,7 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
 
     ``outcome`` is ``judged``; ``ended`` where the episode ended before that time, at a hard limit or because the
     environment's own filter had diverged; or ``diverged`` where the filter itself has no belief there: its mean is not
-    finite or its covariance not positive definite. All figures but those of ``judged`` rows are NaN.
+    finite or its covariance not positive definite. Figures are NaN outside of ``judged`` rows.
 
     Args:
         recording: of N worlds, with their records unless the filter is the environment's own.

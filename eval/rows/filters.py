@@ -1,4 +1,4 @@
-"""The filters whose honesty can be judged, by the names that the command line takes."""
+"""The filters to calibrate, by their names on the command line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jawenv.laboratory.references.mode_search import ModeSearch
 from jawenv.laboratory.references.smoother import IteratedSmoother
 
 TENSION = "tension"
-"""The environment's own, whose belief the recording holds: it is not run again."""
+"""The environment's own filter: its belief stands in the recording and is not computed again."""
 THESIS_RATE = 0.01  # relative, per square root of a second: the constant noise of Young (2016)
 
 Make = Callable[[int, tuple[float, ...]], Estimator]
@@ -39,8 +39,8 @@ def filters_named(names: Sequence[str]) -> tuple[str, ...]:
     Raises:
         InputError: none, or an unknown one; the message lists the known ones.
     """
-    known = (TENSION, *OTHERS)
+    allowed = (TENSION, *OTHERS)
     for name in names or ("",):
-        if name not in known:
-            raise InputError(f"filters is {name!r}; allowed: {', '.join(known)}")
+        if name not in allowed:
+            raise InputError(f"filters is {name!r}; allowed: {', '.join(allowed)}")
     return tuple(dict.fromkeys(names))

@@ -1,4 +1,4 @@
-"""What the record of every patient has told."""
+"""Information gain of every patient's record."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jawenv.envs.configuration import Configuration
 from jawenv.inference.information_gain import InformationGain, information_gain
 from jawenv.inference.patient_law import PatientLaw
 
-FIGURES = tuple(each.name for each in fields(InformationGain))
+FIGURES = tuple(field.name for field in fields(InformationGain))
 COLUMNS = ("seed", *FIGURES, "claimed", "ended")
 
 

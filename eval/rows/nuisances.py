@@ -1,4 +1,4 @@
-"""What the filter believes of what it knows only within sds beside the muscles, and what was drawn: by groups."""
+"""The filter's belief on nuisances, unknowns beside the muscles, against their true values: by groups."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ ERROR, LEFT = "nuisance_z2", "nuisance_left"
 
 def group_of(direction: Unknowns) -> str:
     """The group of one of the filter's nuisances."""
-    place = np.flatnonzero(direction.numbers)
-    if len(place):
-        return _NUMBERS[place[0]]
+    index = np.flatnonzero(direction.numbers)
+    if len(index):
+        return _NUMBERS[index[0]]
     return next(group for name, group in _FIELDS.items() if np.any(getattr(direction, name)))
 
 
 class NuisanceBeliefs:
-    """What the filter believes of nuisances at some times, for all worlds, as ``jawenv.play`` tells it (``on_step``).
+    """Recorder of the filter's belief on nuisances at some times, for all worlds of ``jawenv.play`` (``on_step``).
 
     Args:
         times: s.
@@ -63,8 +63,8 @@ class NuisanceBeliefs:
         worlds = rows["seed"] - first_seed
         judged = rows["nees"].notna()
         chosen = [
-            self._kept[time][world] if known else {}
-            for world, time, known in zip(worlds, rows["time_s"], judged, strict=True)
+            self._kept[time][world] if is_judged else {}
+            for world, time, is_judged in zip(worlds, rows["time_s"], judged, strict=True)
         ]
         return rows.join(pd.DataFrame(chosen, index=rows.index))
 

@@ -1,4 +1,4 @@
-"""What a patient's episode comes to: metrics at its end, and how precision grows with time.
+"""Outcome of a patient's episode: metrics at its end, and precision over time.
 
 A row has patient's ``seed``, every metric of `jawenv.metrics.Score` at the end of the episode, with `truth/`, `error/`,
 `sd/` and `bound_sd/` of every parameter, `used/` (largest used fraction) and `beyond/..._s` (time beyond it) of every
@@ -50,7 +50,7 @@ _MEANS = ("nees", "information_claimed", "information_true")
 
 @dataclass(frozen=True)
 class Outcomes(Rows):
-    """What episodes come to.
+    """Outcomes of episodes.
 
     Attributes:
         bound: whether the posterior Cramer-Rao bound is computed.

@@ -1,4 +1,4 @@
-"""When the truth is found: the score of a patient, and what is kept of one."""
+"""Time until the truth is found: the score of a patient, and its row."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
 LEVELS = (0.20, 0.10, 0.05)
-"""Relative errors whose times are kept in every task."""
+"""Relative errors with a column of times in every task."""
 _OF_THE_EPISODE = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
 _FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
 COLUMNS = (*_OF_THE_EPISODE, *_FOUND, "claimed_s", "completed", "score_s")
-"""What is kept of every patient; see docs/benchmark.md."""
+"""Columns of every patient; see docs/benchmark.md."""
 
 
 def within_for_good(recording: Recording, within: float) -> Array:
@@ -52,7 +52,7 @@ def within_for_good(recording: Recording, within: float) -> Array:
 
 
 def completed(recording: Recording) -> npt.NDArray[np.bool_]:
-    """(N,) whose episode reached its time limit, and crossed no hard limit of comfort."""
+    """(N,) whether the episode reached its time limit, and crossed no hard limit of comfort."""
     crossed = (recording.violation & recording.valid).any(axis=1)
     return np.asarray(~(recording.terminated | crossed))
 

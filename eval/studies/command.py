@@ -1,4 +1,4 @@
-"""What ``python -m eval study`` does with a study: plays it, and writes and prints its results."""
+"""``python -m eval study``: plays a study, and writes and prints its results."""
 
 from __future__ import annotations
 
@@ -20,42 +20,48 @@ PATIENTS = "patients.parquet"
 
 
 def study(
-    given: str, patients: int | None, output: Path | None, run: Run, command: str, console: Console, trust: bool = False
+    source: str,
+    patients: int | None,
+    output: Path | None,
+    run: Run,
+    command: str,
+    console: Console,
+    trust: bool = False,
 ) -> None:
     """Play a study and write `study.md`, `profiles.svg`, and the Parquet files of patients, cells, pairs and profiles.
 
     Args:
-        given: name or file of the study.
+        source: name or file of the study.
         patients: fewer than the study has; None for all.
         output: folder of the results; None for one of the study's name.
         run: how it is played.
         command: how all this was given, for the results.
         console: where the table is shown.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Raises:
         InputError: a study that does not exist or does not fit, or files that cannot be read or written.
     """
-    name, wanted = design.read(given)
+    name, plan = design.read(source)
     if patients is not None:
-        wanted = wanted.model_copy(update={"patients": min(patients, wanted.patients)})
+        plan = plan.model_copy(update={"patients": min(patients, plan.patients)})
     output = output or OUTPUT / name
-    rows = without_times(play_cells(cells_of(wanted, trust), output, run))
-    rows.insert(len(FACTORS), "patient", rows["seed"] - wanted.seed)
-    about = made_with(command, study=wanted.model_dump(mode="json"))
+    rows = without_times(play_cells(cells_of(plan, trust), output, run))
+    rows.insert(len(FACTORS), "patient", rows["seed"] - plan.seed)
+    metadata = made_with(command, study=plan.model_dump(mode="json"))
     with alone(output):
-        write_table(rows, output / PATIENTS, about)
+        write_table(rows, output / PATIENTS, metadata)
         console.print("estimating figures, pairs and profiles with their intervals")
         figures = {
-            "cells": estimates.cells(rows, wanted),
-            "pairs": estimates.pairs(rows, wanted),
-            "profiles": estimates.profiles(rows, wanted),
+            "cells": estimates.cells(rows, plan),
+            "pairs": estimates.pairs(rows, plan),
+            "profiles": estimates.profiles(rows, plan),
         }
-        for each, table in figures.items():
-            write_table(table, output / f"{each}.parquet", about)
-        page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], wanted, about)
+        for name_of_table, table in figures.items():
+            write_table(table, output / f"{name_of_table}.parquet", metadata)
+        page = tables.markdown(figures["cells"], figures["pairs"], figures["profiles"], plan, metadata)
         write_text(output / "study.md", page)
-        drawing.draw(figures["profiles"], wanted, output / "profiles.svg")
-    tables.of_cells(figures["cells"], wanted).show(console, intervals=False)
+        drawing.draw(figures["profiles"], plan, output / "profiles.svg")
+    tables.of_cells(figures["cells"], plan).show(console, intervals=False)
     console.print(f"tables:  {output / 'study.md'}\nfigure:  {output / 'profiles.svg'}", soft_wrap=True)
     console.print(f"results: {output / PATIENTS}, and cells, pairs, profiles beside it", soft_wrap=True)

@@ -25,13 +25,13 @@ MOST_PATIENTS = 1_000_000
 
 def _named(field: str) -> BeforeValidator:
     """Lets a text stand for a mapping with one field."""
-    return BeforeValidator(lambda given: {field: given} if isinstance(given, str) else given)
+    return BeforeValidator(lambda value: {field: value} if isinstance(value, str) else value)
 
 
-def _different(given: tuple[Any, ...]) -> tuple[Any, ...]:
-    if any(value in given[:place] for place, value in enumerate(given)):
-        raise ValueError("must not name one twice")
-    return given
+def _different(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    if any(value in values[:index] for index, value in enumerate(values)):
+        raise ValueError(f"is {shown(values)}; allowed: each once")
+    return values
 
 
 class Choice(InputModel):
@@ -50,8 +50,8 @@ class Choice(InputModel):
     patients: int | None = Field(default=None, ge=1, le=MOST_PATIENTS)
 
 
-class Environment(InputModel):
-    """An environment, and what its filter believes in.
+class EnvironmentChoice(InputModel):
+    """An environment, and the mechanics of its filter.
 
     Attributes:
         env: its id, or as `jawenv.ladder.model_of_env` takes it.
@@ -65,8 +65,8 @@ class Environment(InputModel):
 
     @field_validator("env")
     @classmethod
-    def _spelt_out(cls, given: str) -> str:
-        return title_of_env(env_id_of(given))
+    def _spelt_out(cls, env: str) -> str:
+        return title_of_env(env_id_of(env))
 
     @property
     def name(self) -> str:
@@ -75,7 +75,7 @@ class Environment(InputModel):
 
 
 class Side(InputModel):
-    """One side of a pair: what it has of its own; in all else it equals the other side.
+    """One side of a pair by its own levels; in all others it equals the other side.
 
     Attributes:
         entry: label of a maneuver or agent.
@@ -113,8 +113,8 @@ class Design(InputModel):
     """A study: everything in `entries` is played under every combination of the settings, on the same patients.
 
     Attributes:
-        title: what is asked.
-        description: what a reader should know.
+        title: the question.
+        description: a paragraph for readers.
         entries: maneuvers and agents.
         environments: models of the jaw.
         cohorts: names or files of cohorts.
@@ -122,12 +122,12 @@ class Design(InputModel):
         sensors: `pose` or `point`.
         force_sensors: `cell`, `motors` or `straps`.
         reality: by a name of one's own, effects that the filter does not know; none by default.
-        control_hz: control steps per second; those of each control by default.
+        control_hz: control steps per second; the default rate of each control by default.
         patients: how many; patient i is drawn, and its noise made, by the seed `seed + i`.
         seed: of the first patient.
         episode_s: length of every episode, s.
         metrics: names of `eval.studies.metrics.METRICS`.
-        pairs: what is compared patient by patient.
+        pairs: comparisons patient by patient.
 
     Raises:
         InputError: a field has a value that is not allowed.
@@ -136,8 +136,8 @@ class Design(InputModel):
     title: str
     description: str = ""
     entries: tuple[Annotated[Choice, _named("agent")], ...] = Field(min_length=1)
-    environments: tuple[Annotated[Environment, _named("env")], ...] = Field(
-        default=(Environment(env="Jaw"),), min_length=1
+    environments: tuple[Annotated[EnvironmentChoice, _named("env")], ...] = Field(
+        default=(EnvironmentChoice(env="Jaw"),), min_length=1
     )
     cohorts: tuple[str, ...] = Field(default=("trismus",), min_length=1)
     controls: tuple[Control, ...] = Field(default=(DEFAULT_CONTROL,), min_length=1)
@@ -155,15 +155,15 @@ class Design(InputModel):
         "entries", "environments", "cohorts", "controls", "sensors", "force_sensors", "control_hz", "metrics"
     )
     @classmethod
-    def _no_repeats(cls, given: tuple[Any, ...]) -> tuple[Any, ...]:
-        return _different(given)
+    def _no_repeats(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        return _different(values)
 
     @field_validator("cohorts")
     @classmethod
-    def _known_cohorts(cls, given: tuple[str, ...]) -> tuple[str, ...]:
-        for name in given:
+    def _known_cohorts(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        for name in names:
             cohort(name)
-        return given
+        return names
 
     @model_validator(mode="after")
     def _parts_of_it(self) -> Design:
@@ -179,18 +179,18 @@ class Design(InputModel):
 
     @field_validator("reality")
     @classmethod
-    def _known_effects(cls, given: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
-        for effects in given.values():
+    def _known_effects(cls, effects_by_name: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+        for effects in effects_by_name.values():
             check_reality(effects)
-        return given
+        return effects_by_name
 
     @field_validator("metrics")
     @classmethod
-    def _known_metrics(cls, given: tuple[str, ...]) -> tuple[str, ...]:
-        for name in given:
+    def _known_metrics(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        for name in names:
             if name not in METRICS:
                 raise ValueError(f"names {shown(name)}; allowed: {', '.join(METRICS)}")
-        return given
+        return names
 
 
 def shipped() -> Mapping[str, Path]:
@@ -205,13 +205,13 @@ def read(source: str) -> tuple[str, Design]:
         Its name, and the study.
 
     Raises:
-        InputError: no such study or file, or one that is damaged or does not fit; one line that says what and where.
+        InputError: no such study or file, or one that is damaged or does not fit; one line that names the field.
     """
     path = shipped().get(source, Path(source))
     if path.suffix.lower() not in FILE_TYPES:
-        known = ", ".join(shipped())
+        names = ", ".join(shipped())
         kinds = ", ".join(FILE_TYPES)
         raise InputError(
-            f"study {shown(source)} is unknown; {meant(str(source), shipped())}allowed: {known}, or a file ({kinds})"
+            f"study is {shown(source)}; {meant(str(source), shipped())}allowed: {names}, or a file ({kinds})"
         )
     return path.stem, read_model(path, Design)

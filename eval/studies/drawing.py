@@ -53,11 +53,11 @@ def draw(profiles: pd.DataFrame, design: Design, path: Path) -> None:
         for row, name in zip(axes, panels, strict=True):
             for key, of_line in table[table[panel] == name].groupby(line, sort=False):
                 colour, dash = styles[str(key)]
-                for place, quantity in zip(row, ("worst_sd", "time_to_5"), strict=True):
+                for ax, quantity in zip(row, ("worst_sd", "time_to_5"), strict=True):
                     curve = of_line[of_line["quantity"] == quantity]
-                    place.plot(curve["x"], curve["share"], color=colour, linestyle=dash, label=key)
+                    ax.plot(curve["x"], curve["share"], color=colour, linestyle=dash, label=key)
             _name_axes(row[0], row[1], name, design)
-        handles = {handle.get_label(): handle for place in axes.flat for handle in place.get_legend_handles_labels()[0]}
+        handles = {handle.get_label(): handle for ax in axes.flat for handle in ax.get_legend_handles_labels()[0]}
         if len(handles) > 1:
             figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=_LEGEND_COLUMNS)
         with atomic_write(path) as unfinished:
@@ -68,11 +68,11 @@ def _text(level: object) -> str:
     return f"{level:g} steps/s" if isinstance(level, float) else str(level)
 
 
-def _name_axes(known: Axes, soon: Axes, name: str, design: Design) -> None:
-    known.set_title(name)
-    drawing.log_percent(known, "x")
-    known.set_xlabel("worst sd")
-    known.set_ylabel("share of the patients")
-    known.set_ylim(0.0, 1.02)
+def _name_axes(precision: Axes, soon: Axes, name: str, design: Design) -> None:
+    precision.set_title(name)
+    drawing.log_percent(precision, "x")
+    precision.set_xlabel("worst sd")
+    precision.set_ylabel("share of the patients")
+    precision.set_ylim(0.0, 1.02)
     soon.set_xlim(0.0, design.episode_s)
     soon.set_xlabel("time until the worst sd is 5 %, s")

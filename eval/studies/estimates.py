@@ -1,4 +1,4 @@
-"""What the patients of a study say about all patients: figures of cells, paired comparisons, performance profiles.
+"""From the patients of a study to all patients: figures of cells, paired comparisons, performance profiles.
 
 Intervals are over patients, 95 %. Probabilities of improvement and profiles are those that Agarwal et al. (2021,
 NeurIPS 34:29304, `rliable`) recommend, with patients for runs and settings for tasks. Two things differ. Both sides of
@@ -30,7 +30,7 @@ _TIMES = 61
 
 
 def _values(rows: pd.DataFrame, metric: str) -> Array:
-    """(N,) values of a metric; what a parameter is named by its column is not NaN for the rows' environment."""
+    """(N,) values of a metric; parameters are the columns that are not NaN for the rows' environment."""
     truths = rows.filter(like="truth/").iloc[:1]
     return METRICS[metric].of(rows, int(truths.notna().to_numpy().sum()))
 
@@ -55,10 +55,10 @@ def cells(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     """
     table = []
     for levels, cell in rows.groupby(list(FACTORS), sort=False):
-        place = dict(zip(FACTORS, levels, strict=True))
+        factors = dict(zip(FACTORS, levels, strict=True))
         for metric in design.metrics:
             interval = _with_interval(_values(cell, metric), metric)
-            table.append(place | {"patients": len(cell), "metric": metric} | vars(interval))
+            table.append(factors | {"patients": len(cell), "metric": metric} | vars(interval))
     return pd.DataFrame(table)
 
 
@@ -90,12 +90,12 @@ def _rows_of_pair(pair: Pair, by_cell: dict[Levels, pd.DataFrame], design: Desig
     sides = {"better": str(pair[0]), "than": str(pair[1])}
     for metric in filter(COMPARED.__contains__, design.metrics):
         tables = [_by_patient(one, other, metric) for _, one, other in met]
-        for (place, *_), table in zip(met, tables, strict=True):
-            yield sides | place | {"patients": len(table), "metric": metric} | _compared(table)
+        for (factors, *_), table in zip(met, tables, strict=True):
+            yield sides | factors | {"patients": len(table), "metric": metric} | _compared(table)
         if len(met) > 1:
-            place = {factor: level and ALL for factor, level in met[0][0].items()}
+            factors = {factor: level and ALL for factor, level in met[0][0].items()}
             table = _means(tables)
-            yield sides | place | {"patients": len(table), "metric": metric} | _compared(table)
+            yield sides | factors | {"patients": len(table), "metric": metric} | _compared(table)
 
 
 def _means(tables: list[pd.DataFrame]) -> pd.DataFrame:
@@ -125,12 +125,12 @@ def _by_patient(one: pd.DataFrame, other: pd.DataFrame, metric: str) -> pd.DataF
     values, reference = _values(one, metric), _values(other, metric)
     finite = np.isfinite(values).all() and np.isfinite(reference).all()
     direction = METRICS[metric].better
-    known = direction is not None and not (np.isnan(values).any() or np.isnan(reference).any())
+    ordered = direction is not None and not (np.isnan(values).any() or np.isnan(reference).any())
     nothing = np.full(len(one), np.nan)
     return pd.DataFrame(
         {
             "difference": values - reference if finite else nothing,
-            "probability": statistics.better(values, reference, higher=direction == "higher") if known else nothing,
+            "probability": statistics.better(values, reference, higher=direction == "higher") if ordered else nothing,
         },
         index=one.index,
     )
@@ -146,7 +146,7 @@ def _compared(table: pd.DataFrame) -> dict[str, float]:
 
 
 def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
-    """Performance profiles: the share of the patients whose worst sd is at most x, or within 5 % by x seconds.
+    """Performance profiles: the share of the patients with a worst sd of at most x, or within 5 % by x seconds.
 
     Args:
         rows: of `eval.kept.cells.play_cells`.
@@ -157,7 +157,7 @@ def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
     """
     levels = {"worst_sd": _SD_LEVELS, "time_to_5": np.linspace(0.0, design.episode_s, _TIMES)}
     table = []
-    for place, cell in rows.groupby(list(FACTORS), sort=False):
+    for factors, cell in rows.groupby(list(FACTORS), sort=False):
         for quantity, grid in levels.items():
             counts = np.searchsorted(np.sort(_values(cell, quantity)), grid, side="right")
             shares = [statistics.share_of(int(count), len(cell)) for count in counts]
@@ -169,5 +169,5 @@ def profiles(rows: pd.DataFrame, design: Design) -> pd.DataFrame:
                 "low": [share.low for share in shares],
                 "high": [share.high for share in shares],
             }
-            table.append(pd.DataFrame(dict(zip(FACTORS, place, strict=True)) | figures))
+            table.append(pd.DataFrame(dict(zip(FACTORS, factors, strict=True)) | figures))
     return pd.concat(table, ignore_index=True)

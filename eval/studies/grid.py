@@ -10,7 +10,7 @@ from typing import Any
 from eval.entries import Entry, load_entry
 from eval.kept.cells import Cell
 from eval.rows.outcomes import Outcomes
-from eval.studies.design import Choice, Design, Environment, Pair
+from eval.studies.design import Choice, Design, EnvironmentChoice, Pair
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 
@@ -18,7 +18,7 @@ PATIENTS_IN_A_PART = 20
 PATIENTS_OF_A_PLANNER = 4
 _BOUNDS = {"information_bound", "worst_bound_sd"}
 FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
-"""What tells cells apart, in the order of the columns."""
+"""Factors of a cell, in the order of the columns."""
 
 
 Levels = tuple[Any, ...]
@@ -30,7 +30,7 @@ def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
 
     Args:
         design: the study.
-        trust: whether checkpoints that lie in no run's folder may be unpickled.
+        trust: whether stable-baselines3 checkpoints may be unpickled.
 
     Raises:
         InputError: an unknown entry, one that another setting was trained for, two of one name, settings that no
@@ -39,9 +39,9 @@ def cells_of(design: Design, trust: bool = False) -> tuple[Cell, ...]:
     cells = tuple(cell for environment in design.environments for cell in _of_environment(design, environment, trust))
     for pair in design.pairs:
         if not matches(pair, [tuple(cell.levels.values()) for cell in cells], design):
-            known = ", ".join(dict.fromkeys(str(cell.levels["entry"]) for cell in cells))
+            names = ", ".join(dict.fromkeys(str(cell.levels["entry"]) for cell in cells))
             raise InputError(
-                f"pairs: no two cells are '{pair[0]}' and '{pair[1]}' and alike in all else; entries are {known}; "
+                f"pairs: no two cells are '{pair[0]}' and '{pair[1]}' and alike in all else; entries are {names}; "
                 f"reality is {', '.join(design.reality)}"
             )
     return cells
@@ -57,20 +57,20 @@ def matches(pair: Pair, every: Sequence[Levels], design: Design) -> list[tuple[L
         every: levels of all cells.
         design: the study.
     """
-    compared = [place for place, factor in enumerate(FACTORS) if factor != "control_hz" or design.control_hz]
-    by_place = {tuple(levels[place] for place in compared): levels for levels in every}
+    compared = [index for index, factor in enumerate(FACTORS) if factor != "control_hz" or design.control_hz]
+    by_place = {tuple(levels[index] for index in compared): levels for levels in every}
     one, other = pair[0].given, pair[1].given
-    found = []
+    pairs = []
     for levels in every:
         fields = dict(zip(FACTORS, levels, strict=True))
-        wanted = tuple((fields | other).values())
-        partner = by_place.get(tuple(wanted[place] for place in compared), levels)
+        other_levels = tuple((fields | other).values())
+        partner = by_place.get(tuple(other_levels[index] for index in compared), levels)
         if all(fields[factor] == value for factor, value in one.items()) and partner != levels:
-            found.append((levels, partner))
-    return found
+            pairs.append((levels, partner))
+    return pairs
 
 
-def _of_environment(design: Design, environment: Environment, trust: bool) -> Iterator[Cell]:
+def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool) -> Iterator[Cell]:
     rates = design.control_hz or (None,)
     controls = environment.controls or design.controls
     settings = product(design.cohorts, controls, design.sensors, design.force_sensors, design.reality, rates)
@@ -91,10 +91,10 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
         for choice in design.entries:
             if control in (choice.controls or design.controls) and cohort_name in (choice.cohorts or design.cohorts):
                 entry = _checked(choice, world, labels, trust)
-                place = environment.name, cohort_name, control, sensors, force_sensor, reality, world.steps_per_s
+                levels = environment.name, cohort_name, control, sensors, force_sensor, reality, world.steps_per_s
                 number = min(choice.patients or design.patients, design.patients)
                 yield Cell(
-                    dict(zip(FACTORS, (*place, entry.label), strict=True)),
+                    dict(zip(FACTORS, (*levels, entry.label), strict=True)),
                     partial(load_entry, choice.agent, world, trust=trust),
                     range(design.seed, design.seed + number),
                     Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics)),
@@ -103,7 +103,7 @@ def _of_environment(design: Design, environment: Environment, trust: bool) -> It
 
 
 def _checked(choice: Choice, asked: Configuration, labels: dict[str, str], trust: bool) -> Entry:
-    """An entry, whose label must be another one than those of the entries before.
+    """An entry with a label of its own among the entries so far.
 
     Raises:
         InputError: it plays other settings than those asked for, or has the label of another entry.

@@ -26,7 +26,7 @@ class Metric:
         of: its values (N,) from the rows of N patients and the number of parameters.
         better: which direction is better; None where neither is.
         statistic: over the patients: their mean, or, where some may be infinite, their median or 90 % quantile (`p90`).
-        scale: what tables multiply it by.
+        scale: factor in tables.
         digits: behind the point in tables.
     """
 
@@ -99,5 +99,5 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
 )
 """Every figure by its name; sd are of natural logs, so 5 % is 5 % of the parameter."""
 COMPARED = {name for name, metric in METRICS.items() if metric.statistic != "p90"}
-"""Of these there are differences, patient by patient; a quantile's would be those of the median's metric again."""
+"""Metrics with differences patient by patient; a quantile's would repeat the median's."""
 DEFAULT_METRICS = ("information_true", "worst_sd", "time_to_5", "nees_per_parameter", "discomfort_s")

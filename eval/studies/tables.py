@@ -1,4 +1,4 @@
-"""The tables of a study: as Markdown, with what they were made with, and in the terminal."""
+"""The tables of a study: as Markdown, with command and versions, and in the terminal."""
 
 from __future__ import annotations
 
@@ -58,10 +58,10 @@ def of_cells(table: pd.DataFrame, design: Design) -> Table:
     head += ["patients", *(METRICS[metric].title for metric in design.metrics)]
     rows = []
     for levels, cell in table.groupby(list(FACTORS), sort=False):
-        place = dict(zip(FACTORS, levels, strict=True))
+        setting = dict(zip(FACTORS, levels, strict=True))
         records = cell.to_dict("records")
         figures = [_cell(Interval(row["value"], row["low"], row["high"]), row["metric"]) for row in records]
-        rows.append([*(_level(factor, place[factor]) for factor in factors), str(cell["patients"].iloc[0]), *figures])
+        rows.append([*(_level(factor, setting[factor]) for factor in factors), str(cell["patients"].iloc[0]), *figures])
     return Table(head, rows, _texts(head, rows), NOTE, design.title)
 
 
@@ -76,11 +76,11 @@ def of_pairs(table: pd.DataFrame, design: Design) -> Table:
     head = ["first", "second", *(_TITLES.get(factor, factor) for factor in factors), "patients"]
     head += [METRICS[metric].title for metric in design.metrics if metric in COMPARED]
     rows = []
-    for place, figures in table.groupby(["better", "than", *FACTORS], sort=False):
-        levels = dict(zip(FACTORS, place[2:], strict=True))
+    for group, figures in table.groupby(["better", "than", *FACTORS], sort=False):
+        levels = dict(zip(FACTORS, group[2:], strict=True))
         rows.append(
             [
-                *(words.label(str(side)) for side in place[:2]),
+                *(words.label(str(side)) for side in group[:2]),
                 *(_level(factor, levels[factor]) or words.NOTHING for factor in factors),
                 str(figures["patients"].iloc[0]),
                 *(_compared(row) for row in figures.to_dict("records")),
@@ -110,7 +110,7 @@ def of_profiles(table: pd.DataFrame, design: Design) -> Table:
     head += [f"worst sd ≤ {100 * level:g} %" for level in _SD_SHOWN] + [f"5 % within {time:.3g} s" for time in times]
     rows = []
     for levels, cell in table.groupby(list(FACTORS), sort=False):
-        place = dict(zip(FACTORS, levels, strict=True))
+        setting = dict(zip(FACTORS, levels, strict=True))
         figures = []
         for quantity, points in (("worst_sd", _SD_SHOWN), ("time_to_5", times)):
             of_one = cell[cell["quantity"] == quantity]
@@ -118,7 +118,7 @@ def of_profiles(table: pd.DataFrame, design: Design) -> Table:
                 row = of_one.iloc[(of_one["x"] - point).abs().argmin()]
                 ends = words.interval(Interval(row["share"], 100 * row["low"], 100 * row["high"]), 0)
                 figures.append(f"{words.percent(row['share'], 0)} ({ends})")
-        rows.append([*(_level(factor, place[factor]) for factor in factors), *figures])
+        rows.append([*(_level(factor, setting[factor]) for factor in factors), *figures])
     return Table(head, rows, _texts(head, rows))
 
 
@@ -127,21 +127,21 @@ def _texts(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
 
 
 def markdown(
-    cells: pd.DataFrame, pairs: pd.DataFrame, profiles: pd.DataFrame, design: Design, about: dict[str, Any]
+    cells: pd.DataFrame, pairs: pd.DataFrame, profiles: pd.DataFrame, design: Design, metadata: dict[str, Any]
 ) -> str:
-    """All tables of a study, below its question and what they were made with.
+    """All tables of a study, below its question and a line on their making.
 
     Args:
         cells: of `eval.studies.estimates.cells`.
         pairs: of `eval.studies.estimates.pairs`.
         profiles: of `eval.studies.estimates.profiles`.
         design: the study.
-        about: of `eval.kept.tables.made_with`.
+        metadata: of `eval.kept.tables.made_with`.
     """
     last = design.seed + design.patients - 1
     same = [f"{factor} {_level(factor, cells[factor].iloc[0])}" for factor in FACTORS if cells[factor].nunique() == 1]
     what = f"{design.patients} patients (seeds {design.seed}–{last}), episodes of {design.episode_s:g} s"
-    made = made_by(about, ", ".join([what, *same]))
+    made = made_by(metadata, ", ".join([what, *same]))
     lines = [f"# {design.title}", *([design.description] if design.description else []), made]
     lines.append(of_cells(cells, design).markdown())
     if len(pairs):

@@ -1,4 +1,4 @@
-"""Histograms of estimates, and what a physician would be shown of them."""
+"""Histograms of estimates, and a physician's view of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One result of the thesis: what it says, how we draw it again, and how the draws are judged."""
+"""One result of the thesis: its statement, our draws and their judgement."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ NO_NUMBER = "The thesis gives no number."
 
 
 @dataclass(frozen=True)
-class Finding:
-    """What the draws of an item say.
+class Judgement:
+    """Judgement of an item by its draws.
 
     Attributes:
-        measured: what we measure, with its interval, in a sentence or two.
+        measured: our measurement with its interval, in a sentence or two.
         verdict: computed from the draws.
-        why: what the verdict rests on.
+        why: reason of the verdict.
         numbers: the figures behind it, by name.
     """
 
@@ -39,13 +39,13 @@ class Item:
         key: short name, for ``--only``, files and anchors.
         title: a few words.
         where: figure or section of Young (2016).
-        says: what the thesis says; with its number if it gives one.
+        says: statement of the thesis; with its number if it gives one.
         how: our setting, where the thesis names none.
         draw: rows of each draw, from its own random numbers; the second argument asks for the quick form.
         judge: the finding, from the rows of all draws.
         figure: of the rows of all draws.
         caption: below the figure.
-        same_draws_as: key of the item whose draws these are; its own where empty.
+        same_draws_as: key of the item with the same draws; empty for draws of its own.
     """
 
     key: str
@@ -54,21 +54,21 @@ class Item:
     says: str
     how: str
     draw: Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]
-    judge: Callable[[pd.DataFrame], Finding]
+    judge: Callable[[pd.DataFrame], Judgement]
     figure: Callable[[pd.DataFrame], Figure]
     caption: str
     same_draws_as: str = ""
 
     @property
     def drawn_as(self) -> str:
-        """Key of the item whose draws these are."""
+        """Key of the item that owns the draws."""
         return self.same_draws_as or self.key
 
 
 def one_by_one(
     draw: Callable[[np.random.Generator, bool], pd.DataFrame],
 ) -> Callable[[Sequence[np.random.Generator], bool], Iterator[pd.DataFrame]]:
-    """An item's ``draw`` from that of a single draw."""
+    """An item's ``draw`` from a function of a single draw."""
 
     def draw_each(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.DataFrame]:
         for rng in rngs:

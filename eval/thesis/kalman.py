@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from agents import load_agent
 from eval import statistics, words
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict
+from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
@@ -67,7 +67,7 @@ def _inside(table: pd.DataFrame, sigmas: float) -> pd.Series:
     return (table["estimate"] - table["truth"]).abs() <= sigmas * table["sd"]
 
 
-def judge_sides(table: pd.DataFrame) -> Finding:
+def judge_sides(table: pd.DataFrame) -> Judgement:
     """Converging: sds fall; accurate: errors within 3 sigma at the end of nearly all draws."""
     sentences: list[str] = []
     numbers: dict[str, float] = {}
@@ -88,7 +88,7 @@ def judge_sides(table: pd.DataFrame) -> Finding:
     verdict: Verdict = (
         "reproduced" if verdicts["linear"] else "partly" if good or numbers["rmse/linear"] < KNOWN else "not reproduced"
     )
-    return Finding(
+    return Judgement(
         "Estimated as " + "; as ".join(sentences) + ".",
         verdict,
         f"Converges to within {words.percent(KNOWN, 0)} %"
@@ -126,7 +126,7 @@ def time_to_known(table: pd.DataFrame, case: str) -> np.ndarray:
     return reached.reindex(sorted(set(table["draw"])), fill_value=np.inf).to_numpy()
 
 
-def judge_full(table: pd.DataFrame) -> Finding:
+def judge_full(table: pd.DataFrame) -> Judgement:
     """Tracking is possible, slower than with two sides."""
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in ("linear", "log")}
@@ -135,7 +135,7 @@ def judge_full(table: pd.DataFrame) -> Finding:
     prior = float(rows.of_case(table, "log").groupby("draw")["sd"].max().median())
     spacing = float(np.diff(np.unique(rows.of_case(table, "log")["time_s"])).max())
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
-    return Finding(
+    return Judgement(
         f"Median error of the 12 parameters after the maneuver: {rows.with_interval(error['linear'])} as F_o and b "
         f"themselves, {rows.with_interval(error['log'])} in logs. Half of the parameters are known to 10 % after "
         f"{rows.with_interval(slow, 1.0, ' s')}, of the two-sided model's four after "
@@ -158,7 +158,7 @@ def draw_noise(rngs: Sequence[np.random.Generator], quick: bool) -> Iterator[pd.
         yield pd.concat([rows.of_estimate(f.estimate(record), record, case, TIMES) for case, f in NOISES.items()])
 
 
-def judge_noise(table: pd.DataFrame) -> Finding:
+def judge_noise(table: pd.DataFrame) -> Judgement:
     """Without noise on the parameters, is the filter further off than with it?"""
     end = rows.last(table)
     error = {case: rows.rmse(rows.of_case(end, case)) for case in NOISES}
@@ -177,7 +177,7 @@ def judge_noise(table: pd.DataFrame) -> Finding:
         for case in NOISES
     )
     overconfident = nees["none, F_o and b"].low > nees["constant, F_o and b"].high
-    return Finding(
+    return Judgement(
         f"Noise on the parameters {listed} (honest: 11.3).",
         "reproduced" if fails and worse else "partly" if worse or overconfident else "not reproduced",
         ("Without noise it does not converge" if fails else "Without noise it does converge")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from eval import statistics, words
 from eval.report import drawing
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, Verdict, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, lowering_then_sideways
 from jawenv.laboratory.recordings import defaults
@@ -18,7 +18,7 @@ from jawenv.laboratory.thesis_methods.point_kinematics import compatible_range
 POINTS = 60
 CLOSE_MM = 0.5  # a condyle that is found this closely follows the path that the figure shows
 BOUNDS = (np.array([-5e-4, -5e-3, 0.0, -0.2, -0.2]), np.array([12.8e-3, 5e-3, 0.7, 0.2, 0.2]))
-"""Of x, y (m), theta, psi, alpha (rad): what a jaw can do, 5 mm and 11 degrees to each side."""
+"""Limits of x, y (m), theta, psi, alpha (rad): 5 mm and 11 degrees to each side."""
 _COLOURS = ("#3b82c4", "#e08a2c", "#3a9d5d")
 _MOUTH = {"x": "x, forward", "y": "y, left", "z": "z, up"}
 
@@ -52,7 +52,7 @@ def _condyle(jaw: object, state: np.ndarray) -> tuple[float, float, float]:
 
 
 def _aside_range() -> np.ndarray:
-    """(2,) mm: least and greatest place aside of a condyle whose mouthpiece is where Fig. 6.1's is furthest aside."""
+    """(2,) mm: range of a condyle's position aside, with the mouthpiece as far aside as in Fig. 6.1."""
     clean = lowering_then_sideways()
     assert clean.states is not None, "a prescribed motion has its states"
     furthest = clean.states[np.argmax(np.abs(clean.measured[:, 1]))]
@@ -61,12 +61,12 @@ def _aside_range() -> np.ndarray:
 
 def _errors(table: pd.DataFrame, name: str) -> np.ndarray:
     """Root mean square error of the condyle's place in each draw, mm."""
-    estimated, true = (table[[f"{place}_{axis}_mm" for axis in "xyz"]].to_numpy() for place in (name, "true"))
+    estimated, true = (table[[f"{source}_{axis}_mm" for axis in "xyz"]].to_numpy() for source in (name, "true"))
     squares = pd.Series(((estimated - true) ** 2).sum(axis=1)).groupby(table["draw"].to_numpy()).mean()
     return np.asarray(np.sqrt(squares.to_numpy()))
 
 
-def judge(table: pd.DataFrame) -> Finding:
+def judge(table: pd.DataFrame) -> Judgement:
     """Whether the path is found, from the pose and from the one point that the thesis measures."""
     pose, point = (statistics.mean(_errors(table, name)) for name in ("pose", "point"))
     first = table[table["draw"] == table["draw"].min()]
@@ -77,7 +77,7 @@ def judge(table: pd.DataFrame) -> Finding:
     alone = float(np.ptp(aside)) < 2.0 * CLOSE_MM
     verdict: Verdict = "reproduced" if path_known and alone else "partly" if path_known else "not reproduced"
     by_pose, by_point = (rows.with_interval(error, 1.0, " mm", 2) for error in (pose, point))
-    return Finding(
+    return Judgement(
         f"The condyle is found within {by_pose}, root mean square, from the six numbers of the mouthpiece's pose. "
         f"Fully open it has moved {words.number(forward)} mm forward and {words.number(down)} mm down. From the "
         f"mouthpiece's place alone, as the thesis has it, it is found within {by_point} if of all poses the one with "
@@ -107,15 +107,15 @@ def figure(table: pd.DataFrame) -> Figure:
             values = first[f"mouth_{axis}_mm"]
             moved = values - values.iloc[0]
             mouth.plot(first["time_s"], moved, color=colour)
-            place = int(moved.abs().to_numpy().argmax())
+            peak = int(moved.abs().to_numpy().argmax())
             mouth.annotate(
                 _MOUTH[axis],
-                (first["time_s"].iloc[place], moved.iloc[place]),
-                xytext=(0, -4 if moved.iloc[place] > 0.0 else 4),
+                (first["time_s"].iloc[peak], moved.iloc[peak]),
+                xytext=(0, -4 if moved.iloc[peak] > 0.0 else 4),
                 textcoords="offset points",
                 color=colour,
                 ha="center",
-                va="top" if moved.iloc[place] > 0.0 else "bottom",
+                va="top" if moved.iloc[peak] > 0.0 else "bottom",
             )
         mouth.set(title="Mouthpiece, mm from its start", xlabel="s")
         for axes, across, label in ((side, "z", "condyle up, mm"), (above, "y", "condyle left, mm")):

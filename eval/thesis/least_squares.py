@@ -10,7 +10,7 @@ from eval import statistics, words
 from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view
-from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, SENSORS, full_record, plane_record
 from eval.thesis.spread import Spread, spreads
@@ -40,16 +40,16 @@ def draw_linear(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     )
 
 
-def judge_linear(table: pd.DataFrame) -> Finding:
+def judge_linear(table: pd.DataFrame) -> Judgement:
     """A bias of b beyond three of its sds, which are small; none where F_o has either sign, and so b no mean."""
     exponents = [spread for spread in spreads(table) if not spread.is_force]
-    known = [
+    one_sided = [
         spread for spread in exponents if np.isfinite(spread.bias_sds) and not _either_sign(table, spread.parameter)
     ]
-    worst = max((abs(spread.bias_sds) for spread in known), default=float("nan"))
+    worst = max((abs(spread.bias_sds) for spread in one_sided), default=float("nan"))
     biased = worst > 3.0
     negative = float((rows.kind(table, "log_F_o")["value"] < 0.0).mean())
-    return Finding(
+    return Judgement(
         f"{', '.join(_linear_text(table, s) for s in exponents)} (mean ± sd over {table['draw'].nunique()} draws, "
         "where there is a mean). The largest "
         f"bias is {words.number(worst, 0)} sds. {words.percent(negative, 0)} % of the F_o come out negative.",
@@ -57,7 +57,7 @@ def judge_linear(table: pd.DataFrame) -> Finding:
         "A bias of more than 3 sds in b, from the expansion about zero stretch."
         if biased
         else "No b is off by more than 3 of its sds.",
-        {f"b_bias_sds/{words.muscle(spread.parameter)}": spread.bias_sds for spread in known}
+        {f"b_bias_sds/{words.muscle(spread.parameter)}": spread.bias_sds for spread in one_sided}
         | {"negative_F_o": negative},
     )
 
@@ -97,24 +97,24 @@ def draw_plane(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     return _nonlinear(plane_record(), rng, 1 if quick else 2)
 
 
-def judge_plane(table: pd.DataFrame) -> Finding:
+def judge_plane(table: pd.DataFrame) -> Judgement:
     """Means close to the truth with the noise of the sensors."""
-    each = spreads(rows.of_case(table, "sensors"))
+    fits = spreads(rows.of_case(table, "sensors"))
     other = spreads(rows.of_case(table, "sensors and forces"))
-    close, inside = sum(abs(spread.bias) <= CLOSE for spread in each), sum(spread.inside for spread in each)
-    return Finding(
-        f"{', '.join(spread.text() for spread in each)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
+    close, inside = sum(abs(spread.bias) <= CLOSE for spread in fits), sum(spread.inside for spread in fits)
+    return Judgement(
+        f"{', '.join(spread.text() for spread in fits)} (mean ± sd over {table['draw'].nunique()} draws, noise of the "
         "sensors). With forces that no model explains on top, the largest bias is "
         f"{words.percent(max(abs(spread.bias) for spread in other), 0)} % and the largest sd "
         f"{words.percent(max(s.relative_sd for s in other), 0)} %.",
         "reproduced"
-        if close == len(each)
+        if close == len(fits)
         else "partly"
-        if inside == len(each) or 2 * close >= len(each)
+        if inside == len(fits) or 2 * close >= len(fits)
         else "not reproduced",
-        f"{close} of {len(each)} means lie within {words.percent(CLOSE, 0)} % of the truth, and {inside} truths within "
+        f"{close} of {len(fits)} means lie within {words.percent(CLOSE, 0)} % of the truth, and {inside} truths within "
         "one sd of the mean.",
-        {f"bias/{spread.parameter}": spread.bias for spread in each}
+        {f"bias/{spread.parameter}": spread.bias for spread in fits}
         | {f"bias_with_forces/{spread.parameter}": spread.bias for spread in other},
     )
 
@@ -124,25 +124,25 @@ def draw_full(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
     return _nonlinear(full_record(), rng, 1 if quick else 2)
 
 
-def judge_full(table: pd.DataFrame) -> Finding:
-    """Mean near, truth within one sd of the mean, and no muscle taken for what it is not."""
+def judge_full(table: pd.DataFrame) -> Judgement:
+    """Mean near, truth within one sd of the mean, and no muscle classed wrongly."""
     other = spreads(rows.of_case(table, "sensors and forces"))
-    each = spreads(rows.of_case(table, "sensors"))
-    inside, close = sum(spread.inside for spread in each), sum(abs(spread.bias) <= CLOSE for spread in each)
+    fits = spreads(rows.of_case(table, "sensors"))
+    inside, close = sum(spread.inside for spread in fits), sum(abs(spread.bias) <= CLOSE for spread in fits)
     wrong, singly = wrongly_taken(table)
-    return Finding(
-        f"{inside} of {len(each)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
-        f"{len(each)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
-        f"{words.percent(max(s.relative_sd for s in each), 0)} %; with forces that no model explains on top of the "
+    return Judgement(
+        f"{inside} of {len(fits)} truths lie within one sd of the mean of {table['draw'].nunique()} draws, {close} of "
+        f"{len(fits)} means within {words.percent(CLOSE, 0)} % of the truth. The largest relative sd is "
+        f"{words.percent(max(s.relative_sd for s in fits), 0)} %; with forces that no model explains on top of the "
         f"sensors' noise it is {words.percent(max(s.relative_sd for s in other), 0)} %. By the mean, {wrong} of "
-        f"{len(each) // 2} muscles are taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N).",
-        "reproduced" if inside == len(each) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
-        ("The sd captures every truth" if inside == len(each) else "Not every truth lies within one sd of the mean")
+        f"{len(fits) // 2} muscles are taken for stiff or normal wrongly (F_o above {FIBROSED_F_O_N:g} N).",
+        "reproduced" if inside == len(fits) and wrong == 0 else "partly" if wrong == 0 else "not reproduced",
+        ("The sd captures every truth" if inside == len(fits) else "Not every truth lies within one sd of the mean")
         + (", and no muscle" if wrong == 0 else ", and a muscle")
         + " is taken for what it is not.",
         {
-            "inside_one_sd": inside / len(each),
-            "largest_bias": max(abs(spread.bias) for spread in each),
+            "inside_one_sd": inside / len(fits),
+            "largest_bias": max(abs(spread.bias) for spread in fits),
             "wrong_by_mean": float(wrong),
             "wrong_by_draw": singly.value,
         },
@@ -150,7 +150,7 @@ def judge_full(table: pd.DataFrame) -> Finding:
 
 
 def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
-    """Muscles whose mean F_o lies on the wrong side of the limit, and the share of single estimates that do."""
+    """Muscles with a mean F_o on the wrong side of the limit, and the share of such single fits."""
     forces = rows.kind(rows.of_case(table, "sensors"), "log_F_o")
     truly = forces["true_value"] > FIBROSED_F_O_N
     singly = statistics.share((truly != (forces["value"] > FIBROSED_F_O_N)).to_numpy())
@@ -158,12 +158,12 @@ def wrongly_taken(table: pd.DataFrame) -> tuple[int, Interval]:
     return wrong, singly
 
 
-def judge_physician(table: pd.DataFrame) -> Finding:
+def judge_physician(table: pd.DataFrame) -> Judgement:
     """Whether the stiff muscle, and no other, would be taken for stiff."""
     wrong, singly = wrongly_taken(table)
     right = words.scaled(Interval(1.0 - singly.value, 1.0 - singly.high, 1.0 - singly.low), 100.0)
-    return Finding(
-        f"F_o lies on the right side of {FIBROSED_F_O_N:g} N in {words.number(right.value)} % of the single estimates "
+    return Judgement(
+        f"F_o lies on the right side of {FIBROSED_F_O_N:g} N in {words.number(right.value)} % of the single fits "
         f"({words.interval(right)}); the mean of the draws is wrong for {wrong} of 6 muscles.",
         "reproduced" if wrong == 0 and singly.value < 0.05 else "partly" if wrong == 0 else "not reproduced",
         "The stiff muscle, and no other, is seen as stiff."
@@ -184,7 +184,7 @@ def figure_nonlinear(table: pd.DataFrame) -> Figure:
 
 
 def figure_physician(table: pd.DataFrame) -> Figure:
-    """What a physician would be shown."""
+    """Verdict on the histograms that a physician would see."""
     return physician_view(rows.of_case(table, "sensors"))
 
 

@@ -10,7 +10,7 @@ from eval import words
 from eval.report import drawing
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, maneuver_record
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
@@ -55,7 +55,7 @@ def errors(
     return rows.rmse(rows.kind(rows.of_case(table, _case(degrees, to_the_side, method)), symbol))
 
 
-def judge(table: pd.DataFrame) -> Finding:
+def judge(table: pd.DataFrame) -> Judgement:
     """Error of b at small against large openings, of F_o at small ones, and straight against with swings."""
     b = {(d, s): errors(table, "log_b", d, s) for d in (SMALL, LARGE) for s in (False, True)}
     force = errors(table, "log_F_o", SMALL, False)
@@ -70,7 +70,7 @@ def judge(table: pd.DataFrame) -> Finding:
 
     text = rows.with_interval
 
-    return Finding(
+    return Judgement(
         f"Error of b after 5° of opening {text(b[SMALL, False])}, after 20° {text(b[LARGE, False])}; before anything "
         f"is measured the sd is {words.percent(prior_b, 0)} %. With swings {text(b[SMALL, True])} and "
         f"{text(b[LARGE, True])}. Error of F_o after 5° straight {text(force)}, of {words.percent(prior_F, 0)} % "

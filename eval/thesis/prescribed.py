@@ -32,7 +32,7 @@ _START_SD = (1e-3, 0.0175, 1e-3, 0.01)  # as the environment: 1 mm, 1 degree, 1 
 
 
 @dataclass(frozen=True)
-class Motion:
+class PrescribedMotion:
     """A motion by keyframes, each coordinate at rest in each of them and smooth between (quintic polynomials).
 
     Attributes:
@@ -66,15 +66,15 @@ class Motion:
 
 def _smooth(time: Array, times: Array, values: Array) -> tuple[Array, Array]:
     """Quintic steps from keyframe to keyframe, and their rate."""
-    place = np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2)
-    length = times[place + 1] - times[place]
-    s = np.clip((time - times[place]) / length, 0.0, 1.0)
-    rise = values[place + 1] - values[place]
-    value = values[place] + rise * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    interval = np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2)
+    length = times[interval + 1] - times[interval]
+    s = np.clip((time - times[interval]) / length, 0.0, 1.0)
+    rise = values[interval + 1] - values[interval]
+    value = values[interval] + rise * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
     return value, rise * 30.0 * (s * (1.0 - s)) ** 2 / length
 
 
-def wrench_of(jaw: Any, muscles: Array, motion: Motion, time: Array) -> Array:
+def wrench_of(jaw: Any, muscles: Array, motion: PrescribedMotion, time: Array) -> Array:
     """(N, 6) wrench on the mouthpiece, body axes, that gives the motion; the smallest one, as there is one too many.
 
     The accelerations are linear in the wrench, so that two evaluations per component say all.
@@ -82,22 +82,28 @@ def wrench_of(jaw: Any, muscles: Array, motion: Motion, time: Array) -> Array:
     q, u = motion.speeds(time)
     _, before = motion.speeds(time - _DIFFERENCE)
     _, after = motion.speeds(time + _DIFFERENCE)
-    wanted = (after - before) / (2.0 * _DIFFERENCE)
+    acceleration = (after - before) / (2.0 * _DIFFERENCE)
     free = defaults.start_sd(jaw)[5:] > 0.0
     sizes = np.repeat([1.0, ARM], 3)
     units = [tuple(row) for row in np.eye(N_WRENCH)]
     wrench = np.zeros((len(time), N_WRENCH))
     for k in range(len(time)):
-        place, speed = tuple(q[k]), tuple(u[k])
-        alone = np.array(acceleration_kernel(jaw, muscles, place, speed, (0.0,) * N_WRENCH))
-        by_wrench = np.array([acceleration_kernel(jaw, muscles, place, speed, unit) for unit in units]) - alone
+        pose, speed = tuple(q[k]), tuple(u[k])
+        alone = np.array(acceleration_kernel(jaw, muscles, pose, speed, (0.0,) * N_WRENCH))
+        by_wrench = np.array([acceleration_kernel(jaw, muscles, pose, speed, unit) for unit in units]) - alone
         effect = (by_wrench.T * sizes)[free]
-        wrench[k] = sizes * np.linalg.lstsq(effect, (wanted[k] - alone)[free], rcond=None)[0]
+        wrench[k] = sizes * np.linalg.lstsq(effect, (acceleration[k] - alone)[free], rcond=None)[0]
     return wrench
 
 
 def lead(
-    jaw: Any, log_parameters: Array, names: tuple[str, ...], prior: Prior, motion: Motion, dt: float, device: Device
+    jaw: Any,
+    log_parameters: Array,
+    names: tuple[str, ...],
+    prior: Prior,
+    motion: PrescribedMotion,
+    dt: float,
+    device: Device,
 ) -> Record:
     """The record of a motion without any noise in it; ``with_noise`` makes recordings of it.
 
@@ -108,7 +114,7 @@ def lead(
         prior: belief about them.
         motion: at rest in its first keyframe.
         dt: length of a tick, s.
-        device: whose noise the estimators are told.
+        device: source of the noise levels for the estimators.
     """
     ticks = round(motion.duration / dt)
     half: Array = 0.5 * dt * np.arange(2.0 * ticks + 1.0)
@@ -144,7 +150,7 @@ def lead(
 def with_noise(record: Record, device: Device, rng: np.random.Generator) -> Record:
     """A recording of a noise-free one: noise of encoders and load cell, its gain error, an unmodelled wrench.
 
-    The motion stays as it is: what the unmodelled wrench does not do, the device does, and reads.
+    The motion stays as it is: the device makes up for the unmodelled wrench, and reads that.
     """
     ticks = len(record.samples)
     arrays = device.records()[0]

@@ -11,7 +11,7 @@ from eval import statistics, words
 from eval.report import drawing
 from eval.statistics import Interval
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import DEVICE, TICK, sampled_record
 from jawenv.laboratory.recordings.thinning import divided
@@ -68,7 +68,7 @@ def _below(rates: list[float], poor: list[bool]) -> list[float]:
     return [hz for hz in rates if not good or hz < min(good)]
 
 
-def judge(table: pd.DataFrame) -> Finding:
+def judge(table: pd.DataFrame) -> Judgement:
     """Which rates are too slow for the filter as it is."""
     rates = _rates(table)
     error = {hz: _error(table, _case(hz)) for hz in rates}
@@ -78,7 +78,7 @@ def judge(table: pd.DataFrame) -> Finding:
     sure = _below(rates, [nees(table, _case(hz)).value > WORSE * HONEST for hz in rates])
     short = [hz for hz in rates if _parts(hz) > 1]
     cases = dict.fromkeys(table["case"])
-    return Finding(
+    return Judgement(
         f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(_figures(table, hz) for hz in rates)}. "
         f"With ticks divided into 10 ms: {'; '.join(_figures(table, hz, _parts(hz)) for hz in short)}.",
         "reproduced" if slow else "not reproduced",
@@ -126,14 +126,14 @@ def _error(table: pd.DataFrame, case: str) -> Interval:
 
 def _dots(axes: Axes, values: dict[float, Interval], colour: str, label: str) -> None:
     """A dot with its interval at each rate; none where the filter diverges."""
-    known = {hz: interval for hz, interval in values.items() if np.isfinite(interval.value)}
+    intervals = {hz: interval for hz, interval in values.items() if np.isfinite(interval.value)}
     ends = [
         [max(interval.value - interval.low, 0.0), max(interval.high - interval.value, 0.0)]
-        for interval in known.values()
+        for interval in intervals.values()
     ]
     axes.errorbar(
-        list(known),
-        [interval.value for interval in known.values()],
+        list(intervals),
+        [interval.value for interval in intervals.values()],
         yerr=np.nan_to_num(np.array(ends).reshape(-1, 2).T, posinf=0.0),
         marker="o",
         markersize=4,

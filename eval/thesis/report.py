@@ -15,15 +15,15 @@ from rich.text import Text
 
 from eval.report import template
 from eval.report.template import picture
-from eval.thesis.item import Finding, Item
+from eval.thesis.item import Item, Judgement
 from eval.thesis.run import ENOUGH, Draws
 
 _COLOUR = {"reproduced": "green", "partly": "yellow", "not reproduced": "red"}
 UNDECIDED = "too few draws"
 
 
-def show(items: Sequence[Item], findings: dict[str, Finding], settings: Draws, console: Console) -> None:
-    """Print every result: where it stands, what is measured, the verdict if there are enough draws for one."""
+def show(items: Sequence[Item], findings: dict[str, Judgement], settings: Draws, console: Console) -> None:
+    """Print every result: place in the thesis, measurement, and the verdict if there are enough draws for one."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Young (2016) and what we measure", title_justify="left")
     table.add_column("result", min_width=20)
     table.add_column("we measure", ratio=1)
@@ -42,9 +42,9 @@ def show(items: Sequence[Item], findings: dict[str, Finding], settings: Draws, c
 def write(
     items: Sequence[Item],
     tables: dict[str, pd.DataFrame],
-    findings: dict[str, Finding],
+    findings: dict[str, Judgement],
     settings: Draws,
-    about: dict[str, Any],
+    metadata: dict[str, Any],
     path: Path,
 ) -> Path:
     """Write the report.
@@ -54,7 +54,7 @@ def write(
         tables: rows of all draws by the items' keys.
         findings: by the items' keys.
         settings: of the draws.
-        about: command, versions and time.
+        metadata: command, versions and time.
         path: of the HTML file.
 
     Returns:
@@ -69,7 +69,7 @@ def write(
         decisive=settings.decisive,
         undecided=UNDECIDED,
         enough=ENOUGH,
-        about=about,
+        about=metadata,
         counts={verdict: sum(finding.verdict == verdict for finding in findings.values()) for verdict in _COLOUR},
     )
     return template.write(page, path)

@@ -19,7 +19,7 @@ import eval.thesis
 from eval.kept.digest import digest
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import rows_in, write_table
-from eval.thesis.item import Finding, Item
+from eval.thesis.item import Item, Judgement
 from jawenv.errors import InputError, shown
 from jawenv.files import write_text
 from jawenv.playing.rollout import LARGEST_SEED
@@ -64,7 +64,7 @@ def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | No
     """Every draw of every item.
 
     Args:
-        items: what to draw.
+        items: the items to draw.
         settings: how often, and from which random numbers.
         output: folder; its ``draws`` holds the parts that are finished.
         run: how it is done.
@@ -78,9 +78,9 @@ def draw_all(items: Sequence[Item], settings: Draws, output: Path, run: Run | No
     folder = folder_for(output, "draws")
     parts = {item.key: parts_of_item(item, settings, folder) for item in items}
     every = list(dict.fromkeys(part for of_item in parts.values() for part in of_item))
-    kept = finish(every, partial(draw_part, settings=settings), rows_in, "draws of all results", run)
+    drawn_parts = finish(every, partial(draw_part, settings=settings), rows_in, "draws of all results", run)
     return {
-        key: pd.concat([kept[path] for part in of_item for _, path in part.files], ignore_index=True)
+        key: pd.concat([drawn_parts[path] for part in of_item for _, path in part.files], ignore_index=True)
         for key, of_item in parts.items()
     }
 
@@ -103,7 +103,7 @@ def draw_part(part: Part, progress: Progress, settings: Draws) -> None:
         write_table(rows, path, {})
 
 
-def keep(item: Item, table: pd.DataFrame, finding: Finding, settings: Draws, output: Path) -> None:
+def keep(item: Item, table: pd.DataFrame, finding: Judgement, settings: Draws, output: Path) -> None:
     """Write an item's rows as Parquet and its finding as JSON."""
     write_table(table, output / f"{item.key}.parquet", {})
     content = {

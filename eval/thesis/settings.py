@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from eval.thesis.prescribed import SLIDE, Motion, lead
+from eval.thesis.prescribed import SLIDE, PrescribedMotion, lead
 from jawenv.anatomy import cohort
 from jawenv.anatomy.muscles import MuscleSet, known_muscle_sets
 from jawenv.device.device import Device
@@ -26,7 +26,7 @@ Keyframes = dict[str, tuple[Sequence[float], Sequence[float]]]
 
 DEVICE = Device()
 SENSORS = Device(unmodelled_force_N=0.0, unmodelled_moment_N_m=0.0)
-"""The same without forces that no model explains: the thesis's noise is that of the measurement."""
+"""The same without unmodelled forces: the thesis has noise of the measurement alone."""
 TICK = 0.01
 PLANE = (True, False, True, False, False)
 REST = 3.0  # degrees of opening in which every motion begins and ends
@@ -61,14 +61,14 @@ def plane_record() -> Record:
     """Fig. 6.4: three muscles in the plane, opened twice, with the condyle led off its natural slide."""
     times = tuple(3.0 * k for k in range(11))
     degrees = (REST, 14, 25, 20, 8, REST, 10, 22, 25, 12, REST)
-    motion = Motion(opening(times, degrees, (0, 3, 1.5, -3, 2, 0, -2.5, 2.5, -3, 3, 0)))
+    motion = PrescribedMotion(opening(times, degrees, (0, 3, 1.5, -3, 2, 0, -2.5, 2.5, -3, 3, 0)))
     return _of_muscles(known_muscle_sets()["pairs"], logs(THESIS_PLANE), motion, PLANE, "healthy")
 
 
 @cache
 def hinge_record() -> Record:
     """One muscle on a hinge, opened once."""
-    motion = Motion({"theta": ((0.0, 5.0, 10.0), tuple(np.radians((REST, 25.0, REST))))})
+    motion = PrescribedMotion({"theta": ((0.0, 5.0, 10.0), tuple(np.radians((REST, 25.0, REST))))})
     free = (False, False, True, False, False)
     return _of_muscles(known_muscle_sets()["closers"], logs(((0.9, 7.0),)), motion, free, "healthy")
 
@@ -91,7 +91,7 @@ def sampled_record(dt: float) -> Record:
     return _of_muscles(known_muscle_sets()["whole"], truth, full_motion(20.0, True), ALL_FREE, "trismus", dt)
 
 
-def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> Motion:
+def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> PrescribedMotion:
     """Up and down once, with three swings to each side at four degrees where asked for."""
     middle = 0.5 * (REST + degrees)
     share = np.array([0.0, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0]) * seconds
@@ -101,7 +101,7 @@ def full_motion(degrees: float, to_the_side: bool, seconds: float = 20.0) -> Mot
     if to_the_side:
         steps = tuple(np.linspace(0.0, seconds, 9))
         keyframes |= sideways(steps, (0.0, 4.0, -4.0, 4.0, -4.0, 4.0, -4.0, 0.0, 0.0))
-    return Motion(keyframes)
+    return PrescribedMotion(keyframes)
 
 
 @cache
@@ -121,11 +121,11 @@ def lowering_then_sideways() -> Record:
     times = (0.0, 4.0, 5.0, 8.0, 9.0, 12.0)
     keyframes = opening(times, (REST, 20, 20, 20, 20, REST)) | sideways(times, (0, 0, 0, 5, 5, 0))
     truth = np.array(cohort("trismus").prior.mean)
-    return _of_muscles(known_muscle_sets()["whole"], truth, Motion(keyframes), ALL_FREE, "trismus")
+    return _of_muscles(known_muscle_sets()["whole"], truth, PrescribedMotion(keyframes), ALL_FREE, "trismus")
 
 
 def _of_muscles(
-    muscles: MuscleSet, truth: Array, motion: Motion, free: tuple[bool, ...], belief: str, dt: float = TICK
+    muscles: MuscleSet, truth: Array, motion: PrescribedMotion, free: tuple[bool, ...], belief: str, dt: float = TICK
 ) -> Record:
     jaw = build_jaw(muscles, free=free)
     return lead(jaw, truth, muscles.parameter_names, cohort(belief, muscles).prior, motion, dt, DEVICE)

@@ -59,9 +59,11 @@ class Spread:
 
 def spreads(table: pd.DataFrame) -> list[Spread]:
     """Of every parameter, from the values that there are."""
-    each = []
+    estimates = []
     for name in dict.fromkeys(map(str, table["parameter"])):
         rows = table[table["parameter"] == name]
-        known = rows["value"].dropna()
-        each.append(Spread(name, float(rows["true_value"].iloc[0]), float(known.mean()), float(known.std(ddof=1))))
-    return each
+        values = rows["value"].dropna()
+        estimates.append(
+            Spread(name, float(rows["true_value"].iloc[0]), float(values.mean()), float(values.std(ddof=1)))
+        )
+    return estimates

@@ -10,13 +10,13 @@ from eval.kept.parts import Run
 from eval.kept.tables import made_with
 from eval.thesis import report
 from eval.thesis.catalogue import chosen
-from eval.thesis.item import Finding
+from eval.thesis.item import Judgement
 from eval.thesis.run import Draws, draw_all, keep
 
 
 def study(
     only: list[str] | None, settings: Draws, output: Path, run: Run, command: str, console: Console
-) -> dict[str, Finding]:
+) -> dict[str, Judgement]:
     """Draw, judge, print and write.
 
     Args:

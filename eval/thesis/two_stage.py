@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from eval import words
 from eval.report import drawing
 from eval.thesis import rows
-from eval.thesis.item import NO_NUMBER, Finding, Item, one_by_one
+from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise
 from eval.thesis.settings import SENSORS, hinge_record, plane_record
 from jawenv.laboratory.recordings.record import Record
@@ -41,7 +41,7 @@ def draw(rng: np.random.Generator, quick: bool) -> pd.DataFrame:
 
 
 def _second_stage(record: Record, case: str) -> pd.DataFrame:
-    """B by the second stage alone, given the true F_o and no noise: what is wrong then is its formula."""
+    """B by the second stage alone, given the true F_o and no noise: any error then lies in its formula."""
     values = np.exp(rows.truth_of(record))
     b, _ = TWO_STAGES.exponents(balance_of(record, rows=TWO_STAGES.rows), values[0::2])
     names = [name for name in record.parameter_names if name.startswith("log_b")]
@@ -55,7 +55,7 @@ def relative_error(table: pd.DataFrame, case: str, symbol: str) -> float:
     return float(np.median(error))
 
 
-def judge(table: pd.DataFrame) -> Finding:
+def judge(table: pd.DataFrame) -> Judgement:
     """Fails with several muscles, with noise and without; its second stage is exact with one."""
     numbers = {
         f"{symbol}/{case}": relative_error(table, case, f"log_{symbol}")
@@ -70,7 +70,7 @@ def judge(table: pd.DataFrame) -> Finding:
     def text(value: float) -> str:
         return "no value in most draws" if not np.isfinite(value) else f"{words.percent(value)} %"
 
-    return Finding(
+    return Judgement(
         f"Median error of b with three muscles: {text(noisy)}; without any noise {text(pure)} (F_o "
         f"{text(numbers[f'F_o/three muscles: {PURE}'])}); by the second stage alone, given the true F_o and no noise, "
         f"{text(second)}. Nonlinear least squares on the same noisy data: {text(other)}. With one muscle the second "
@@ -97,11 +97,11 @@ def figure(table: pd.DataFrame) -> Figure:
         for axes, symbol, title in zip(
             drawn.subplots(1, 2, sharey=True), ("log_F_o", "log_b"), ("F_o", "b"), strict=True
         ):
-            for place, case in enumerate(cases):
+            for x, case in enumerate(cases):
                 estimates = rows.kind(rows.of_case(drawn_ones, case), symbol)
                 ratio = (estimates["value"] / estimates["true_value"]).to_numpy()
                 ratio = ratio[np.isfinite(ratio)]
-                offsets = place + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
+                offsets = x + 0.32 * np.linspace(-1.0, 1.0, len(ratio))
                 axes.scatter(np.clip(ratio, 0.02, 50), offsets, s=6, color="#3b82c4", alpha=0.5, linewidth=0)
             axes.axvline(1.0, color="#c25b4e", linewidth=1.4)
             axes.set_xscale("log")

@@ -22,7 +22,7 @@ def test_unknown_name_lists_what_is_allowed() -> None:
     with pytest.raises(InputError) as caught:
         agents.load_agent("wiggle")
     message = str(caught.value)
-    assert message.startswith("agent 'wiggle': unknown") and "\n" not in message
+    assert message.startswith("agent is 'wiggle'; allowed") and "\n" not in message
     assert all(name in message for name in (*agents.names(), "random", ".yaml", "run folder", ".zip"))
 
 

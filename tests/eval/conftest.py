@@ -24,5 +24,5 @@ def plays(monkeypatch):
         return original(agent, **kwargs)
 
     monkeypatch.setattr(entries, "play", counted)
-    monkeypatch.setattr("eval.comparison.replayed.play_patient", lambda study, *given, **more: study)
+    monkeypatch.setattr("eval.comparison.motion.play_patient", lambda study, *given, **more: study)
     return state

@@ -101,7 +101,7 @@ def test_what_cannot_be_filmed_is_named(tmp_path, monkeypatch, capsys, options, 
 
 @pytest.mark.parametrize(
     ("entries", "said"),
-    [(["chirp"] * 3, "3 entries given, a film shows one, or two"), (["chirp", "prbs"], "use --video FILE")],
+    [(["chirp"] * 3, "allowed: one, or two beside each other"), (["chirp", "prbs"], "use --video FILE")],
 )
 def test_a_window_shows_one_entry_and_a_film_two_at_most(capsys, entries, said):
     assert main(["play", *entries, *SHORT]) == 2

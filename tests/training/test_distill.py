@@ -14,7 +14,7 @@ from tests.recorded import Actions
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
-from training.run.train import Session, base_targets
+from training.run.train import TrainingSession, base_targets
 from training.run.worlds import world_seed
 from training.search.distill import Distillation, Labels, error_on, fit, is_finished
 
@@ -46,7 +46,7 @@ def weights(run: RunFolder) -> list[np.ndarray]:
 def test_a_policy_learns_what_it_is_told(config_file: Path) -> None:
     config = TrainingConfig.load(config_file)
     stream = np.random.default_rng(0)
-    with Session(config, RunFolder(config_file), Console(quiet=True), 0, base_targets(config)) as session:
+    with TrainingSession(config, RunFolder(config_file), Console(quiet=True), 0, base_targets(config)) as session:
         seen = stream.normal(size=(5000, *session.model.observation_space.shape)).astype(np.float32)
         wanted = 0.4 * np.tanh(seen[:, :4]).astype(np.float32)
         told, others = Labels(seen[:4000], wanted[:4000]), Labels(seen[4000:], wanted[4000:])
@@ -136,7 +136,7 @@ def test_a_distilled_run_is_trained_on(config_file: Path, tmp_path: Path) -> Non
         ({}, ["--rounds", "0"], "rounds"),
         ({"control: targets": "control: force"}, [], "'force'"),
         ({"residual: {maneuver: opening_with_swings, scale: 2.0}": ""}, [], "--residual-on"),
-        ({"algorithm: ppo": "algorithm: sac", "ppo: {": "sac: {}  # {"}, [], "allowed to be distilled into: ppo"),
+        ({"algorithm: ppo": "algorithm: sac", "ppo: {": "sac: {}  # {"}, [], "allowed: ppo"),
     ],
 )
 def test_bad_input_is_one_line(config_file: Path, tmp_path: Path, capsys, changes, options, message) -> None:

@@ -18,10 +18,10 @@ from training.search.optimise import (
     CANDIDATE,
     SIZE,
     STEP_S,
-    Design,
     Judge,
     Judged,
     Knots,
+    Refinement,
     length_s,
     nominal_patient,
     search,
@@ -82,7 +82,7 @@ def test_any_numbers_make_a_maneuver_that_the_device_can_follow(numbers):
 @pytest.mark.parametrize("control", ["targets", "trajectory"])
 def test_a_candidate_is_judged_as_it_is_played_alone(control):
     """Largest sd and discomfort of the second of two candidates, by the public way of playing a maneuver."""
-    design = Design(**SHORT, control=control)
+    design = Refinement(**SHORT, control=control)
     candidates = [Maneuver.named(name) for name in ("slow_opening", "opening_with_swings")]
     second = Judge(design)(candidates)[1]
     played = jawenv.play(Player(candidates[1], control=control), patients=2, seed=5_000, env_kwargs=design.env_kwargs)
@@ -98,14 +98,14 @@ def test_a_candidate_is_judged_as_it_is_played_alone(control):
 
 def test_a_candidate_is_played_in_the_environment_that_is_asked_for():
     candidate = Maneuver.named("opening_with_swings")
-    exact, imaged = (Judge(Design(**SHORT, env=env))([candidate])[0] for env in ("Jaw", "JawImaged"))
+    exact, imaged = (Judge(Refinement(**SHORT, env=env))([candidate])[0] for env in ("Jaw", "JawImaged"))
     assert imaged.worst_sd > 1.01 * exact.worst_sd
     with pytest.raises(InputError):
-        Design(**SHORT, env="knee")
+        Refinement(**SHORT, env="knee")
 
 
 def test_what_breaks_the_constraint_ranks_behind_all_that_keeps_it():
-    judge = Judge(Design(**SHORT))
+    judge = Judge(Refinement(**SHORT))
     zero, known = np.zeros(2), np.array([-3.0, -3.1])
     kept = judge._judge(np.array([5.0, 5.0]), zero, zero, zero, np.ones(2))
     uneasy = judge._judge(known, np.full(2, 0.01), zero, zero, np.ones(2))
@@ -117,7 +117,7 @@ def test_what_breaks_the_constraint_ranks_behind_all_that_keeps_it():
 @pytest.mark.parametrize(("over", "expected"), [("mean", -2.0), ("tail", -1.0)])
 def test_the_tail_looks_at_those_who_are_known_least(over, expected):
     zero = np.zeros(3)
-    judged = Judge(Design(**SHORT, over=over))._judge(np.array([-3.0, -1.0, -2.0]), zero, zero, zero, np.ones(3))
+    judged = Judge(Refinement(**SHORT, over=over))._judge(np.array([-3.0, -1.0, -2.0]), zero, zero, zero, np.ones(3))
     assert judged.loss == pytest.approx(expected)
 
 
@@ -125,7 +125,7 @@ def test_the_tail_looks_at_those_who_are_known_least(over, expected):
 def test_criteria_of_a_covariance(criterion):
     covariance = np.diag([0.04, 0.01, 0.09])[None]
     expected = {"worst": np.log(0.3), "A": 0.5 * np.log(0.14 / 3.0), "D": np.log(0.2 * 0.1 * 0.3) / 3.0}[criterion]
-    assert Judge(Design(**SHORT, criterion=criterion))._criterion(covariance)[0] == pytest.approx(expected)
+    assert Judge(Refinement(**SHORT, criterion=criterion))._criterion(covariance)[0] == pytest.approx(expected)
 
 
 def test_the_nominal_patient_has_the_cohorts_medians():
@@ -140,7 +140,7 @@ def bowl(maneuvers):
 
 
 def test_the_search_finds_a_minimum_and_goes_on_where_it_was_stopped(tmp_path):
-    design = Design(refine="hold_still", horizon_s=4.0, population=8, generations=30, sigma=0.2)
+    design = Refinement(refine="hold_still", horizon_s=4.0, population=8, generations=30, sigma=0.2)
     whole = search(design, tmp_path / "whole.pkl", lambda *_: None, bowl)
     assert whole.judged.loss < 1e-3
 
@@ -170,18 +170,18 @@ def test_a_damaged_log_and_one_of_another_search_are_refused(tmp_path, content):
     log = tmp_path / "log.pkl"
     log.write_bytes(content)
     with pytest.raises(InputError):
-        search(Design(**SHORT), log, lambda *_: None, bowl)
+        search(Refinement(**SHORT), log, lambda *_: None, bowl)
 
 
 def test_a_log_is_of_what_was_refined_not_of_its_name_and_of_no_more_generations(tmp_path):
     """A file that was changed meanwhile has other losses."""
     base, log = tmp_path / "base.yaml", tmp_path / "log.pkl"
     base.write_text((FOLDER / "slow_opening.yaml").read_text())
-    design = Design(**SHORT | {"refine": str(base)})
+    design = Refinement(**SHORT | {"refine": str(base)})
     for _ in range(2):
         search(design, log, lambda *_: None, bowl)
     with pytest.raises(InputError):
-        search(Design(**SHORT | {"refine": str(base), "generations": 2}), log, lambda *_: None, bowl)
+        search(Refinement(**SHORT | {"refine": str(base), "generations": 2}), log, lambda *_: None, bowl)
     base.write_text((FOLDER / "hold_still.yaml").read_text())
     with pytest.raises(InputError):
         search(design, log, lambda *_: None, bowl)

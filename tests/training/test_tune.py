@@ -44,7 +44,7 @@ def test_study_goes_on_to_the_trials_wanted(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--trials", "0"], "trials = 0 must be 1 or more"),
+        (["--trials", "0"], "trials is 0; allowed: 1 or more"),
         (["--storage", "postgresql://me:secret@localhost:1/x"], "storage postgresql://localhost:1/x: cannot be used"),
         (["--storage", "nonsense"], "storage nonsense: cannot be used"),
     ],

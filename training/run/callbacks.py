@@ -1,4 +1,4 @@
-"""What happens beside learning: noise that falls, checkpoints, signals, logs, the price of discomfort.
+"""Callbacks of the training: noise that falls, checkpoints, signals, logs, the price of discomfort.
 
 Checkpoints and evaluations (`run.evaluations`) take place between a policy update and the next rollout, so that a
 saved model, its number of steps and its score always belong together. stable-baselines3's own callbacks act within a

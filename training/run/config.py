@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 import yaml
 from pydantic import Field, JsonValue, model_validator
 
-from jawenv.errors import InputError, meant
+from jawenv.errors import InputError, meant, shown
 from jawenv.files import InputModel, Number, read_mapping, read_model, validate, write_text
 from jawenv.ladder import DEFAULT_ENV, env_id_of, title_of_env
 from jawenv.playing.maneuvers import Maneuver
@@ -28,7 +28,7 @@ CONFIGS = Path(__file__).parents[1] / "configs"
 DEFAULT_CONFIG = CONFIGS / "plain_ppo.yaml"
 SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 BASE_FILE = "base_maneuver.json"
-"""Copy of the maneuver in a run's folder: what it was when the policy was trained on it."""
+"""Copy of the maneuver in a run's folder, as the policy was trained on it."""
 
 Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc"]
 
@@ -50,11 +50,11 @@ class EnvConfig(InputModel):
 
 
 class Residual(InputModel):
-    """What a policy corrects, and how far.
+    """The maneuver that a policy corrects, and how far.
 
     Attributes:
         maneuver: name of one that comes with jawenv, or a maneuver file.
-        scale: what an action of 1 adds to the maneuver's target, as a fraction of the patient's comfort.
+        scale: size of an action of 1 beside the maneuver's target, as a fraction of the patient's comfort.
     """
 
     maneuver: Annotated[str, Field(min_length=1)]
@@ -106,7 +106,9 @@ class EvaluationConfig(InputModel):
     def _validation_alone(self) -> Self:
         last = self.seed + self.patients - 1
         if last not in VALIDATION:
-            raise ValueError(f"seed {self.seed} and {self.patients} patients end at {last}, allowed: {VALIDATION[-1]}")
+            raise ValueError(
+                f"seed is {self.seed} for {self.patients} patients; allowed: up to {VALIDATION[-1]}, not {last}"
+            )
         return self
 
 
@@ -118,7 +120,7 @@ class CheckpointConfig(InputModel):
 
 
 class TrainingConfig(InputModel):
-    """One training run. The defaults are those of ``configs/plain_ppo.yaml``, which gives the reasons for them.
+    """One training run. Its defaults equal ``configs/plain_ppo.yaml``, which gives the reasons for them.
 
     Only the section of the algorithm that is chosen counts, and only that one may be given.
     """
@@ -148,11 +150,12 @@ class TrainingConfig(InputModel):
         if isinstance(section, PPOConfig) and self.n_envs * section.n_steps % section.batch_size:
             name = self.algorithm
             raise ValueError(
-                f"n_envs {self.n_envs} x {name}.n_steps {section.n_steps} = {self.n_envs * section.n_steps} steps "
-                f"per update must be a multiple of {name}.batch_size {section.batch_size}"
+                f"n_envs x {name}.n_steps is {self.n_envs} x {section.n_steps} = {self.n_envs * section.n_steps}; "
+                f"allowed: a multiple of {name}.batch_size, {section.batch_size}"
             )
-        if self.comfort is not None and self.env.kwargs.get("comfort_weight", 0.0) != 0.0:
-            raise ValueError("comfort learns the price of discomfort: env.kwargs.comfort_weight must be 0 or left out")
+        weight = self.env.kwargs.get("comfort_weight", 0.0)
+        if self.comfort is not None and weight != 0.0:
+            raise ValueError(f"env.kwargs.comfort_weight is {shown(weight)}; allowed: 0 where comfort learns its price")
         return self
 
     @property
@@ -198,7 +201,7 @@ def asked_for(
     """The configuration that a command line asks for, and the stem of its runs' names.
 
     Args:
-        name: of a shipped configuration or a file, whose values hold where nothing else is asked for.
+        name: of a shipped configuration or a file, with the values of all settings not named here.
         world: ``env`` and arguments of the environment.
         residual_on: maneuver to be corrected.
         target_discomfort: s in 30 s that are allowed; its price is then learned.

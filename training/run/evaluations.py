@@ -20,7 +20,7 @@ from training.run.folder import RunFolder
 
 CONFIDENCE = 0.95
 MEDIANS = ("worst_sd", "worst_sd_10s")
-"""Figures of which the median over patients counts, since a few stiff patients would rule the mean."""
+"""Figures by the median over patients, since a few stiff patients would rule the mean."""
 COLUMNS = (
     "return",
     "return_sampled",
@@ -37,10 +37,10 @@ COLUMNS = (
     "violation",
     "length",
 )
-"""What is kept of an evaluation, as far as the environment tells it."""
+"""Figures of an evaluation, as far as the environment reports them."""
 
 Report = Callable[[int, dict[str, float]], None]
-"""Is told steps and row of each evaluation."""
+"""Called with steps and row of each evaluation."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def evaluate(
     return Evaluation({name: np.array([episode[key] for episode in finished]) for key, name in names.items()})
 
 
-class Score(NamedTuple):
+class PolicyScore(NamedTuple):
     """How good a policy is; the larger the better.
 
     Attributes:
@@ -112,7 +112,7 @@ class Score(NamedTuple):
     comfortable: bool
     value: float
 
-    def said(self) -> str:
+    def in_words(self) -> str:
         """The figure in words."""
         return f"mean return {self.value:.4g}" if self.comfortable else f"discomfort {abs(self.value):.4g} s"
 
@@ -131,7 +131,7 @@ class Evaluations(BaseCallback):
         progress: shows the best so far.
         interrupted: an evaluation is given up when it says True.
         largest_discomfort_s: s per 30 s; a policy that exceeds it is worse than any that does not.
-        report: is told steps and row of each evaluation.
+        report: called with steps and row of each evaluation.
 
     Attributes:
         best: score of the best policy, and its steps; None before the first row.
@@ -157,7 +157,7 @@ class Evaluations(BaseCallback):
         self._run, self._config, self._worlds, self._keep = run, config, worlds, keep
         self._progress, self._interrupted, self._report = progress, interrupted, report
         self._limit = largest_discomfort_s
-        self.best: tuple[Score, int] | None = None
+        self.best: tuple[PolicyScore, int] | None = None
         self.last: int | None = None
         for row in read_evaluations(run.path):
             self.last = int(row["steps"])
@@ -205,9 +205,9 @@ class Evaluations(BaseCallback):
 
     def _compare(self, row: dict[str, float]) -> bool:
         """Whether a row is the best so far; then it is kept as that."""
-        score = Score(True, row["return"])
+        score = PolicyScore(True, row["return"])
         if self._limit is not None and row.get("discomfort_s", 0.0) > self._limit:
-            score = Score(False, -row["discomfort_s"])
+            score = PolicyScore(False, -row["discomfort_s"])
         if self.best is not None and score <= self.best[0]:
             return False
         self.best = (score, int(row["steps"]))
@@ -226,4 +226,4 @@ class Evaluations(BaseCallback):
 
     def _show_best(self) -> None:
         if self.best is not None:
-            self._progress.note("best", f"best evaluation: {self.best[0].said()} at {self.best[1]:,}")
+            self._progress.note("best", f"best evaluation: {self.best[0].in_words()} at {self.best[1]:,}")

@@ -67,7 +67,7 @@ def write_run_policy(
     Args:
         run: the run.
         config: of the run.
-        environment: what it is trained on.
+        environment: where it is trained.
         architecture: of the network.
         residual: the maneuver that the policy corrects.
         weights: of the network.
@@ -101,12 +101,12 @@ def export(
     command: str = "",
     overwrite: bool = False,
 ) -> ModelCard:
-    """Write a run's best policy, and its card with what it reached, into a folder of its own.
+    """Write a run's best policy, and its card with results, into a folder of its own.
 
     Args:
         run: the run.
         output: the new folder.
-        results: file with what the policy reached, as a list under ``results``.
+        results: file with the figures of the policy, as a list under ``results``.
         licence: under which the weights are given.
         command: how the user asked for it.
         overwrite: replace an exported policy in the folder.
@@ -118,12 +118,12 @@ def export(
         InputError: no run or no policy in it, damaged results, or a folder that is taken, in use or cannot be written.
     """
     run.open()
-    kept = read_card(run.path)
-    weights = read_weights(run.path, kept)
+    card_of_run = read_card(run.path)
+    weights = read_weights(run.path, card_of_run)
     reached = () if results is None else read_model(results, ResultsFile).results
     today = datetime.now(UTC).date()
-    changes = {"results": reached, "licence": licence, "date": today, "commands": (*kept.commands, command)}
-    card = ModelCard(**(dict(kept) | changes))
+    changes = {"results": reached, "licence": licence, "date": today, "commands": (*card_of_run.commands, command)}
+    card = ModelCard(**(dict(card_of_run) | changes))
     with alone(output):
         _check_free(output, overwrite)
         try:
@@ -146,7 +146,7 @@ def config_sha256(path: Path) -> str:
 
 
 def _algorithm(run: RunFolder, config: TrainingConfig) -> str:
-    """What has trained a run's policy so far."""
+    """Record of the training of a run's policy so far."""
     if not run.distillation_file.exists():
         return config.algorithm
     distilled = f"distillation of {read_mapping(run.distillation_file).get('planner')}"
@@ -168,7 +168,7 @@ def _check_free(output: Path, overwrite: bool) -> None:
 
 
 def readme(name: str, card: ModelCard) -> str:
-    """The README of a policy: what its card says, for readers and for the Hugging Face Hub.
+    """The README of a policy: its card for readers and for the Hugging Face Hub.
 
     The header is the Hub's metadata (https://huggingface.co/docs/hub/model-cards). It is made of the card alone, so
     that the two never differ.
@@ -183,15 +183,15 @@ def metadata(name: str, card: ModelCard) -> dict[str, Any]:
     named = (
         {"license": licence.lower()} if licence in _LICENCES else {"license": "other", "license_name": _slug(licence)}
     )
-    about: dict[str, Any] = {
+    header: dict[str, Any] = {
         **named,
         "library_name": "jawenv",
         "pipeline_tag": _TASK,
         "tags": [*_TAGS, _flat(card.algorithm)],
     }
     if card.results:
-        about["model-index"] = [{"name": _flat(name), "results": [_entry(result, card) for result in card.results]}]
-    return about
+        header["model-index"] = [{"name": _flat(name), "results": [_entry(result, card) for result in card.results]}]
+    return header
 
 
 def _entry(result: Result, card: ModelCard) -> dict[str, Any]:

@@ -5,9 +5,9 @@
     runs/<name>/config.yaml        every setting, defaults included
                 repeat.json        command lines, seeds, versions, git commit, machine
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
-                distillation.yaml  whose decisions were learnt, if it was distilled from a planner
-                labels/            round_<number>.npz, what the planner would do
-                card.json          what the policy with the best evaluation is, and
+                distillation.yaml  the planner and its settings, if the policy was distilled
+                labels/            round_<number>.npz, the planner's decisions
+                card.json          model card of the policy with the best evaluation, and
                 policy.safetensors its weights (in an environment that is not of jawenv: best_model.zip)
                 checkpoints/       step_<steps>.zip, the latest few, to go on from
                 evaluations.csv    every evaluation on the validation cohort
@@ -73,7 +73,7 @@ class RunFolder:
             raise InputError(f"{self.path} holds no run: there is no {self.config_file.name} in it")
         return TrainingConfig.load(self.config_file)
 
-    def check_settings(self, wanted: TrainingConfig) -> None:
+    def check_settings(self, config: TrainingConfig) -> None:
         """Make sure that the run in this folder has the settings wanted, its number of steps aside.
 
         Raises:
@@ -81,7 +81,7 @@ class RunFolder:
         """
         present = self.open()
         fields = [name for name in TrainingConfig.model_fields if name != "steps"]
-        other = [name for name in fields if getattr(present, name) != getattr(wanted, name)]
+        other = [name for name in fields if getattr(present, name) != getattr(config, name)]
         if other:
             raise InputError(
                 f"the run in {self.path} has other settings ({', '.join(other)}); "
@@ -113,7 +113,7 @@ class RunFolder:
         base: Maneuver | None = None,
         distillation: str | None = None,
     ) -> None:
-        """Make the folder in place of an older one, whole or not at all, with the files that say what this run is.
+        """Make the folder in place of an older one, whole or not at all, with the files that describe this run.
 
         Args:
             config: of the run.
@@ -153,7 +153,7 @@ class RunFolder:
             write_text(self.distillation_file, distillation)
 
     def remove_unfinished(self) -> None:
-        """Remove what a killed process was writing. Nobody else may be at work in the folder."""
+        """Remove unfinished files of a killed process. Nobody else may be at work in the folder."""
         for folder in (self.path, self.checkpoints, self.labels):
             remove_unfinished(folder)
 
@@ -172,7 +172,7 @@ class RunFolder:
         repeat = read_mapping(self.repeat_file)
         sessions = repeat.get("sessions")
         if not isinstance(sessions, list) or not all(isinstance(one, dict) and "command" in one for one in sessions):
-            raise InputError(f"{self.repeat_file} is damaged: sessions must be a list, each with its command")
+            raise InputError(f"{self.repeat_file} is damaged: sessions is no list of mappings with a command")
         return repeat
 
     def save_model(self, model: BaseAlgorithm, path: Path) -> None:
@@ -204,7 +204,7 @@ class RunFolder:
 
 
 def read_counts(checkpoint: Path) -> dict[str, Any]:
-    """What a checkpoint says in plain text, its steps and updates among it; what is pickled there stays text.
+    """The plain text of a checkpoint, its steps and updates among it; its pickles stay text.
 
     Raises:
         InputError: no such file, or a damaged one.
@@ -220,7 +220,7 @@ def read_counts(checkpoint: Path) -> dict[str, Any]:
 
 
 def damaged(checkpoint: Path, error: Exception) -> InputError:
-    """What is said of a checkpoint that cannot be read."""
+    """The error for a checkpoint that cannot be read."""
     reason = " ".join(str(error).split())[:200] or type(error).__name__
     return InputError(f"checkpoint {checkpoint} is damaged ({reason}); delete it to go on from the one before it")
 

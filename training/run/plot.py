@@ -41,7 +41,7 @@ def draw(runs: Sequence[Path], output: Path) -> Path:
         InputError: a folder holds no run or no evaluations, matplotlib is missing, or the file cannot be written.
     """
     if output.suffix.lower() != ".png":
-        raise InputError(f"output {output}: must end in .png")
+        raise InputError(f"output is {output}; allowed: a file that ends in .png")
     groups = _grouped(runs)
     with needs("python -m training plot", "matplotlib", group="train"):
         picture = figure(groups)
@@ -54,7 +54,7 @@ def figure(groups: dict[str, list[Table]]) -> Figure:
     """The curves of groups of runs, with the legend above the panels.
 
     Args:
-        groups: tables of evaluations, one for each seed, by what the legend calls them.
+        groups: tables of evaluations, one for each seed, by their label in the legend.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import EngFormatter, MaxNLocator

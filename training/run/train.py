@@ -52,7 +52,7 @@ def start(
     with alone(run.path):
         run.check_free(overwrite)
         base = base_targets(config)
-        with Session(config, run, console, 0, base) as session:
+        with TrainingSession(config, run, console, 0, base) as session:
             run.create(config, session.world_seed, None if base is None else base.maneuver)
             return session.learn(report)
 
@@ -85,7 +85,7 @@ def resume(run: RunFolder, console: Console, steps: int | None = None) -> int:
                 "(--steps with a larger number goes on)"
             )
             return 0
-        with Session(config, run, console, from_step, base_targets(config, run.path)) as session:
+        with TrainingSession(config, run, console, from_step, base_targets(config, run.path)) as session:
             if checkpoint is not None:
                 session.restore(checkpoint)
             run.add_session(config, from_step, session.world_seed)
@@ -102,11 +102,11 @@ def parse_seeds(text: str) -> list[int]:
     for part in text.split(","):
         match = _SEEDS.fullmatch(part.strip())
         if match is None:
-            raise InputError(f"seeds {shown(text)}: allowed are numbers and ranges such as 0-4 or 0,1,2")
+            raise InputError(f"seeds is {shown(text)}; allowed: numbers and ranges such as 0-4 or 0,1,2")
         first, last = int(match[1]), int(match[2] or match[1])
         if last < first or last - first >= MOST_SEEDS:
             raise InputError(
-                f"seeds {shown(text)}: {part.strip()} must be a range upwards of at most {MOST_SEEDS} seeds"
+                f"seeds is {shown(text)}; allowed: ranges upwards of at most {MOST_SEEDS} seeds, unlike {part.strip()}"
             )
         seeds += range(first, last + 1)
     return list(dict.fromkeys(seeds))
@@ -116,20 +116,20 @@ def train_seeds(config: TrainingConfig, seeds: list[int], stem: Path, console: C
     """Train each seed into the folder ``STEM-seedK``; finished ones are skipped, unfinished ones go on.
 
     Returns:
-        The exit code: 0, or that of an interrupted run, after which no other is begun.
+        The exit code: 0, or the code of an interrupted run, after which no other is begun.
 
     Raises:
         InputError: a folder holds something else, or a run with other settings.
     """
     plan = [(config.changed(seed=seed), RunFolder(stem.with_name(f"{stem.name}-seed{seed}"))) for seed in seeds]
-    for wanted, run in plan:
+    for config_of_seed, run in plan:
         if run.exists():
-            run.check_settings(wanted)
+            run.check_settings(config_of_seed)
         else:
             run.check_free(overwrite=False)
-    for number, (wanted, run) in enumerate(plan, 1):
-        console.print(f"seed {wanted.seed}, {number} of {len(plan)}: {run.path}", soft_wrap=True)
-        code = resume(run, console, wanted.steps) if run.exists() else start(wanted, run, console)
+    for number, (config_of_seed, run) in enumerate(plan, 1):
+        console.print(f"seed {config_of_seed.seed}, {number} of {len(plan)}: {run.path}", soft_wrap=True)
+        code = resume(run, console, config_of_seed.steps) if run.exists() else start(config_of_seed, run, console)
         if code:
             return code
     return 0
@@ -146,7 +146,7 @@ def base_targets(config: TrainingConfig, folder: Path | None = None) -> BaseTarg
     return BaseTargets(config.residual.load_maneuver(folder), config.residual.scale, decision_hz(config.env.kwargs))
 
 
-class Session:
+class TrainingSession:
     """Environments and model of one process that trains, from ``from_step`` to ``config.steps``.
 
     Attributes:
@@ -172,7 +172,7 @@ class Session:
         self.model = make_model(config, self._worlds)
         self._worlds.seed(self.world_seed)
 
-    def __enter__(self) -> Session:
+    def __enter__(self) -> TrainingSession:
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -276,7 +276,7 @@ class Session:
         score, best_steps = evaluations.best
         self._console.print(
             f"{steps:,} steps in {seconds:.0f} s ({rate:,.0f} steps/s with evaluations); best on "
-            f"{self.config.evaluation.patients} validation patients: {score.said()} "
+            f"{self.config.evaluation.patients} validation patients: {score.in_words()} "
             f"after {best_steps:,} steps: {self.run.path}",
             soft_wrap=True,
         )
@@ -289,7 +289,7 @@ def _whole_updates(model: Any, from_step: int, steps: int) -> int:
 
 
 def _described(config: EnvConfig) -> Configuration | None:
-    """What is trained on, checked before worlds are made; None where it is not an environment of jawenv."""
+    """The world of the training, checked before worlds are made; None for an environment outside jawenv."""
     if not config.id.startswith("jawenv/"):
         return None
     return Configuration.from_mapping({"env": config.id, **config.kwargs})

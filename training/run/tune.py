@@ -30,7 +30,7 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
     """Go on with a study until it has so many trials; the same command again continues one that was stopped.
 
     Args:
-        config: what the trials have in common.
+        config: common settings of the trials.
         name: of the study in the database.
         trials: finished ones that the study shall have in the end.
         storage: URL of the database. Several processes may share one on a server.
@@ -38,13 +38,13 @@ def search(config: TrainingConfig, name: str, trials: int, storage: str, folder:
         console: where to report.
 
     Returns:
-        The exit code: 0, or that of an interrupted trial.
+        The exit code: 0, or the code of an interrupted trial.
 
     Raises:
         InputError: fewer than one trial, or a database that is locked, damaged or out of reach.
     """
     if trials < 1:
-        raise InputError(f"trials = {trials} must be 1 or more")
+        raise InputError(f"trials is {trials}; allowed: 1 or more")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     with _database(storage):
         study = _study(name, storage)
@@ -99,17 +99,17 @@ def _study(name: str, storage: str) -> optuna.Study:
 
 def _run_trial(study: optuna.Study, trial: Trial, config: TrainingConfig, folder: Path, console: Console) -> int:
     """Train one trial and tell the study its last result on the validation patients."""
-    wanted = suggest(trial, config)
+    trial_config = suggest(trial, config)
     run = RunFolder(folder / f"trial-{trial.number:04d}")
     console.print(f"trial {trial.number}: {trial.params}", soft_wrap=True)
 
     def report(steps: int, row: dict[str, float]) -> None:
-        trial.report(_value(wanted, row), steps)
+        trial.report(_value(trial_config, row), steps)
         if trial.should_prune():
             raise TrialPruned
 
     try:
-        code = train.start(wanted, run, console, overwrite=True, report=report)
+        code = train.start(trial_config, run, console, overwrite=True, report=report)
     except TrialPruned:
         study.tell(trial, state=TrialState.PRUNED)
         console.print(f"trial {trial.number} pruned: below the median")
@@ -117,7 +117,7 @@ def _run_trial(study: optuna.Study, trial: Trial, config: TrainingConfig, folder
     if code:
         study.tell(trial, state=TrialState.FAIL)
         return code
-    study.tell(trial, _value(wanted, read_evaluations(run.path)[-1]))
+    study.tell(trial, _value(trial_config, read_evaluations(run.path)[-1]))
     return 0
 
 
@@ -143,7 +143,7 @@ def _report(study: optuna.Study, console: Console) -> None:
 
 @contextmanager
 def _database(storage: str) -> Iterator[None]:
-    """Turns what a database raises into one line."""
+    """Turn errors of a database into one line."""
     try:
         yield
     except (StorageInternalError, SQLAlchemyError, ImportError, OSError) as error:

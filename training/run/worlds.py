@@ -68,7 +68,7 @@ def worlds_for(config: EnvConfig, n: int, base: BaseTargets | None = None, price
 
 
 class Price(Protocol):
-    """What a second of discomfort costs now, nats."""
+    """Price of a second of discomfort now, nats."""
 
     value: float
 
@@ -167,7 +167,7 @@ class NativeVecEnv(VecEnv):
             single = np.asarray(reward, dtype=np.float32)
         if not np.isfinite(single).all():
             i = int(np.flatnonzero(~np.isfinite(single))[0])
-            raise InputError(f"reward of world {i} of {_name(self.env)} is {reward[i]}: must be a finite number")
+            raise InputError(f"reward of world {i} of {_name(self.env)} is {reward[i]}; allowed: a finite number")
         return single
 
     def _finish(
@@ -224,7 +224,7 @@ class NativeVecEnv(VecEnv):
 
 
 def _last(info: dict[str, Any], key: str, done: np.ndarray) -> np.ndarray | None:
-    """What the step just done says (N, ...), also of worlds that it ended; None where the environment does not say."""
+    """Infos (N, ...) of the last step, also of worlds that it ended; None where the environment has none."""
     if key not in info:
         return None
     values = np.array(info[key], dtype=np.float64)

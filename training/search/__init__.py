@@ -1,1 +1,1 @@
-"""Searches for maneuvers, and what a planner decides as a policy."""
+"""Searches for maneuvers, and policies that learn a planner's decisions."""

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from training.run.config import TrainingConfig
     from training.run.folder import RunFolder
     from training.search.distill import Distillation
-    from training.search.optimise import Design, Found
+    from training.search.optimise import Found, Refinement
 
 SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)"
 CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
@@ -68,29 +68,29 @@ def optimise(
     the same command is given again. What it has found so far stands beside the file, in NAME.search.pkl, which is
     unpickled: that can run code, so let nobody else put one there.
     """
-    given = dict(locals())
-    from training.search.optimise import Design, search
+    options = dict(locals())
+    from training.search.optimise import Refinement, search
 
     check_output(output)
-    design, log = Design.of(given), output.with_suffix(".search.pkl")
+    design, log = Refinement.of(options), output.with_suffix(".search.pkl")
 
     def run(progress: Progress) -> tuple[Found, bool]:
         def report(done: int, lowest: float) -> None:
             progress.note("best", f"best loss {lowest:.3f}")
             progress.advance_to(done)
 
-        found = search(design, log, report)
-        return found, progress.done > 0
+        result = search(design, log, report)
+        return result, progress.done > 0
 
-    def write(found: Found) -> str:
-        about = named(output, _description(design), SOURCE)
+    def write(result: Found) -> str:
+        header = named(output, _description(design), SOURCE)
         content = (
             design.knots()
-            .maneuver(found.numbers, about)
+            .maneuver(result.numbers, header)
             .model_dump(mode="json", exclude_none=True, exclude_defaults=True)
         )
         write_found(output, content, "optimise", design)
-        judged = found.judged
+        judged = result.judged
         return (
             f"largest sd {100.0 * judged.worst_sd:.2f} % after {horizon_s:g} s (median of the search's own "
             f"patients), discomfort {judged.discomfort_s:.3f} s, governor {judged.governor:.1%}, "
@@ -100,7 +100,7 @@ def optimise(
     return search_maneuver(output, log, overwrite, generations, "generations", run, write)
 
 
-def _description(design: Design) -> str:
+def _description(design: Refinement) -> str:
     return (
         f"{Path(design.refine).stem!r} with its targets varied by CMA-ES for {CRITERIA[design.criterion]} "
         f"{OVER[design.over].format(patients=design.patients)} of {design.cohort!r}, {design.horizon_s:g} s after "
@@ -129,17 +129,17 @@ def design(
     A few minutes for 10 s of a maneuver. Comfort is a price here; `optimise` has it as a constraint. A design that was
     stopped goes on when the same command is given again. The plans so far stand beside the file, in NAME.search.npz.
     """
-    given = dict(locals())
+    options = dict(locals())
     from training.search.sequential import SequentialDesign, design_maneuver
 
     check_output(output)
-    wanted = SequentialDesign.of(given)
+    settings = SequentialDesign.of(options)
     description = (
         f"Designed second by second: each plan is the one after which {patients} patients of {cohort!r} "
         f"are known best{', the least known third of them counting,' if over == 'tail' else ''} within comfort."
     )
     source = "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search"
-    about = named(output, description, source)
+    header = named(output, description, source)
 
     log = output.with_suffix(".search.npz")
 
@@ -150,14 +150,14 @@ def design(
             else:
                 progress.skip(1)
 
-        maneuver, plans_made = design_maneuver(wanted, about, log, report)
+        maneuver, plans_made = design_maneuver(settings, header, log, report)
         return maneuver, plans_made > 0
 
     def write(maneuver: Maneuver) -> str:
-        write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", wanted)
+        write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", settings)
         return f"{horizon_s:g} s"
 
-    return search_maneuver(output, log, overwrite, wanted.steps, "steps of the maneuver", search, write)
+    return search_maneuver(output, log, overwrite, settings.steps, "steps of the maneuver", search, write)
 
 
 @takes_world()
@@ -183,24 +183,24 @@ def distill(
     from training.run.folder import RunFolder
     from training.search.distill import Distillation, check_distillable
 
-    wanted, stem = asked_for(config, world | {"reward": reward}, residual_on=residual_on, seed=seed)
-    check_distillable(wanted)
-    given = {"planner": planner, "rounds": rounds, "patients": patients}
-    settings = validate(Distillation, given, "command line")
-    run = RunFolder(output or Path("runs") / f"{stem}-seed{wanted.seed}")
+    training, stem = asked_for(config, world | {"reward": reward}, residual_on=residual_on, seed=seed)
+    check_distillable(training)
+    options = {"planner": planner, "rounds": rounds, "patients": patients}
+    settings = validate(Distillation, options, "command line")
+    run = RunFolder(output or Path("runs") / f"{stem}-seed{training.seed}")
     console = quiet_console()
     with alone(run.path):
-        return _learn(wanted, settings, run, console, overwrite)
+        return _learn(training, settings, run, console, overwrite)
 
 
-def _learn(wanted: TrainingConfig, settings: Distillation, run: RunFolder, console: Console, overwrite: bool) -> int:
+def _learn(training: TrainingConfig, settings: Distillation, run: RunFolder, console: Console, overwrite: bool) -> int:
     """Gather labels and learn from them, round by round; the exit code."""
-    from training.run.train import Session, base_targets
+    from training.run.train import TrainingSession, base_targets
     from training.search.distill import distill as learn_from_planner
     from training.search.distill import is_finished, seconds_of
 
     rounds = settings.rounds
-    begun = not overwrite and _is_begun(run, wanted, settings)
+    begun = not overwrite and _is_begun(run, training, settings)
     if begun and is_finished(run, rounds):
         console.print(f"{run.path} has all of its {rounds} rounds; nothing to do (--overwrite begins anew)")
         return 0
@@ -208,24 +208,24 @@ def _learn(wanted: TrainingConfig, settings: Distillation, run: RunFolder, conso
         run.remove_unfinished()
     else:
         run.check_free(overwrite)
-    base = base_targets(wanted, run.path if begun else None)
-    with Session(wanted, run, console, 0, base) as session:
+    base = base_targets(training, run.path if begun else None)
+    with TrainingSession(training, run, console, 0, base) as session:
         if not begun and base is not None:
-            run.create(wanted, session.world_seed, base.maneuver, _text(settings))
+            run.create(training, session.world_seed, base.maneuver, _text(settings))
         write_text(run.distillation_file, _text(settings))
 
         def gather(progress: Progress) -> bool:
             learn_from_planner(session, settings, progress)
             return True
 
-        total = rounds * settings.patients * seconds_of(wanted)
+        total = rounds * settings.patients * seconds_of(training)
         if not until_stopped(gather, total, "seconds of patients", console, "after the last finished round"):
             return INTERRUPTED
     console.print(f"the policy of the best round: {run.path}", soft_wrap=True)
     return 0
 
 
-def _is_begun(run: RunFolder, wanted: TrainingConfig, settings: Distillation) -> bool:
+def _is_begun(run: RunFolder, training: TrainingConfig, settings: Distillation) -> bool:
     """Whether the folder holds a distillation that goes on.
 
     Raises:
@@ -234,7 +234,7 @@ def _is_begun(run: RunFolder, wanted: TrainingConfig, settings: Distillation) ->
     file = run.distillation_file
     if not (run.exists() and file.is_file()):
         return False
-    run.check_settings(wanted)
+    run.check_settings(training)
     present = read_model(file, type(settings))
     fields = type(settings).model_fields
     other = [name for name in fields if name != "rounds" and getattr(present, name) != getattr(settings, name)]

@@ -33,7 +33,7 @@ from training.run.algorithm_configs import PositiveInt, PositiveNumber
 from training.run.config import TrainingConfig
 from training.run.evaluations import Evaluations
 from training.run.folder import RunFolder, read_counts
-from training.run.train import Session
+from training.run.train import TrainingSession
 from training.run.worlds import world_seed, worlds_for
 
 BATCH = 256
@@ -43,7 +43,7 @@ class Distillation(InputModel):
     """How a planner is distilled.
 
     Attributes:
-        planner: whose decisions are learnt, a name of ``agents.planners.PLANNERS``.
+        planner: the teacher, a name of ``agents.planners.PLANNERS``.
         rounds: how often labels are gathered; in the first the planner plays.
         patients: new ones in each round.
         epochs: passes over all labels after each round.
@@ -74,18 +74,18 @@ def check_distillable(config: TrainingConfig) -> None:
     """
     mode = mode_of(config.env.kwargs)
     if not mode.takes_targets:
-        raise InputError(f"control is {shown(mode.name)}; allowed for a planner: targets")
+        raise InputError(f"control is {shown(mode.name)}; allowed: targets")
     if config.residual is None:
-        raise InputError("residual is missing: allowed is a maneuver that is corrected (--residual-on MANEUVER)")
+        raise InputError("residual is none; allowed: a maneuver to correct (--residual-on MANEUVER)")
     if config.algorithm != "ppo":
-        raise InputError(f"algorithm is {config.algorithm!r}; allowed to be distilled into: ppo")
+        raise InputError(f"algorithm is {config.algorithm!r}; allowed: ppo")
 
 
 class Labels:
-    """What a planner would do in the states of M steps.
+    """Decisions of a planner in the states of M steps.
 
     Attributes:
-        observation: (M, n) what the policy sees.
+        observation: (M, n) inputs of the policy.
         residual: (M, 4) the planner's correction of the maneuver, as an action of the policy.
     """
 
@@ -99,7 +99,7 @@ class Labels:
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read what ``save`` has written.
+        """Read a file of ``save``.
 
         Raises:
             InputError: no such file, or a damaged one.
@@ -108,7 +108,7 @@ class Labels:
         number = len(labels.observation)
         if labels.observation.ndim != 2 or labels.residual.shape != (number, N_CHANNELS):
             shapes = f"{labels.observation.shape} and {labels.residual.shape}"
-            raise InputError(f"{path}: damaged labels: shapes {shapes}, allowed (M, n) and (M, {N_CHANNELS})")
+            raise InputError(f"{path} is damaged: shapes are {shapes}; allowed: (M, n) and (M, {N_CHANNELS})")
         if not np.isfinite(labels.observation).all() or not np.isfinite(labels.residual).all():
             raise InputError(f"{path}: damaged labels: a value is not finite")
         return labels
@@ -130,10 +130,10 @@ def gather(
         config: of the run.
         base: the maneuver that is corrected.
         planner_name: who labels.
-        policy: who plays; None for the planner, as far as it stays within what a correction can reach.
+        policy: the player; None for the planner, as far as a correction can reach its targets.
         seed: of the first patient.
         patients: how many.
-        tell: is told after each step how many seconds of patients were labelled.
+        tell: called after each step with the seconds of patients labelled.
     """
     worlds = worlds_for(config.env, patients, base)
     try:
@@ -163,7 +163,7 @@ def gather(
 
 def fit(model: PPO, rounds: list[Labels], settings: Distillation, seed: int) -> None:
     """Fit the policy's mean action to all labels; least squares."""
-    seen, wanted = (
+    observations, residuals = (
         torch.as_tensor(np.concatenate([getattr(labels, name) for labels in rounds]), dtype=torch.float32)
         for name in ("observation", "residual")
     )
@@ -171,8 +171,8 @@ def fit(model: PPO, rounds: list[Labels], settings: Distillation, seed: int) -> 
     optimiser = torch.optim.AdamW(policy.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.epochs)
     for _ in range(settings.epochs):
-        for batch in torch.split(torch.randperm(len(seen), generator=generator), BATCH):
-            loss = torch.mean((_mean_action(policy, seen[batch]) - wanted[batch]) ** 2)
+        for batch in torch.split(torch.randperm(len(observations), generator=generator), BATCH):
+            loss = torch.mean((_mean_action(policy, observations[batch]) - residuals[batch]) ** 2)
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
@@ -191,8 +191,8 @@ def _mean_action(policy: Any, seen: torch.Tensor) -> torch.Tensor:
     return mean
 
 
-def distill(session: Session, settings: Distillation, progress: Progress) -> None:
-    """Gather, fit and evaluate, round by round, after those whose labels are in the run's folder.
+def distill(session: TrainingSession, settings: Distillation, progress: Progress) -> None:
+    """Gather, fit and evaluate, round by round, after the rounds with labels in the run's folder.
 
     Args:
         session: worlds, untrained policy and folder of the run.
@@ -231,7 +231,7 @@ def distill(session: Session, settings: Distillation, progress: Progress) -> Non
         _evaluate(evaluations, session)
 
 
-def _evaluate(evaluations: Evaluations, session: Session) -> None:
+def _evaluate(evaluations: Evaluations, session: TrainingSession) -> None:
     """Evaluate and keep the policy as it is now, unless that is done; random actions follow from seed and steps."""
     model = session.model
     if evaluations.last != model.num_timesteps:
@@ -245,7 +245,7 @@ def _advance(progress: Progress, before: float, done: float) -> None:
 
 
 def finished_rounds(run: RunFolder, rounds: int) -> list[Path]:
-    """The files of the rounds whose labels are there, from the first one on."""
+    """The files of the finished rounds, from the first one on."""
     files = [_file(run, k) for k in range(rounds)]
     return list(takewhile(Path.is_file, files))
 

@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 Criterion = Literal["worst", "D", "A"]
 Over = Literal["mean", "tail", "nominal"]
 
-WEIGHTS = {0.35: 0.2, 0.65: 0.2, 1.0: 0.6}  # of what is known at these shares of the horizon
+WEIGHTS = {0.35: 0.2, 0.65: 0.2, 1.0: 0.6}  # of the criterion at these shares of the horizon
 TAIL = 1.0 / 3.0  # of the patients, those known least, that ``over="tail"`` looks at
 DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is allowed
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
@@ -51,13 +51,13 @@ INFEASIBLE = 1e3  # worse than any criterion
 STEP_S = 0.2  # between targets of the maneuver that is made
 KNOT_S = 0.4  # between knots
 SIZE = np.array([0.25, 0.4, 0.1, 0.4])
-"""What 1 of a number is, as a fraction of the patient's comfort, for each channel."""
+"""Unit of the numbers of each channel, as a fraction of the patient's comfort."""
 CANDIDATE = dict.fromkeys(("name", "title", "description", "source"), "candidate")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Design(SearchSettings):
-    """What is searched.
+class Refinement(SearchSettings):
+    """Settings of the search for offsets of a maneuver's targets.
 
     Attributes:
         cohort: of the patients.
@@ -100,8 +100,8 @@ class Design(SearchSettings):
         self.check_choices(criterion=Criterion, over=Over)
         self.check_least(patients=1, generations=1, population=4, seed=0)
         if self.population * self.patients > MOST_WORLDS:
-            given = f"population is {self.population} and patients {self.patients}"
-            raise InputError(f"{given}; allowed: {MOST_WORLDS:,} worlds, population times patients, at most")
+            size = f"population is {self.population} and patients {self.patients}"
+            raise InputError(f"{size}; allowed: {MOST_WORLDS:,} worlds, population times patients, at most")
         if not 0.0 < self.sigma <= 1.0:
             raise InputError(f"sigma is {self.sigma:g}; allowed: above 0, at most 1")
         configure(self.env_kwargs | {"model": model_of_env(self.env).name})
@@ -127,7 +127,7 @@ class Knots:
     Args:
         base: the maneuver.
         horizon_s: where the last knot lies.
-        then: what follows after the horizon, reached within ``RETURN_S``; the maneuver itself by default.
+        then: maneuver after the horizon, reached within ``RETURN_S``; the maneuver itself by default.
 
     Attributes:
         start: (n,) zeros: the maneuver itself.
@@ -151,9 +151,9 @@ class Knots:
         path: Array = followed(goals[None], STEP_S)[0]
         return path
 
-    def maneuver(self, numbers: Array, about: dict[str, str]) -> Maneuver:
+    def maneuver(self, numbers: Array, header: dict[str, str]) -> Maneuver:
         """The maneuver of numbers (n,), with name, title, description and source; it goes back to rest and repeats."""
-        return maneuver_of_targets(self.targets(numbers), STEP_S, about, return_s=RETURN_S)
+        return maneuver_of_targets(self.targets(numbers), STEP_S, header, return_s=RETURN_S)
 
 
 def length_s(maneuver: Maneuver) -> float:
@@ -173,10 +173,10 @@ class Judged(NamedTuple):
     """A candidate's figures.
 
     Attributes:
-        loss: what CMA-ES ranks.
+        loss: figure that CMA-ES ranks.
         criterion: without constraints.
         discomfort_s: mean over the patients.
-        violated: share of the patients whose hard limit was crossed.
+        violated: share of the patients with a hard limit crossed.
         governor: share of the time with the governor at work.
         worst_sd: median over the patients of the largest sd at the horizon.
     """
@@ -203,8 +203,8 @@ class _Candidates(Player):
 
     def targets(self, time: Array) -> Targets:
         """Targets of all worlds, at the time of the first."""
-        each = [maneuver.targets(time[:1]) for maneuver in self._maneuvers]
-        value, rate = (np.concatenate([getattr(one, name) for one in each]) for name in ("value", "rate"))
+        parts = [maneuver.targets(time[:1]) for maneuver in self._maneuvers]
+        value, rate = (np.concatenate([getattr(one, name) for one in parts]) for name in ("value", "rate"))
         return Targets(np.repeat(value, self._patients, axis=0), np.repeat(rate, self._patients, axis=0))
 
 
@@ -212,10 +212,10 @@ class Judge:
     """Plays candidates and says how good they are.
 
     Args:
-        design: what is searched.
+        design: settings of the search.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Refinement) -> None:
         self._design = design
         self._env: Any = None
 
@@ -233,16 +233,16 @@ class Judge:
         player = _Candidates(candidates, patients, design.control, configuration.steps_per_s)
         discomfort, violated, governor = np.zeros(worlds), np.zeros(worlds, dtype=bool), np.zeros(worlds)
         ends = [(max(1, round(share * configuration.steps)), weight) for share, weight in WEIGHTS.items()]
-        known = np.zeros(worlds)
+        uncertainty = np.zeros(worlds)
         for step in range(configuration.steps):
             observation, _, _, _, info = self._env.step(player.predict(observation)[0])
             discomfort += info["cost"] / configuration.steps_per_s
             violated |= info["violation"]
             governor += info["governor"] / configuration.steps
             if weight := sum(weight for end, weight in ends if end == step + 1):
-                known += weight * self._criterion(info["belief_cov"])
+                uncertainty += weight * self._criterion(info["belief_cov"])
         worst = np.sqrt(np.diagonal(info["belief_cov"], axis1=1, axis2=2)).max(axis=1)
-        columns = (known, discomfort, violated, governor, worst)
+        columns = (uncertainty, discomfort, violated, governor, worst)
         return [self._judge(*parts) for parts in zip(*(c.reshape(len(candidates), -1) for c in columns), strict=True)]
 
     def _criterion(self, covariance: Array) -> Array:
@@ -257,10 +257,10 @@ class Judge:
             values = np.linalg.slogdet(covariance)[1] / (2.0 * covariance.shape[1])
         return np.where(np.isfinite(values), values, INFEASIBLE)
 
-    def _judge(self, known: Array, discomfort: Array, violated: Array, governor: Array, worst: Array) -> Judged:
-        """One candidate's figures from those of its patients."""
-        tail = max(1, round(TAIL * len(known)))
-        value = float(np.sort(known)[-tail:].mean() if self._design.over == "tail" else known.mean())
+    def _judge(self, uncertainty: Array, discomfort: Array, violated: Array, governor: Array, worst: Array) -> Judged:
+        """One candidate's figures from its patients' figures."""
+        tail = max(1, round(TAIL * len(uncertainty)))
+        value = float(np.sort(uncertainty)[-tail:].mean() if self._design.over == "tail" else uncertainty.mean())
         excess = max(0.0, float(discomfort.mean()) / (DISCOMFORT_S * self._design.horizon_s) - 1.0)
         excess += max(0.0, float(governor.mean()) / GOVERNOR - 1.0) + 100.0 * float(violated.mean())
         loss = value if excess == 0.0 else INFEASIBLE + excess
@@ -287,7 +287,7 @@ class Found(NamedTuple):
 
 
 def search(
-    design: Design,
+    design: Refinement,
     log: Path,
     report: Callable[[int, float], None],
     judge: Callable[[Sequence[Maneuver]], list[Judged]] | None = None,
@@ -295,7 +295,7 @@ def search(
     """Search, and keep the state after every generation in ``log``, from which a search that was stopped goes on.
 
     Args:
-        design: what is searched.
+        design: settings of the search.
         log: a pickle of cma's; made if it does not exist. Reading it can run code: it must be the user's own.
         report: called after each generation with the number done and the lowest loss so far.
         judge: of candidates; ``Judge`` by default.
@@ -329,8 +329,8 @@ def search(
 def _resumed(log: Path, settings: dict[str, Any]) -> Any:
     """The strategy as a search has left it, and NumPy's global stream with it."""
     try:
-        kept, strategy, stream = pickle.loads(read_bytes(log))
-        if kept == settings:
+        saved, strategy, stream = pickle.loads(read_bytes(log))
+        if saved == settings:
             np.random.set_state(stream)
             return pickle.loads(strategy)
     except InputError:
@@ -338,5 +338,5 @@ def _resumed(log: Path, settings: dict[str, Any]) -> Any:
     except Exception as error:  # a damaged pickle can raise anything
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InputError(f"{log} is damaged: {reason}; --overwrite begins anew") from None
-    other = [name for name, value in settings.items() if kept.get(name) != value]
+    other = [name for name, value in settings.items() if saved.get(name) != value]
     raise InputError(f"{log} is of another search ({', '.join(other)}); allowed: the same settings, or --overwrite")

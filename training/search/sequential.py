@@ -32,16 +32,16 @@ Goal = Literal["mixed", "worst", "uncertainty"]
 Over = Literal["mean", "tail"]
 
 SHARE = {"mean": 1.0, "tail": 1.0 / 3.0}
-"""Of the patients, those known least, whose score decides."""
+"""``over`` -> share of the patients that decides, the least known ones."""
 ELITES = 6
 RETURN_S = 2.0  # after its last second a maneuver goes back to rest, and begins again
 START = ("opening_with_swings_and_fore_aft",)
-"""Maneuvers whose continuations are tried beside sampled targets."""
+"""Maneuvers to be continued beside sampled targets."""
 
 
 @dataclass(frozen=True)
 class SequentialDesign(SearchSettings):
-    """What is designed.
+    """Settings of the design.
 
     Attributes:
         cohort: of the patients.
@@ -125,7 +125,7 @@ class _Designer(Planner):
         super().__init__(design.plan(name))
 
     def reset(self, num_envs: int, seed: int | None = None) -> None:
-        """See ``Planner.reset``; the seed of the patients is not that of the search."""
+        """See ``Planner.reset``; the search has a seed of its own."""
         super().reset(num_envs, self._design.seed)
         self.plans: list[Array] = []
 
@@ -136,8 +136,8 @@ class _Designer(Planner):
             InputError: the log cannot be read, is damaged, or is of another search.
         """
         super().attach(env)
-        kept = read_plans(self._path, self._design, self._planned.shape[1:])
-        self.kept, self._left = len(kept), iter(kept)
+        finished = read_plans(self._path, self._design, self._planned.shape[1:])
+        self.kept, self._left = len(finished), iter(finished)
 
     def actions(self, steps: int) -> Array:
         """Actions (steps, 4) that follow each plan until the next."""
@@ -145,14 +145,14 @@ class _Designer(Planner):
         return action_of(followed).astype(np.float32).astype(np.float64)
 
     def _search(self, step: Array, due: Mask) -> None:
-        kept = next(self._left, None)
-        if kept is None:
+        plan = next(self._left, None)
+        if plan is None:
             super()._search(step, due)
         else:
-            self._planned[due] = kept
+            self._planned[due] = plan
             self._planned_at[due] = step[due]
         self.plans.append(self._planned[np.flatnonzero(due)[0]].copy())  # all worlds have the same
-        if kept is None:
+        if plan is None:
             write_plans(self._path, self._design, np.array(self.plans))
 
 
@@ -166,7 +166,7 @@ def read_plans(path: Path, design: SequentialDesign, shape: tuple[int, ...]) -> 
 
     Args:
         path: where they are kept (.npz).
-        design: whose they must be.
+        design: settings of the plans.
         shape: of a plan.
 
     Raises:
@@ -179,7 +179,7 @@ def read_plans(path: Path, design: SequentialDesign, shape: tuple[int, ...]) -> 
         raise InputError(f"{path} is of another search; allowed: the same settings, or --overwrite")
     if plans.shape[1:] != shape or plans.dtype != np.float64 or not np.isfinite(plans).all():
         raise InputError(
-            f"{path} is damaged: plans must be (n, {shape[0]}, {shape[1]}) numbers; --overwrite begins anew"
+            f"{path} is damaged: plans are no (n, {shape[0]}, {shape[1]}) numbers; --overwrite begins anew"
         )
     return plans
 
@@ -189,13 +189,13 @@ def _settings(design: SequentialDesign) -> str:
 
 
 def design_maneuver(
-    design: SequentialDesign, about: dict[str, str], log: Path, report: Callable[[int, bool], None]
+    design: SequentialDesign, header: dict[str, str], log: Path, report: Callable[[int, bool], None]
 ) -> tuple[Maneuver, int]:
     """Design a maneuver, and keep its plans in ``log``, from which a design that was stopped goes on.
 
     Args:
-        design: what is designed.
-        about: name, title, description and source.
+        design: settings.
+        header: name, title, description and source.
         log: an .npz; made if it does not exist.
         report: called after each control step with the number done and whether its plan was made now, not kept.
 
@@ -205,7 +205,7 @@ def design_maneuver(
     Raises:
         InputError: the log cannot be read or written, is damaged, or is of another search.
     """
-    planner = _Designer(design, about["name"], log)
+    planner = _Designer(design, header["name"], log)
     recording = play(
         planner,
         patients=design.patients,
@@ -215,5 +215,5 @@ def design_maneuver(
     )
     period = float(recording.time[1])
     actions = planner.actions(len(recording.time) - 1)
-    maneuver = maneuver_of_targets(targets_of(actions[None], period)[0], period, about, return_s=RETURN_S)
+    maneuver = maneuver_of_targets(targets_of(actions[None], period)[0], period, header, return_s=RETURN_S)
     return maneuver, len(planner.plans) - planner.kept

@@ -1,4 +1,4 @@
-"""What the commands that search have in common: settings, one output in use, progress, going on after a stop."""
+"""The common ground of the commands that search: settings, one output in use, progress, going on after a stop."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class SearchSettings:
     """Base of frozen dataclasses."""
 
     @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Self:
+    def of(cls, values: Mapping[str, Any]) -> Self:
         """From arguments of the fields' names, among others.
 
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        return cls(**{field.name: given[field.name] for field in fields(cls)})  # type: ignore[arg-type]
+        return cls(**{field.name: values[field.name] for field in fields(cls)})  # type: ignore[arg-type]
 
     def about(self) -> dict[str, Any]:
         """All fields."""
@@ -67,7 +67,7 @@ class SearchSettings:
 
 
 def quiet_console() -> Console:
-    """Where a search says how it goes: what is not the result itself."""
+    """Console on the standard error for the progress of a search, beside its result."""
     return Console(highlight=False, markup=False, stderr=True)
 
 
@@ -79,12 +79,12 @@ def until_stopped(
     Args:
         work: gets the progress.
         total: how much there is to do.
-        unit: what is counted, in the plural.
+        unit: of the counted progress, in the plural.
         console: where progress is shown.
         goes_on: how, after an interrupt.
 
     Returns:
-        What the work has found; None after an interrupt.
+        The result of the work; None after an interrupt.
     """
     try:
         with Progress(total, unit, console) as progress:
@@ -103,22 +103,22 @@ def search_maneuver(
     search: Callable[[Progress], tuple[Found, bool]],
     write: Callable[[Found], str],
 ) -> int:
-    """Search a maneuver, and keep what was found so far in a log beside its file.
+    """Search a maneuver, and keep the state of the search in a log beside its file.
 
     Args:
         output: the maneuver file, checked by `check_output`.
-        log: beside it, keeps what the search has found so far; it goes where all begins anew.
+        log: state of the search, beside it; removed where the search begins anew.
         overwrite: begin anew.
         total: how much there is to do.
-        unit: what is counted, in the plural.
-        search: from progress to what was found, and whether anything of it was found now.
-        write: writes the file, and says what is in it.
+        unit: of the counted progress, in the plural.
+        search: from progress to the result, and whether any part of it is new.
+        write: writes the file and returns a line about it.
 
     Returns:
         The exit code: 0, or 130 after an interrupt.
 
     Raises:
-        InputError: the file exists, and no search that could go on has left it; or what the search refuses.
+        InputError: the file exists without the log of a search; or an error of the search.
     """
     console = quiet_console()
     with alone(output):
@@ -129,9 +129,9 @@ def search_maneuver(
         done = until_stopped(search, total, unit, console, f"from {log}")
         if done is None:
             return INTERRUPTED
-        found, new = done
+        result, new = done
         if new or not output.exists():
-            console.print(f"{output}: {write(found)}", soft_wrap=True)
+            console.print(f"{output}: {write(result)}", soft_wrap=True)
         else:
             console.print(
                 f"{output} is there already, and {log} has all of its search; nothing to do (--overwrite begins anew)",
@@ -148,21 +148,21 @@ def check_output(output: Path) -> None:
             maneuver's name.
     """
     if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
-        raise InputError(f"--output: {output} given, but {output.parent} may not be written")
+        raise InputError(f"--output is {output}; allowed: a file in a folder that may be written")
     if output.suffix != ".yaml" or not output.parent.is_dir():
         raise InputError(f"--output is {output}; allowed: a .yaml file in a folder that exists")
     if not output.stem.isidentifier() or output.stem != output.stem.lower():
-        raise InputError(f"--output: {output.stem!r} is no name; allowed: small letters, digits and underscores")
+        raise InputError(f"--output is {output}; allowed: a name of small letters, digits and underscores")
 
 
 def named(output: Path, description: str, source: str) -> dict[str, str]:
-    """What a maneuver file says of itself; its name and title are those of the file."""
+    """Header of a maneuver file: name and title from its path, description and source."""
     title = output.stem.replace("_", " ").capitalize()
     return {"name": output.stem, "title": title, "description": description, "source": source}
 
 
 def write_found(output: Path, content: dict[str, Any], command: str, design: SearchSettings) -> None:
-    """Write a maneuver file whose first lines are the command that made it.
+    """Write a maneuver file below the command that made it.
 
     Args:
         output: the file.

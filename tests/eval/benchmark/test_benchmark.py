@@ -63,7 +63,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["slow_opening", "--tasks", "jaw"], "tasks is 'jaw'; allowed: hinge-exact, jaw-exact"),
         (["slow_opening", "--tasks", ","], "tasks is none; allowed"),
         ([], "nothing to play: name a maneuver"),
-        (["nobody"], "agent 'nobody': unknown"),
+        (["nobody"], "agent is 'nobody'; allowed"),
         (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v2, where none of these tasks"),
         (["slow_opening", "--check", "x"], "--check: plays what the submission names"),
         (["slow_opening", "--baselines"], "--baselines: plays every task of all patients"),

@@ -128,8 +128,8 @@ def renamed(data):
     ("change", "message"),
     [
         (lambda data: data.update(tasks_digest="0" * 16), "digest '0000000000000000'; this jawenv plays jawenv-1"),
-        (lambda data: data["agents"][1].update(copy_at="agents/../../x.yaml"), "allowed is a path within agents/"),
-        (lambda data: data["agents"][1].update(copy_at="."), "allowed is a path within agents/"),
+        (lambda data: data["agents"][1].update(copy_at="agents/../../x.yaml"), "allowed: a path within agents/"),
+        (lambda data: data["agents"][1].update(copy_at="."), "allowed: a path within agents/"),
         (lambda data: data["agents"][1].update(copy_at="a\0"), "printable"),
         (lambda data: data["agents"][1].update(copy_at=None), "is none of jawenv's, and the folder has no copy of it"),
         (lambda data: data["agents"][0].update(spec="a.module:Name"), "runs code; allowed if you trust it: --trust"),
@@ -169,7 +169,7 @@ def test_a_link_out_of_the_submission_is_refused(copied, tmp_path, capsys):
     path = copied / submission.read(copied).agents[1].copy_at
     path.rename(tmp_path / "elsewhere.yaml")
     path.symlink_to(tmp_path / "elsewhere.yaml")
-    assert "allowed is a path within agents/" in refused(copied, capsys)
+    assert "allowed: a path within agents/" in refused(copied, capsys)
 
 
 def test_a_check_draws_patients_by_its_own_entropy_and_plays_the_parts_in_which_they_lie():

@@ -180,7 +180,7 @@ def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):
     ("arguments", "told"),
     [
         ([], "nothing to calibrate on"),
-        (["no_such_maneuver"], "agent 'no_such_maneuver': unknown"),
+        (["no_such_maneuver"], "agent is 'no_such_maneuver'; "),
         (["hold_still", "--filters", "tension,kalman"], "filters is 'kalman'; allowed: tension, ekf-decaying"),
         (["hold_still", "--filters", ""], "filters is ''; allowed"),
         (["hold_still", "--times", "10,x"], "times is 'x'; allowed: seconds"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from eval.comparison.adaptation import adaptations
+from eval.comparison.trainings import adaptations
 from eval.report import table
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 

@@ -10,7 +10,7 @@ from agents.card import CARD, Environment
 from eval.cli import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
-from eval.comparison.replayed import play_patient
+from eval.comparison.motion import play_patient
 from eval.entries import env_of_runs, load_entries
 from eval.kept.cells import play_cells
 from eval.kept.digest import fingerprint
@@ -35,7 +35,7 @@ def undrawn(request, monkeypatch):
     """Leave out the report, which takes seconds, where a test does not look at it."""
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
-        monkeypatch.setattr("eval.comparison.replayed.play_patient", lambda study, *given, **more: study)
+        monkeypatch.setattr("eval.comparison.motion.play_patient", lambda study, *given, **more: study)
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nobody"], "agent 'nobody': unknown"),
+        (["nobody"], "agent is 'nobody'; allowed"),
         ([], "nothing to compare"),
         (["hold_still", "--cohort", "nobody"], "nobody"),
         (["hold_still", "--patients", "0"], "patients is 0; allowed"),

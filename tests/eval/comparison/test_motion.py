@@ -5,7 +5,7 @@ import pytest
 from rich.console import Console
 
 from eval.comparison.compare import compare
-from eval.comparison.replayed import play_patient
+from eval.comparison.motion import play_patient
 from eval.entries import load_entries
 from eval.settings import Settings
 

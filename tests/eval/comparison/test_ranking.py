@@ -5,7 +5,7 @@ import pytest
 from rich.console import Console
 
 from eval import words
-from eval.comparison.admission import Admission
+from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import CLAIRVOYANT, KNOWN, rank
 from eval.report import first, table
 from eval.statistics import Interval
@@ -37,7 +37,7 @@ def test_what_costs_too_much_stands_below_with_its_reason(made, ranking):
 
 
 def test_a_patient_one_may_hurt_more(made):
-    ranking = rank(made, admission=Admission(discomfort_s=6.5))
+    ranking = rank(made, admission=AdmissionLimits(discomfort_s=6.5))
     assert [row.entry for row in ranking.ranked] == [GOOD, TRAINED, IDLE]
 
 
@@ -48,7 +48,7 @@ def test_the_first_is_who_knows_all_soonest_and_among_equals_who_knows_most(made
     row = next(row for row in ranking.rows if row.entry == GOOD)
     assert row.time_to_p90[KNOWN].value == np.quantile(seconds, 0.9, method="inverted_cdf")
     never = made.patients.assign(**{f"time_to_{KNOWN:g}_s": np.inf})
-    equal = rank(type(made)(never, made.curves, made.about), admission=Admission(discomfort_s=9.0))
+    equal = rank(type(made)(never, made.curves, made.about), admission=AdmissionLimits(discomfort_s=9.0))
     truth = [row.information_true.value for row in equal.ranked]
     assert len(truth) == 3
     assert truth == sorted(truth, reverse=True)
@@ -60,7 +60,7 @@ def test_who_crosses_hard_limits_is_not_ranked(made):
     study = type(made)(hurt, made.curves, made.about)
     reasons = {row.entry: row.excluded for row in rank(study).others}
     assert reasons[GOOD] == "2.5 % of the episodes cross a hard limit, allowed 1.0 %"
-    assert GOOD not in {row.entry for row in rank(study, admission=Admission(violation=0.03)).others}
+    assert GOOD not in {row.entry for row in rank(study, admission=AdmissionLimits(violation=0.03)).others}
 
 
 def ringing(made, entry, patients):

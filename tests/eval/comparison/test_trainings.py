@@ -9,7 +9,7 @@ from rich.console import Console
 
 from eval.comparison.results import Results
 from eval.comparison.trainings import FIGURES, gains
-from eval.report import gains as gained
+from eval.report import table
 from eval.statistics import mean, mean_over_both
 
 PATIENTS = 30
@@ -66,9 +66,9 @@ def test_an_interval_over_both_covers_the_mean_of_all_seeds_and_patients():
 def test_they_are_printed_and_written(tmp_path):
     found = gains(compared(), "base")
     console = Console(file=io.StringIO(), width=140)
-    gained.show(found, console)
+    table.show_gains(found, console)
     assert "ppo, 3 seeds" in console.file.getvalue() and "against its yoked replay" in console.file.getvalue()
-    gained.show((), console)
-    gained.write(found, tmp_path / "gains.md")
+    table.show_gains((), console)
+    table.write_gains(found, tmp_path / "gains.md")
     lines = (tmp_path / "gains.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 2 + len(found) and lines[5].startswith("| ppo | base | 3 | −0.1")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from eval.patient.belief import Belief, KnownPatient, combined
+from eval.patient.belief import KnownPatient, PatientBelief, combined
 from jawenv.anatomy import Prior
 
 
@@ -22,7 +22,7 @@ def normal_update(mean, cov, design, data):
 def test_a_normal_likelihood_is_handed_on_exactly_whatever_the_working_prior(rng, working_sd):
     size = 6
     root = rng.normal(size=(size, size))
-    before = Belief(rng.normal(size=size), root @ root.T + 0.1 * np.eye(size))
+    before = PatientBelief(rng.normal(size=size), root @ root.T + 0.1 * np.eye(size))
     working = Prior(rng.normal(size=size), np.full(size, working_sd))
     designs = [rng.normal(size=(count, size)) for count in (1, 3, 9)]
     data = [rng.normal(size=len(design)) for design in designs]
@@ -35,7 +35,7 @@ def test_a_normal_likelihood_is_handed_on_exactly_whatever_the_working_prior(rng
 
 
 def test_a_drift_adds_its_variance_and_no_correlation():
-    before = Belief(np.zeros(2), np.array([[0.04, 0.03], [0.03, 0.09]]))
+    before = PatientBelief(np.zeros(2), np.array([[0.04, 0.03], [0.03, 0.09]]))
     after = before.widened(0.1)
     np.testing.assert_allclose(after.cov, [[0.05, 0.03], [0.03, 0.10]])
     np.testing.assert_array_equal(after.mean, before.mean)
@@ -43,7 +43,7 @@ def test_a_drift_adds_its_variance_and_no_correlation():
 
 def test_the_filter_starts_at_the_belief_and_as_unsure_as_for_the_cohort():
     population = jawenv.COHORTS["trismus"].prior
-    belief = Belief(population.mean + 0.3, np.diag(np.full(12, 0.05**2)))
+    belief = PatientBelief(population.mean + 0.3, np.diag(np.full(12, 0.05**2)))
     working = belief.working_prior(population)
     np.testing.assert_array_equal(working.mean, belief.mean)
     np.testing.assert_array_equal(working.sd, population.sd)

@@ -69,11 +69,11 @@ def test_intervals_of_the_change_cover_it_and_are_narrower_than_of_two_independe
     prior, played = pairs
     covered, narrower = [], []
     for first, second in played:
-        mean, cov = change(first.told, second.told, prior)
+        mean, cov = change(first.likelihood, second.likelihood, prior)
         sd = np.sqrt(np.diagonal(cov))
         covered.append(np.abs(mean - (second.truth - first.truth)) < 1.96 * sd)
         start = at_start(prior, len(first.vector))
-        alone = [np.diagonal(each.told.posterior(*start)[1])[:12] for each in (first, second)]
+        alone = [np.diagonal(each.likelihood.posterior(*start)[1])[:12] for each in (first, second)]
         narrower.append(sd / np.sqrt(np.sum(alone, axis=0)))
     assert 0.88 < np.mean(covered) < 0.99
     assert np.max(narrower) < 1.0 and np.median(narrower) < 0.9

@@ -250,7 +250,7 @@ def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["no_such"], "agent 'no_such': unknown"),
+        (["no_such"], "agent is 'no_such'; allowed"),
         (["hold_still", "--treatments", "0"], "treatments is 0; allowed: 1 or more"),
         (["hold_still", "--drift", "nan"], "drift is nan; allowed: 0 to 0.5"),
         (["hold_still", "--patients", "0"], "patients is 0; allowed: 1 or more"),
@@ -273,7 +273,7 @@ def test_two_files_of_one_name_and_a_file_in_place_of_a_folder(tmp_path, capsys)
     patient(HEALTHY).save(tmp_path / "other" / "same.json")
     twice = ["--patient", str(tmp_path / "same.json"), "--patient", str(tmp_path / "other" / "same.json")]
     assert run(tmp_path, "hold_still", *SHORT, *twice) == 2
-    assert "given beside another file of that name" in capsys.readouterr().err
+    assert "beside another file of that name" in capsys.readouterr().err
     assert run(tmp_path / "same.json", "hold_still", *SHORT) == 2
     assert "same.json" in capsys.readouterr().err
 
@@ -288,4 +288,4 @@ def test_diagnose_writes_a_table_and_goes_on(tmp_path, capsys):
     assert (table["raised"] + table["normal"]).tolist() == [36, *[6] * 6] * 2
     assert "seeds 5200 to 5205" in (tmp_path / "diagnosis.md").read_text(encoding="utf-8")
     assert main(["diagnose"]) == 2
-    assert "nothing to diagnose with" in capsys.readouterr().err
+    assert "entries is none; allowed" in capsys.readouterr().err

@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from eval.comparison.admission import Admission
+from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import rank
 from eval.report import first, table
 from eval.report.charts import entries
@@ -67,7 +67,7 @@ def test_bars_are_full_at_the_best_and_empty_at_what_is_not_allowed(made):
     assert rows[BOASTFUL].sure.full == 0.0, "sds that are false are not sure"
     assert rows["ppo-seed0"].comfortable.full == 0.0
     assert 0.0 < rows[GOOD].soon.full < 1.0
-    strict = rank(made, admission=Admission(discomfort_s=0.0))
+    strict = rank(made, admission=AdmissionLimits(discomfort_s=0.0))
     assert first.bars(strict, strict.rows[0], 20.0).comfortable.full == 1.0
 
 

@@ -91,7 +91,7 @@ def test_shipped_studies_are_of_all_that_they_are_about():
     [
         ({"patient": 3}, "unknown key 'patient'; allowed: title, description, entries"),
         ({"entries": []}, "entries"),
-        ({"entries": ["hold_still", "hold_still"]}, "must not name one twice"),
+        ({"entries": ["hold_still", "hold_still"]}, "allowed: each once"),
         (
             {"entries": [{"agents": "chirp"}]},
             "unknown key 'entries.0.agents'; allowed: agent, controls, cohorts, patients",
@@ -104,10 +104,10 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             {"entries": [{"agent": "chirp", "cohorts": ["wide"]}]},
             "entry 'chirp': cohorts wide; allowed: the study's, trismus",
         ),
-        ({"entries": ["nobody"]}, "agent 'nobody': unknown; allowed: chirp"),
+        ({"entries": ["nobody"]}, "agent is 'nobody'; allowed: chirp"),
         (
             {"entries": ["myopic"], "controls": ["force"]},
-            "agent 'myopic': control is 'force'; allowed for a planner: targets",
+            "agent 'myopic': control is 'force'; allowed: targets",
         ),
         ({"cohorts": ["knees"]}, "cohort is 'knees'; allowed: trismus"),
         (
@@ -151,9 +151,9 @@ def test_two_entries_of_one_name_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["nothing"], "study 'nothing' is unknown; allowed: agents, cohorts, force_sensors, headline"),
+        (["nothing"], "study is 'nothing'; allowed: agents, cohorts, force_sensors, headline"),
         (["nothing.yaml"], "nothing.yaml: no such file"),
-        ([], "study: none given; allowed: agents, cohorts, force_sensors, headline"),
+        ([], "study is none; allowed: agents, cohorts, force_sensors, headline"),
         (["headline", "--backend", "dask"], "backend is 'dask'; allowed: loky, ray"),
         (["headline", "--workers", "0"], "--workers"),
         (["broken.yaml"], "broken.yaml: damaged YAML"),

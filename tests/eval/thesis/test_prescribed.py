@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import beta, chi2
 
-from eval.thesis.prescribed import Motion, with_noise
+from eval.thesis.prescribed import PrescribedMotion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
@@ -16,7 +16,7 @@ from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 
 def test_keyframes_are_met_at_rest():
-    motion = Motion({"theta": ((0.0, 2.0, 3.0), (0.1, 0.4, 0.2))})
+    motion = PrescribedMotion({"theta": ((0.0, 2.0, 3.0), (0.1, 0.4, 0.2))})
     q, rate = motion.at(np.array([0.0, 2.0, 3.0]))
     np.testing.assert_allclose(q[:, 2], [0.1, 0.4, 0.2])
     np.testing.assert_allclose(rate, 0.0, atol=1e-12)

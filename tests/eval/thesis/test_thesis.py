@@ -11,7 +11,7 @@ from eval.cli import main
 from eval.kept.parts import Run
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
 from eval.thesis.histograms import histograms
-from eval.thesis.item import Finding, Item, one_by_one
+from eval.thesis.item import Item, Judgement, one_by_one
 from jawenv.anatomy import PARAMETER_NAMES
 from jawenv.anatomy.muscles import known_muscle_sets
 from jawenv.errors import InputError
@@ -66,7 +66,7 @@ def toy(monkeypatch):
         return pd.DataFrame({"value": [rng.normal()]})
 
     def judge(table):
-        return Finding("nothing", "reproduced", "it is a toy", {"mean": float(table["value"].mean())})
+        return Judgement("nothing", "reproduced", "it is a toy", {"mean": float(table["value"].mean())})
 
     def figure(table):
         from matplotlib.figure import Figure
