@@ -170,6 +170,9 @@ def test_a_command_is_taken(place: str, line: str) -> None:
         source = (ROOT / words[0]).read_text(encoding="utf-8")
         for option in (word for word in words if word.startswith("--")):
             assert f'"{option}"' in source, f"{place}: {words[0]} has no {option}"
+    elif program == ".ci/setup":
+        groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
+        assert set(words) <= groups.keys(), place
     else:
         assert words[:1] == ["-c"] or program.endswith("tensorboard"), f"{place}: {line}"
 

@@ -105,7 +105,7 @@ def test_a_run_goes_on_with_its_price_and_its_world(trained: RunFolder, tmp_path
     ("change", "told"),
     [
         (("maneuver: opening_with_swings", "maneuver: nowhere.yaml"), "nowhere.yaml"),
-        (("control: targets, ", "control: force, control_hz: 12.5, "), "control_hz 12.5"),
+        (("control: targets, ", "control: force, control_hz: 12.5, "), "control_hz is 12.5"),
     ],
 )
 def test_unusable_residuals_get_one_line(

@@ -116,7 +116,7 @@ def test_shipped_studies_are_of_all_that_they_are_about():
         ),
         ({"environments": ["Knee"]}, "env is 'Knee'; allowed: jawenv/JawHinge-v2"),
         ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator is 'bilateral'; allowed in"),
-        ({"controls": ["thought"]}, "controls.0 = 'thought'"),
+        ({"controls": ["thought"]}, "controls.0 is 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),
         ({"control_hz": [float("nan")]}, "control_hz.0"),
         ({"reality": {"slow": {"creep": 1}}}, "reality.creep is not a field of Reality; allowed: reflex_gain"),
