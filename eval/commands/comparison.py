@@ -71,7 +71,7 @@ def compare_command(
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
-    _present(study, output, reference, admission, console, details, trust=trust)
+    _present(study, output, reference, admission, console, details, trust=trust, own_modules=True)
 
 
 def report_command(
@@ -149,6 +149,7 @@ def _present(
     patient: int | None = None,
     *,
     trust: bool = False,
+    own_modules: bool = False,
 ) -> None:
     from eval.comparison.motion import play_patient
     from eval.comparison.ranking import rank
@@ -163,7 +164,7 @@ def _present(
     table.show_gains(study_gains, console)
     with alone(output):
         labels = films.candidates(ranking, learned(study, ranking))
-        study = play_patient(study, labels, console, patient, trust=trust)
+        study = play_patient(study, labels, console, patient, trust=trust, own_modules=own_modules)
         console.print("drawing the report")
         written = page.write(study, ranking, output / "report.html")
         if study_gains:

@@ -45,10 +45,8 @@ def information_command(
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()
     cells = information.cells_of(list(dict.fromkeys(entries or [])), settings, contrasts, trust=trust)
     rows = play_cells(cells, output, Run(fresh, workers, console=console), "records")
-    summary, metadata = (
-        information.summarise(rows),
-        made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts),
-    )
+    metadata = made_with(typed(), settings=settings.to_mapping(), contrasts=contrasts)
+    summary = information.summarise(rows)
     table = information.table(summary)
     write_table(rows, output / "patients.parquet", metadata)
     write_table(summary, output / "information.parquet", metadata)

@@ -9,19 +9,26 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from agents.own import names_own
 from eval import words
 from eval.comparison.results import Results
 from eval.entries import load_entry
 from eval.settings import Settings
 from jawenv.controls import CONTROLS
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 from jawenv.playing.protocol import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
 
 
 def play_patient(
-    study: Results, labels: Collection[str], console: Console, seed: int | None = None, *, trust: bool = False
+    study: Results,
+    labels: Collection[str],
+    console: Console,
+    seed: int | None = None,
+    *,
+    trust: bool = False,
+    own_modules: bool = False,
 ) -> Results:
     """The same results with the motions of one of their patients, by those entries that are still there.
 
@@ -31,6 +38,7 @@ def play_patient(
         console: where progress is shown, and who is not there any more.
         seed: of the patient; the first by default.
         trust: see ``load_entries``.
+        own_modules: whether entries that are modules may be run, since the user has named them.
 
     Raises:
         InputError: no patient of the comparison has that seed.
@@ -46,6 +54,10 @@ def play_patient(
             continue
         recorder = MotionRecorder()
         try:
+            if names_own(metadata["spec"]) and not (own_modules or trust):
+                raise InputError(
+                    f"{shown(metadata['spec'])} is a module, which runs code; allowed if you trust it: --trust"
+                )
             with console.status(f"playing {words.label(label)}"):
                 load_entry(metadata["spec"], settings.world, trust=trust).play(1, seed, on_step=recorder)
         except InputError as error:

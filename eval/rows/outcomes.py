@@ -54,14 +54,17 @@ class Outcomes(Rows):
 
     Attributes:
         bound: whether the posterior Cramer-Rao bound is computed.
+        over_time: whether the columns with a value for each time are kept, some 13 kB a patient.
     """
 
     columns = ("seed", *PATIENT_METRICS)
     bound: bool = True
+    over_time: bool = True
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
-        return outcomes_of(entry.play(number, seed, progress, track_bound=self.bound), seed)
+        rows = outcomes_of(entry.play(number, seed, progress, track_bound=self.bound), seed)
+        return rows if self.over_time else without_times(rows)
 
 
 def outcomes_of(recording: Recording, seed: int) -> pd.DataFrame:

@@ -9,7 +9,6 @@ from rich.console import Console
 from eval.kept.cells import play_cells
 from eval.kept.parts import Run
 from eval.kept.tables import made_with, write_table
-from eval.rows.outcomes import without_times
 from eval.studies import design, drawing, estimates, tables
 from eval.studies.grid import FACTORS, cells_of
 from jawenv.files import write_text
@@ -46,7 +45,7 @@ def study(
     if patients is not None:
         plan = plan.model_copy(update={"patients": min(patients, plan.patients)})
     output = output or OUTPUT / name
-    rows = without_times(play_cells(cells_of(plan, trust), output, run))
+    rows = play_cells(cells_of(plan, trust), output, run)
     rows.insert(len(FACTORS), "patient", rows["seed"] - plan.seed)
     metadata = made_with(command, study=plan.model_dump(mode="json"))
     with alone(output):

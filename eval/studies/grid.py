@@ -97,7 +97,7 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
                     dict(zip(FACTORS, (*levels, entry.label), strict=True)),
                     partial(load_entry, choice.agent, world, trust=trust),
                     range(design.seed, design.seed + number),
-                    Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics)),
+                    Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics), over_time=False),
                     PATIENTS_OF_A_PLANNER if entry.planned else PATIENTS_IN_A_PART,
                 )
 

@@ -7,8 +7,10 @@ import pytest
 
 from agents.card import CARD
 from eval.cli import main
+from eval.comparison import results
 from jawenv.playing.rollout import DEFAULT_ENV
 from tests.eval.runs import make_it_run_code, save_checkpoint, save_run
+from tests.eval.studies import study
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # the file that the pickle opens
 
@@ -62,3 +64,19 @@ def test_an_environment_of_a_run_that_names_a_module_imports_nothing(
     (run / CARD).write_text(text.replace(DEFAULT_ENV, "antigravity:Jaw-v1"))
     assert main(["compare", str(run), "--output", str(tmp_path / "out")]) == 2
     assert "antigravity" not in sys.modules and "allowed: jawenv/Jaw" in capsys.readouterr().err
+
+
+def test_a_comparisons_table_that_names_a_module_runs_no_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its films are left out, and the report is written."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "stranger.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+    made = study(patients=3)
+    for entry in made.about["entries"]:
+        entry["spec"] = "stranger:Agent"
+    results.save(made, tmp_path / "got")
+    assert main(["report", str(tmp_path / "got")]) == 0
+    assert "is a module, which runs code" in capsys.readouterr().out and not (tmp_path / "ran").exists()
+    assert (tmp_path / "got" / "report.html").exists()
+    assert main(["report", str(tmp_path / "got"), "--trust"]) == 0 and (tmp_path / "ran").exists()
