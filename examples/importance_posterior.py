@@ -20,7 +20,7 @@ from jawenv.laboratory.record_filter import TensionFilter
 from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
 
-ENV = "jawenv/JawHinge-v2"
+ENV = "jawenv/JawHinge-v3"
 ROUNDS = 3  # each proposes from what the last has found
 
 

@@ -73,7 +73,7 @@ class Played:
 
 def play(patients: int, seconds: int, seed: int, estimator: object = None) -> Played:
     """Open and close the jaws of ``patients``, with the estimator in the environment."""
-    env = gym.make_vec("jawenv/JawHinge-v2", num_envs=patients, control="force", estimator=estimator)
+    env = gym.make_vec("jawenv/JawHinge-v3", num_envs=patients, control="force", estimator=estimator)
     env.reset(seed=seed)
     total = np.zeros(patients)
     for time in np.arange(1, 20 * seconds + 1) / 20:

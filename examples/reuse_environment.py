@@ -28,7 +28,7 @@ class Sway:
 
 def one_episode(patient: jawenv.Patient, episode_s: float) -> None:
     """The usual loop, with one patient of our own."""
-    env = gym.make("jawenv/Jaw-v2", control=Sway.control, episode_s=episode_s)
+    env = gym.make("jawenv/Jaw-v3", control=Sway.control, episode_s=episode_s)
     policy = Sway()
     observation, info = env.reset(seed=0, options={"patient": patient})
     total, done = 0.0, False

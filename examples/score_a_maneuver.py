@@ -26,7 +26,7 @@ def main() -> None:
     parser.add_argument("--patients", type=int, default=16)
     parser.add_argument("--episode-s", type=float, default=30.0)
     parser.add_argument("--control", choices=[*CONTROLS], default=DEFAULT_CONTROL)
-    parser.add_argument("--env", default="jawenv/Jaw-v2", help="id of the environment, e.g. jawenv/JawSides-v2")
+    parser.add_argument("--env", default="jawenv/Jaw-v3", help="id of the environment, e.g. jawenv/JawSides-v3")
     given = parser.parse_args()
 
     env_id = model_of_env(given.env).env_id

@@ -46,7 +46,7 @@ class Model:
     @property
     def env_id(self) -> str:
         """Gymnasium's id."""
-        return f"jawenv/{self.title}-v2"
+        return f"jawenv/{self.title}-v3"
 
     @property
     def estimator(self) -> Estimator:
@@ -140,8 +140,8 @@ def model_named(name: str) -> Model:
     return MODELS[name]
 
 
-DEFAULT_ENV = "jawenv/Jaw-v2"
-KNOWN_WITHIN_SDS = "jawenv/JawImaged-v1"
+DEFAULT_ENV = "jawenv/Jaw-v3"
+KNOWN_WITHIN_SDS = "jawenv/JawImaged-v3"
 """The whole jaw with other arguments: known within sds, and disturbed by what lasts."""
 
 

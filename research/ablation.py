@@ -41,7 +41,7 @@ class Scenario(NamedTuple):
     agent: str
     control: Control
     cohort: str = "trismus"
-    env_id: str = "jawenv/Jaw-v2"
+    env_id: str = "jawenv/Jaw-v3"
 
 
 @njit
@@ -115,7 +115,7 @@ CELLS = (
     Scenario("biting", "force"),
     Scenario("biting", "trajectory"),
 )
-BODY = "jawenv/JawBilateral-v2"
+BODY = "jawenv/JawBilateral-v3"
 BODY_CELLS = (
     Scenario("corners", "force", env_id=BODY),
     Scenario("corners", "trajectory", "wide", BODY),

@@ -24,8 +24,8 @@ import jawenv
 from agents.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.controls import mode_of
 
-IDS = ("JawHinge-v2", "JawSides-v2", "Jaw-v2", "JawPortions-v2", "JawBilateral-v2", "JawImaged-v1", "JawSagittal-v2")
-SLOW = {"JawSagittal-v2": 0.02, "JawBilateral-v2": 0.5}  # share of the steps, pymunk's bodies being slow
+IDS = ("JawHinge-v3", "JawSides-v3", "Jaw-v3", "JawPortions-v3", "JawBilateral-v3", "JawImaged-v3", "JawSagittal-v3")
+SLOW = {"JawSagittal-v3": 0.02, "JawBilateral-v3": 0.5}  # share of the steps, pymunk's bodies being slow
 CONTROLS = ("targets", "force", "trajectory")
 CORNERS = np.array([[1.0 - 2.0 * (i >> k & 1) for k in range(ACTION_SIZE)] for i in range(2**ACTION_SIZE)])
 SECONDS, EACH, LOST = 30.0, 4, 10.0

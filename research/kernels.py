@@ -19,7 +19,7 @@ STEP = """
 import sys, time, resource
 import gymnasium as gym, jawenv
 
-world = gym.make_vec("jawenv/Jaw-v2", num_envs=8, control="force")
+world = gym.make_vec("jawenv/Jaw-v3", num_envs=8, control="force")
 world.reset(seed=1)
 actions = world.action_space.sample()
 world.step(actions)

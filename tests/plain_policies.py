@@ -28,7 +28,7 @@ def random_weights(layers: tuple[int, ...] = LAYERS) -> dict[str, np.ndarray]:
 def fields(content: bytes = b"", **changed: object) -> dict:
     """The fields of a card for these weights."""
     environment = {
-        "id": "jawenv/Jaw-v2",
+        "id": "jawenv/Jaw-v3",
         "control": "trajectory",
         "control_hz": 10.0,
         "sensors": "pose",

@@ -32,8 +32,8 @@ def test_one_default_for_all() -> None:
         == DEFAULT_CONTROL
         == "targets"
     )
-    assert gym.make("jawenv/Jaw-v2").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
-    assert gym.make_vec("jawenv/Jaw-v2").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
+    assert gym.make("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
+    assert gym.make_vec("jawenv/Jaw-v3").unwrapped.configuration.control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert jawenv.Player("hold_still").control == load_agent("hold_still").control == DEFAULT_CONTROL  # type: ignore[attr-defined]
     assert inspect.signature(Planner).parameters["control"].default == DEFAULT_CONTROL
     study = Study(title="T", entries=("hold_still",), patients=1, seed=0)
@@ -84,7 +84,7 @@ def test_a_contradiction_is_one_line_that_names_both(agent: object, asked: str) 
 
 def test_the_bound_of_a_maneuver_is_that_of_the_environment_it_is_for() -> None:
     patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
-    env = gym.make("jawenv/Jaw-v2", episode_s=0.4)
+    env = gym.make("jawenv/Jaw-v3", episode_s=0.4)
     with pytest.raises(jawenv.InputError):
         information_bound(env, jawenv.Player("hold_still", control="force"), patient)
     assert len(information_bound({"episode_s": 0.4}, jawenv.Player("hold_still", control="force"), patient)) == 9

@@ -32,7 +32,7 @@ def test_a_cache_folder_that_is_a_file(inside: str, tmp_path: Path) -> None:
     code = """
 import gymnasium as gym, jawenv
 try:
-    gym.make("jawenv/JawHinge-v2").reset(seed=0)
+    gym.make("jawenv/JawHinge-v3").reset(seed=0)
 except jawenv.InputError as error:
     print(error)
 """
@@ -81,7 +81,7 @@ def test_an_agent_that_gives_no_actions(answer: object, shown: str) -> None:
 
 
 def test_an_action_of_nothing() -> None:
-    env = gym.make("jawenv/JawHinge-v2").unwrapped
+    env = gym.make("jawenv/JawHinge-v3").unwrapped
     env.reset(seed=0)
     with pytest.raises(InputError, match=r"^action is None; allowed: numbers of shape \(4,\)$"):
         env.step(None)
@@ -109,8 +109,8 @@ def test_a_command_says_so() -> None:
 @pytest.mark.parametrize("options", [1, "patient", ["patient"], np.ones(2)])
 def test_options_that_are_no_mapping(options: object) -> None:
     for env, names in (
-        (gym.make("jawenv/JawHinge-v2"), "patient"),
-        (gym.make_vec("jawenv/JawHinge-v2", num_envs=2), "patients, reset_mask"),
+        (gym.make("jawenv/JawHinge-v3"), "patient"),
+        (gym.make_vec("jawenv/JawHinge-v3", num_envs=2), "patients, reset_mask"),
     ):
         with pytest.raises(InputError) as caught:
             env.reset(options=options)

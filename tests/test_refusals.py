@@ -63,7 +63,7 @@ ANATOMY = [
     ("sd 0.0 above", lambda: Prior(SD, np.r_[1.0, 0.0, np.ones(10)])),
     ("sd inf finite", lambda: Prior(SD, np.full(12, inf))),
     ("model knee sagittal", lambda: model_named("knee")),
-    ("env knee jawenv/JawHinge-v2", lambda: model_of_env("knee")),
+    ("env knee jawenv/JawHinge-v3", lambda: model_of_env("knee")),
     ("b closers left", lambda: Patient(F_o_N={"left": 1.0, "right": 1.0}, b={"closers": 7.0})),
     ("drop_m -0.001 above", lambda: replace(default_fossa(), drop_m=-1e-3)),
     *(
@@ -180,7 +180,7 @@ PLAYING = [
     ),
 ]
 AGENTS = [
-    ("env knee jawenv/JawHinge-v2", lambda: agents.load_agent("hold_still", env_id="knee")),
+    ("env knee jawenv/JawHinge-v3", lambda: agents.load_agent("hold_still", env_id="knee")),
     ("gone.zip file", lambda: agents.load_agent("gone.zip")),
     ("missing.yaml file", lambda: agents.load_agent("missing.yaml")),
     ("control_hz 20 5", lambda: agents.load_agent("ppo_trismus", control="targets", control_hz=20.0)),

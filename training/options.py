@@ -13,7 +13,7 @@ Config = Annotated[
 ]
 Environment = Annotated[
     str | None,
-    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v2, or JawSides, or sides."),
+    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v3, or JawSides, or sides."),
 ]
 ResidualOn = Annotated[
     str | None,

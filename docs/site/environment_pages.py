@@ -25,13 +25,13 @@ SECTION = re.compile(r"^## (.+)$", re.M)
 
 def pages() -> dict[str, str]:
     """Place in the site -> Markdown, for every registered environment and their overview."""
-    made = {f"environments/{MODELS[model].title}-v2.md": _page(env_id) for env_id, model in ENVIRONMENTS.items()}
+    made = {f"environments/{MODELS[model].title}-v3.md": _page(env_id) for env_id, model in ENVIRONMENTS.items()}
     return {"environments/index.md": _overview()} | made
 
 
 def _overview() -> str:
     rows = [
-        f"| [`{env_id}`]({MODELS[name].title}-v2.md) | {len(MODELS[name].muscles.parameter_names)} | "
+        f"| [`{env_id}`]({MODELS[name].title}-v3.md) | {len(MODELS[name].muscles.parameter_names)} | "
         f"{MODELS[name].shows} | {MODELS[name].hides} |"
         for env_id, name in ENVIRONMENTS.items()
     ]

@@ -108,7 +108,7 @@ def _pictures(name: str) -> Iterator[np.ndarray]:
     from jawenv.envs.shown_world import build_scene
     from jawenv.rendering.film import JawRenderer
 
-    env = gym.make("jawenv/Jaw-v2", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S).unwrapped
+    env = gym.make("jawenv/Jaw-v3", control="targets", control_hz=STEPS_PER_S, episode_s=SHOWN_S).unwrapped
     agent, renderer = jawenv.Player(name, control="targets", control_hz=STEPS_PER_S), JawRenderer(WIDTH)
     observation, _ = env.reset(seed=0)
     agent.reset(1, 0)
@@ -177,7 +177,7 @@ def _chart(maneuver: Maneuver) -> str:
 
 
 def _figures() -> dict[str, dict[str, str]]:
-    """Maneuver -> heading of the table -> figure without its interval, in targets control and `Jaw-v2`."""
+    """Maneuver -> heading of the table -> figure without its interval, in targets control and `Jaw-v3`."""
     rows = [
         line.strip("|\n").split("|") for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith("|")
     ]

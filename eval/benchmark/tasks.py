@@ -15,7 +15,7 @@ from jawenv.anatomy.knowledge import knowledge
 from jawenv.device.device import device_of
 from jawenv.errors import InputError, shown
 
-VERSION = "jawenv-1"
+VERSION = "jawenv-2"
 """Version for citation, with the ids of the tasks."""
 PATIENTS_IN_A_PART = 10
 """Patients that are played together. An agent that draws at random draws anew for each part."""
@@ -90,17 +90,17 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "hinge-exact",
                 "The closers of a hinge, 2 parameters",
-                "jawenv/JawHinge-v2",
+                "jawenv/JawHinge-v3",
                 "trismus",
                 "exact",
                 50_000,
                 0.05,
             ),
-            Task("jaw-exact", "Every closing muscle of both sides", "jawenv/Jaw-v2", "trismus", "exact", 51_000, 0.05),
+            Task("jaw-exact", "Every closing muscle of both sides", "jawenv/Jaw-v3", "trismus", "exact", 51_000, 0.05),
             Task(
                 "jaw-wide-exact",
                 "The medians of trismus, twice its spread",
-                "jawenv/Jaw-v2",
+                "jawenv/Jaw-v3",
                 "wide",
                 "exact",
                 52_000,
@@ -109,7 +109,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "jaw-one-sided-exact",
                 "All closers of one side are stiff, and it is not told which side",
-                "jawenv/Jaw-v2",
+                "jawenv/Jaw-v3",
                 "one_sided",
                 "exact",
                 53_000,
@@ -118,7 +118,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "jaw-imaged",
                 "Anatomy, mass and fit of the device are known within sds",
-                "jawenv/Jaw-v2",
+                "jawenv/Jaw-v3",
                 "trismus",
                 "imaged",
                 54_000,
@@ -127,7 +127,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "jaw-imaged-memory",
                 "As jaw-imaged, and the unmodelled wrench has a memory of 0.5 s, of which the filter is told",
-                "jawenv/Jaw-v2",
+                "jawenv/Jaw-v3",
                 "trismus",
                 "imaged",
                 55_000,
@@ -137,7 +137,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             Task(
                 "bilateral-exact",
                 "Two condyles that press, slide and lift off",
-                "jawenv/JawBilateral-v2",
+                "jawenv/JawBilateral-v3",
                 "trismus",
                 "exact",
                 56_000,

@@ -43,7 +43,7 @@ MANEUVER = "opening_with_swings_and_fore_aft"
 # because this is a simulation, the truth.
 
 # %%
-env = gym.make("jawenv/Jaw-v2", episode_s=EPISODE_S, render_mode="rgb_array")
+env = gym.make("jawenv/Jaw-v3", episode_s=EPISODE_S, render_mode="rgb_array")
 names = env.unwrapped.parameter_names
 
 

@@ -28,7 +28,7 @@ import numpy as np
 import jawenv
 
 QUICK = bool(os.environ.get("JAWENV_NOTEBOOK_QUICK"))
-ENV = "jawenv/JawHinge-v2"
+ENV = "jawenv/JawHinge-v3"
 ROUNDS, SIMULATIONS, DRAWS, SAMPLES = (2, 100, 200, 50) if QUICK else (3, 1000, 2000, 400)
 
 # %% [markdown]

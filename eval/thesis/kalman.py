@@ -40,7 +40,7 @@ def episodes(model: str, cohort: str, rngs: Sequence[np.random.Generator], quick
 
     Each takes its seed from its own random numbers, and is the same whoever is beside it.
     """
-    env_id = {"sides": "jawenv/JawSides-v2", "jaw": "jawenv/Jaw-v2"}[model]
+    env_id = {"sides": "jawenv/JawSides-v3", "jaw": "jawenv/Jaw-v3"}[model]
     recording = play(
         load_agent(MANEUVER, control="force", env_id=env_id),
         patients=len(rngs),

@@ -1,7 +1,7 @@
 """The jaws, patients and motions of the items. The thesis names no geometry, noise or trajectory: these are ours.
 
 Three degrees of freedom: the midline model held in the sagittal plane, where the condyle slides on the fossa and the
-jaw turns. It is chosen over the ladder's ``JawSagittal-v2``, whose plant has contact and friction that no estimator
+jaw turns. It is chosen over the ladder's ``JawSagittal-v3``, whose plant has contact and friction that no estimator
 knows: the thesis tests its methods on data of the very model that they fit, and so do we. Fewer degrees of freedom
 than the thesis counts are left, because the height of the condyle follows from the fossa in its model too.
 """

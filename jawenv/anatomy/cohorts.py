@@ -270,10 +270,11 @@ class Cohort:
         return np.concatenate(accepted)
 
 
-_TRISMUS = Stiffness(F_o_N=1.2, F_o_sd=0.5, b=7.0, b_sd=0.3)
-_HEALTHY = Stiffness(F_o_N=0.25, F_o_sd=0.5, b=7.0, b_sd=0.3)
-_SEVERE = Stiffness(F_o_N=4.0, F_o_sd=0.4, b=7.0, b_sd=0.3)
-_BLOCKAGE = Stiffness(F_o_N=0.4, F_o_sd=0.4, b=18.0, b_sd=0.3)
+_HEALTHY = Stiffness(F_o_N=0.7, F_o_sd=0.3, b=7.0, b_sd=0.3)
+_TRISMUS = Stiffness(F_o_N=4.0, F_o_sd=0.4, b=10.0, b_sd=0.3)
+_SEVERE = Stiffness(F_o_N=10.0, F_o_sd=0.3, b=10.0, b_sd=0.3)
+_BLOCKAGE = Stiffness(F_o_N=0.8, F_o_sd=0.3, b=18.0, b_sd=0.3)
+_PATCHY = Stiffness(F_o_N=2.7, F_o_sd=0.9, b=8.5, b_sd=0.35)
 
 COHORTS: Mapping[str, Cohort] = MappingProxyType(
     {
@@ -281,41 +282,47 @@ COHORTS: Mapping[str, Cohort] = MappingProxyType(
         for c in (
             Cohort(
                 "trismus",
-                "moderate fibrosis of all closing muscles: F_o about 5 times the healthy",
-                "F_o 0.4-3.3 N lies between the healthy 0.05-0.45 N (D/R) and the 2-9 N of severe trismus "
-                "(D/G); b 3.8-12.8 around the 6-8 of the jaw-specific passive law (R)",
+                "all closing muscles stiff: 24 mm open under 20 N, 35 mm under 40 N",
+                "F_o 1.8-8.9 N: 2-9 N make 15-35 mm of opening under 20-40 N (D/G) of the limit of trismus, 35 mm "
+                "(Dijkstra 2006, M); b 5.5-18 around the 9-20 of the jaw's passive law through fibres (D/R)",
                 ((_TRISMUS, _TRISMUS),),
             ),
             Cohort(
                 "healthy",
-                "healthy passive muscles; a relaxed jaw hangs open under its own weight",
-                "F_o 0.09-0.68 N around 0.0014 of the muscles' largest force, 0.05-0.45 N (D/R)",
+                "healthy closing muscles: rests 2 to 4 mm open, opens 45 mm under less than 20 N",
+                "F_o 0.38-1.3 N: shear waves in 140 masseters make b F_o = 7.3 N (10.67 kPa, sd 1.77; M/D), 0.0014 of "
+                "the muscles' largest force 0.05-0.45 N (D/R); b 3.8-12.8 around the 6-8 of the passive law (R)",
                 ((_HEALTHY, _HEALTHY),),
             ),
             Cohort(
                 "severe",
-                "severe fibrosis of all closing muscles: F_o about 16 times the healthy",
-                "F_o 1.8-8.9 N: F_o alone would have to be 2-9 N for 35-20 mm of opening under 40 N, with a "
-                "prescribed slide of the condyle (D/G)",
+                "all closing muscles very stiff: at most 20 mm open under 40 N",
+                "F_o 5.5-18 N: what 20 mm of opening under 40 N, severe trismus (van der Geer 2019, M), needs (D/G)",
                 ((_SEVERE, _SEVERE),),
             ),
             Cohort(
                 "one_sided",
-                "fibrosis of all closing muscles of one side, left or right, the other side healthy",
+                "the closing muscles of one side, left or right, stiff as in trismus, the others healthy",
                 "the numbers of trismus and healthy; the sides equally likely (G)",
                 ((_TRISMUS, _HEALTHY), (_HEALTHY, _TRISMUS)),
             ),
             Cohort(
+                "patchy",
+                "each muscle anything from healthy to very stiff",
+                "F_o 0.45-16 N and b 4.2-17 span healthy to severe (G)",
+                ((_PATCHY, _PATCHY),),
+            ),
+            Cohort(
                 "blockage",
                 "only the exponent b is raised: soft near closing, suddenly stiff when opened",
-                "b 9.9-32.8: b alone would have to be 18 for 35 mm of opening under 40 N and 33 for 20 mm, "
-                "with a prescribed slide of the condyle (D/G); F_o 0.18-0.89 N, upper healthy range (D/R)",
+                "b 9.9-32.8: 18 makes 29 mm of opening under 20 N and 35 mm under 40 N (D/G); F_o "
+                "0.44-1.5 N as the healthy",
                 ((_BLOCKAGE, _BLOCKAGE),),
             ),
             Cohort(
                 "wide",
                 "the medians of trismus, twice its spread, and a filter that knows as little",
-                "F_o 0.16-8.9 N and b 2.1-23 span healthy to severe (G)",
+                "F_o 0.81-20 N and b 3.0-33 span healthy to severe (G)",
                 ((_TRISMUS.widened(2.0), _TRISMUS.widened(2.0)),),
             ),
         )

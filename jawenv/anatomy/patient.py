@@ -16,7 +16,7 @@ from jawenv.files import InputModel, Number, Text, read_model, validate, write_j
 
 __all__ = ["LARGEST_F_O_N", "LARGEST_B", "Patient"]
 
-LARGEST_F_O_N, LARGEST_B, LARGEST_SEED = 100.0, 60.0, 2**32 - 1
+LARGEST_F_O_N, LARGEST_B, LARGEST_SEED = 200.0, 60.0, 2**32 - 1
 
 
 def _of_all_muscles(values: dict[str, float]) -> dict[str, float]:
@@ -44,7 +44,7 @@ class Patient(InputModel):
 
     Attributes:
         name: for tables and files.
-        F_o_N: muscle -> force at its closed-jaw length, N, in (0, 100].
+        F_o_N: muscle -> force at its closed-jaw length, N, in (0, 200].
         b: muscle -> stiffness exponent, in (0, 60].
         head_tilt_deg: pitch of the head, positive nose down, in [-90, 90].
         anatomy_seed: of the anatomy that is known only within sds (`jawenv.Knowledge`), so that it is the

@@ -23,7 +23,7 @@ ENV = Annotated[
     typer.Option(
         "--env",
         "--model",
-        help="Environment, as jawenv/JawSides-v2, JawSides or sides; Jaw, or that of trained runs, by default.",
+        help="Environment, as jawenv/JawSides-v3, JawSides or sides; Jaw, or that of trained runs, by default.",
         metavar="NAME",
     ),
 ]

@@ -65,18 +65,18 @@ class Comfort(NumericFields):
         tension_hard: Of the tension (G).
     """
 
-    force_N: float = number(15.0, 1000.0, "N", zero=False)
+    force_N: float = number(24.0, 1000.0, "N", zero=False)
     speed_mm_s: float = number(40.0, 10000.0, "mm/s", zero=False)
     condyle_side_mm: float = number(3.0, 100.0, "mm", zero=False)
     side_mm: float = number(10.0, 100.0, "mm", zero=False)
     fore_aft_mm: float = number(8.8, 100.0, "mm", zero=False)
-    painless_force_N: float = number(12.0, 1000.0, "N", zero=False)
-    painless_range_mm: float = number(25.0, 60.0, "mm", zero=False)
+    painless_force_N: float = number(20.0, 1000.0, "N", zero=False)
+    painless_range_mm: float = number(35.0, 60.0, "mm", zero=False)
     largest_opening_mm: float = number(45.0, 60.0, "mm", zero=False)
     condyle_back_mm: float = number(0.5, 100.0, "mm")
     condyle_free_mm: float = number(2.0, 100.0, "mm")
     tension_margin: float = number(1.5, 1000.0, "1", zero=False)
-    force_hard: float = number(2.0, 1000.0, "1", zero=False)
+    force_hard: float = number(1.5, 1000.0, "1", zero=False)
     opening_hard: float = number(1.3, 1000.0, "1", zero=False)
     side_hard: float = number(1.8, 1000.0, "1", zero=False)
     fore_aft_hard: float = number(1.8, 1000.0, "1", zero=False)

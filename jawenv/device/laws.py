@@ -31,7 +31,7 @@ FASTEST = 30.0  # mm/s asked for in any direction, at most: below the soft limit
 STIFFNESS = (0.12, 0.009, 2.0)  # of a typical closed jaw: N/mm for opening, N m/mm for side, N m/rad for roll
 STIFFENING = (0.0, 0.012, 2.0)  # what full opening adds to it
 INTEGRAL = (5.0, 5.0, 3.0)  # gain as a share of the stiffness, 1/s; more for a jaw that takes more force to open
-LARGEST_INTEGRAL = (12.0, 0.3, 0.2)  # N, N m, N m
+LARGEST_INTEGRAL = (24.0, 0.9, 0.6)  # N, N m, N m
 
 
 class Felt(NamedTuple):
@@ -106,7 +106,7 @@ def thrusts(device, targets, felt, holds_roll, integral, dt, action):
     opened = min(max(felt.opened, 0.0), 1.0)
     # How much stiffer than typical: a typical jaw takes twice its stiffness times the opening, as it must be lifted off
     # the teeth first.
-    stiffer = min(max(felt.down / (2.0 * STIFFNESS[0] * max(felt.opening, 5.0)), 1.0), 5.0)
+    stiffer = min(max(felt.down / (2.0 * STIFFNESS[0] * max(felt.opening, 5.0)), 1.0), 10.0)
     position = (targets.opening, targets.side, targets.roll)
     error = (targets.opening - felt.opening, targets.side - felt.side, targets.roll - felt.roll)
     push = (0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The single environment ``jawenv/Jaw-v2``."""
+"""The single environment ``jawenv/Jaw-v3``."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ _REST_SIZES = {
 POSE_SCALE = (0.005, 0.005, 0.25, 0.1, 0.1)
 RATE_SCALE = (0.02, 0.02, 0.5, 0.5, 0.5)
 RANGE_SCALE = (0.03, 0.01, 0.01)
-FORCE_SCALE = 15.0
+FORCE_SCALE = 24.0
 MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
@@ -72,7 +72,7 @@ def parameters_of(size: int) -> int:
 
 
 OBSERVATION_LAYOUT = observation_layout()
-"""The layout of ``jawenv/Jaw-v2``, with its 12 parameters."""
+"""The layout of ``jawenv/Jaw-v3``, with its 12 parameters."""
 OBSERVATION_SIZE = observation_size()
 
 OBSERVATION_REST = observation_layout(0)

@@ -8,12 +8,12 @@ import gymnasium as gym
 
 # Environment -> the model of ``jawenv.ladder`` that it runs; written out, because that module is heavier than this.
 ENVIRONMENTS = {
-    "jawenv/JawHinge-v2": "hinge",
-    "jawenv/JawSagittal-v2": "sagittal",
-    "jawenv/JawSides-v2": "sides",
-    "jawenv/Jaw-v2": "jaw",
-    "jawenv/JawPortions-v2": "portions",
-    "jawenv/JawBilateral-v2": "bilateral",
+    "jawenv/JawHinge-v3": "hinge",
+    "jawenv/JawSagittal-v3": "sagittal",
+    "jawenv/JawSides-v3": "sides",
+    "jawenv/Jaw-v3": "jaw",
+    "jawenv/JawPortions-v3": "portions",
+    "jawenv/JawBilateral-v3": "bilateral",
 }
 
 
@@ -25,7 +25,7 @@ def register_environments() -> None:
     """Register jawenv's environments; called by ``import jawenv``."""
     for env_id, model in ENVIRONMENTS.items():
         _register(env_id, {"model": model})
-    _register("jawenv/JawImaged-v1", IMAGED)
+    _register("jawenv/JawImaged-v3", IMAGED)
 
 
 def _register(env_id: str, arguments: dict[str, Any]) -> None:

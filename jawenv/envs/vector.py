@@ -1,4 +1,4 @@
-"""The native vector form of ``jawenv/Jaw-v2``: N worlds, one compiled call per step."""
+"""The native vector form of ``jawenv/Jaw-v3``: N worlds, one compiled call per step."""
 
 from __future__ import annotations
 

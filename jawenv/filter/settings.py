@@ -21,6 +21,10 @@ from jawenv.mechanics.unknowns import Unknowns
 Array = NDArray[np.float64]
 
 
+LASTING = 2e-3
+"""Share of the force that is carried which the filter may have wrong at a pose (G): its own errors of second order."""
+
+
 class Geometry(NamedTuple):
     """A patient as the filter knows him.
 
@@ -107,6 +111,7 @@ def fill_settings(settings: Any, geometry: Geometry, noise: Noise, start_sd: Arr
         start_sd: (n,) of the motion at the start.
     """
     settings["dt"], settings["gain_variance"] = noise.dt, noise.gain_sd**2
+    settings["lasting"] = LASTING
     settings["measurement_variance"] = noise.measurement_sd**2
     settings["wrench_variance"] = noise.wrench_variance
     settings["start_sd"][: len(start_sd)] = start_sd

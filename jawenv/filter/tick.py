@@ -42,6 +42,11 @@ SETTLING_TICKS = 5
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 20, 1280
 MOVED = 0.3  # of a natural logarithm
+# What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
+# m/s on, and up to so many. The moment's error is the force's at so many m.
+ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
+# N: nothing is learnt while teeth press harder. The error of their force lasts as long as they do, and is no noise.
+LIGHTEST_BITE = 0.2
 # Sd of each component of the wrench over the teeth's force; the last three in m.
 TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
@@ -56,6 +61,7 @@ def filter_settings_dtype(
         ("used", "u1", N_MEASUREMENTS),
         ("measurement_variance", "f8", N_MEASUREMENTS),
         ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
+        ("lasting", "f8"),  # share of the force that the model may have wrong at a pose
         ("gain_variance", "f8"),
         ("cell_repeats", "u1", N_WRENCH),  # whether a component of the load cell has no noise
         ("rough", "f8", 3),  # see ``screening.rough_change``
@@ -123,7 +129,7 @@ def begin_filter(jaw, belief, motion, settings):
 
 @njit
 def add_tooth_noise(jaw, motion, variance):
-    """Add to the process noise ``variance`` (6) what the force of the teeth, where they touch, may be off by.
+    """Add to the process noise ``variance`` (6) what the force of the teeth may be off by; whether they press.
 
     Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
     both about the mouthpiece.
@@ -139,6 +145,26 @@ def add_tooth_noise(jaw, motion, variance):
     for k in range(N_WRENCH):
         sd = TOOTH_NOISE[k] * bite
         variance[k] += sd * sd
+    return bite > LIGHTEST_BITE
+
+
+@njit
+def add_lasting_noise(jaw, belief, settings, variance):
+    """Add to the process noise ``variance`` (6) what the model may have wrong at a pose for as long as the jaw is there.
+
+    An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
+    ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
+    """
+    motion, trend = belief.motion, belief.trend
+    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
+    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
+    speed = abs(motion[slide]) + jaw.mouthpiece[0] * turn
+    carried = sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
+    ticks = min(ALIKE / (settings.dt * max(speed, SLOWEST)), MOST_TICKS)
+    error = settings.lasting * carried
+    for k in range(3):
+        variance[k] += ticks * error * error
+        variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM
 
 
 def _known_jaw(jaw, belief):
@@ -170,11 +196,12 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
         left_out += repair_samples(
             belief, samples, scratch.frozen, settings.dt, scratch.wrench_variance, scratch.samples
         )
-        add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
+        bites = add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
+        add_lasting_noise(jaw, belief, settings, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
-        resolved = is_resolved(belief, scratch.samples, settings.rough)
+        resolved = is_resolved(belief, scratch.samples, settings.rough) and not bites
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     scratch.verdict = EXPECTED

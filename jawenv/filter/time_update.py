@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from jawenv.filter.motion.balance import set_balanced
 from jawenv.filter.motion.disturbance import add_disturbance, decay_disturbance, set_total
 from jawenv.filter.motion.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
 from jawenv.filter.motion.joint_step import N_SAMPLES, set_muscles
@@ -20,6 +21,7 @@ from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.kinematics import split
 
 MISSED_CHANGE, MISSED_NOISE = 0.2, 0.05  # shares of a wrench's change and of its noise that three samples miss
 
@@ -38,6 +40,7 @@ def time_update_fields(
         ("driven", "f8", (N_SAMPLES, N_WRENCH)),  # the samples and the disturbance
         ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
         ("total", "f8", (n_motion, inputs)),  # [A, G]
+        ("trend", "f8", (N_WRENCH,)),  # of the load cell, balanced
         ("turned", "f8", (inputs, n_motion)),  # its transpose
         ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
         ("after", "f8", (n_motion, columns)),
@@ -78,9 +81,21 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
     if settings.motion_only:
         return
     pose, position = middle_of(jaw, scratch.start_motion, scratch.instrument.motion)
-    set_line_wrenches(jaw, belief.basis, belief.trend, pose, position, scratch.line_wrench)
+    set_balanced_trend(jaw, belief, pose, scratch)
+    set_line_wrenches(jaw, belief.basis, scratch.trend, pose, position, scratch.line_wrench)
     set_nuisance_wrenches(jaw, scratch.step.muscles, belief, pose, settings, scratch)
     predict_by_tension(belief.by_tension, scratch)
+
+
+@njit
+def set_balanced_trend(jaw, belief, pose, scratch):
+    """Into ``scratch.trend`` (6) the load cell's trend; with one reference point the one that the motion needs."""
+    scratch.trend[:] = belief.trend
+    if jaw.condyles == 2:
+        return
+    _, u = split(scratch.start_motion)
+    at = (pose, u, (0.0, 0.0, 0.0, 0.0, 0.0))
+    set_balanced(jaw, scratch.step.muscles, at, belief.trend, scratch.trend)
 
 
 @njit

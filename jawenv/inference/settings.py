@@ -31,7 +31,7 @@ def configuration_of(env_id: str, env_kwargs: Mapping[str, Any] | None, own: Map
     """
     spec = gym.registry.get(env_id)
     if spec is None or spec.entry_point != "jawenv.envs.jaw:JawEnv":
-        raise InputError(f"env_id is {shown(env_id)}; allowed: an id of jawenv, as 'jawenv/Jaw-v2'")
+        raise InputError(f"env_id is {shown(env_id)}; allowed: an id of jawenv, as 'jawenv/Jaw-v3'")
     if not isinstance(env_kwargs, Mapping | None):
         raise InputError(f"env_kwargs is {shown(env_kwargs)}; allowed: a mapping of the environment's arguments")
     for name in own:

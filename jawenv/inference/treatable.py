@@ -18,7 +18,7 @@ def treatable(theta: ArrayLike, *, env_id: str = DEFAULT_ENV, env_kwargs: Mappin
     """Which patients the device can treat: those whom ``reset`` of an environment takes.
 
     The relaxed jaw has to rest less than 35 mm open and 5 mm aside, with a painless range of 5 mm or more; F_o is at
-    most 100 N and b at most 60 (``jawenv.Patient``). Anatomy and comfort decide; device and noise do not matter. The
+    most 200 N and b at most 60 (``jawenv.Patient``). Anatomy and comfort decide; device and noise do not matter. The
     head is upright, and the jaw is the one that the filter believes in.
 
     Args:

@@ -54,6 +54,7 @@ def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
         ("origin", "f8", (n_lines, 3)),
         ("insertion", "f8", (n_lines, 3)),
         ("l_o", "f8", (n_lines,)),
+        ("tone", "f8"),  # N, constant active tension of every line, beside the passive one
         ("mobility", "f8", (n_lines,)),  # 1/kg, of the free mandible along a line, jaw closed
         ("tooth_mobility", "f8", (N_TEETH,)),  # 1/kg, of the same, straight down at a tooth
         ("condyle_mobility", "f8"),  # 1/kg, of the same, forward at the condyles
@@ -113,6 +114,7 @@ def build_jaw(
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
     jaw["free_x"], jaw["free_y"] = free[0], free[1]
     jaw["condyles"] = condyles
+    jaw["tone"] = mandible.closing_tone_N * muscles.whole_muscles_per_line
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
     jaw["fossa_drop"] = fossa.drop_m
     jaw["fossa_frequency"] = fossa.spatial_frequency

@@ -30,7 +30,7 @@ class Unknowns(NamedTuple):
     Attributes:
         origin: (lines, 3) attachments.
         insertion: (lines, 3).
-        numbers: (6,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt.
+        numbers: (7,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt, tone.
         centre_of_mass: (3,).
         mouthpiece: (3,).
         turn: (3,) of the mouthpiece about the body's axes.
@@ -55,7 +55,7 @@ class Unknowns(NamedTuple):
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS))
+    rest = (7, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS))
     return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(shape) for shape in rest))
 
 
@@ -82,12 +82,13 @@ def along(values: Unknowns, direction: Unknowns) -> float:
 def changed_jaw(jaw: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> Any:
     """A copy of the record ``jaw`` with its numbers at ``values``, about those that it has."""
     changed = jaw.copy()
-    drop, frequency, mass, rotation_damping, sliding_damping, tilt = values.numbers
+    drop, frequency, mass, rotation_damping, sliding_damping, tilt, tone = values.numbers
     changed["fossa_drop"] *= 1.0 + knowledge.fossa * drop
     changed["fossa_frequency"] *= 1.0 + knowledge.fossa * frequency
     changed["crest"] = pi / changed["fossa_frequency"]
     changed["damping_rotation"] *= 1.0 + knowledge.damping * rotation_damping
     changed["damping_sliding"] *= 1.0 + knowledge.damping * sliding_damping
+    changed["tone"] += knowledge.closing_tone_N * muscles.whole_muscles_per_line * tone
     changed["gravity"] = _pitched(jaw["gravity"], radians(knowledge.head_tilt_deg) * tilt)
     for name in ("mouthpiece", "zero", "teeth"):
         changed[name] += 1e-3 * knowledge.mouthpiece_mm * values.mouthpiece
@@ -167,6 +168,7 @@ def directions(
         knowledge.damping,
         knowledge.damping,
         knowledge.head_tilt_deg,
+        knowledge.closing_tone_N,
     )
     vectors += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
     sds = (knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm)
@@ -213,7 +215,7 @@ def _pulls(jaw: Any, line: int, law: NDArray[np.float64]) -> NDArray[np.float64]
         arm = apply(turned, tuple(jaw["insertion"][line]))
         way = subtract(tuple(jaw["origin"][line]), tuple(np.add(contact, arm)))
         length = norm(way)
-        tension = law[0] * np.exp(law[1] * (length / jaw["l_o"][line] - 1.0))
+        tension = jaw["tone"] + law[0] * np.exp(law[1] * (length / jaw["l_o"][line] - 1.0))
         pull = tuple(tension / length * np.array(way))
         pulls += [*pull, *(np.array(cross(arm, pull)) / 0.05)]
     return np.array(pulls)

@@ -38,7 +38,7 @@ def test_score_a_maneuver() -> None:
     done = run("examples/score_a_maneuver.py", "--patients", "3", "--episode-s", "3")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    assert lines[0].startswith("opening_with_circles in jawenv/Jaw-v2 on 3 patients")
+    assert lines[0].startswith("opening_with_circles in jawenv/Jaw-v3 on 3 patients")
     assert sum(line.startswith(("log_F_o/", "log_b/")) for line in lines) == 12
     assert any(line.startswith("NEES: ") for line in lines)
 

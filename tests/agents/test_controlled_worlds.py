@@ -128,7 +128,7 @@ def test_actions_are_those_of_the_agent() -> None:
 def test_worlds_and_agent_do_the_same() -> None:
     def jaws() -> Any:
         kwargs = {"autoreset_mode": "same_step", "control": "force", "episode_s": 2.0}
-        return gym.make_vec("jawenv/Jaw-v2", 2, vectorization_mode="vector_entry_point", **kwargs)
+        return gym.make_vec("jawenv/Jaw-v3", 2, vectorization_mode="vector_entry_point", **kwargs)
 
     law, policy = TargetsLaw("force"), Drawn()
     worlds = ControlledWorlds(ControlledWorlds(jaws(), law), BASE)

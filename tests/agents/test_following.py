@@ -11,7 +11,7 @@ from agents.following import DECISION_HZ, TargetsLaw, decision_hz
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 TARGET = OBSERVATION_LAYOUT["motor_target"]
 
 

@@ -24,7 +24,7 @@ SAMPLING = Plan("sampling", "Sampled.", 2.0, 8, rounds=2, elites=2, maneuvers=("
 
 
 def vector(number=2, **kwargs):
-    return gym.make_vec("jawenv/Jaw-v2", num_envs=number, autoreset_mode="disabled", **{**KWARGS, **kwargs})
+    return gym.make_vec("jawenv/Jaw-v3", num_envs=number, autoreset_mode="disabled", **{**KWARGS, **kwargs})
 
 
 class Replayed:

@@ -101,7 +101,7 @@ def test_other_weights_or_none_are_refused(folder: Path) -> None:
 
 
 def test_a_policy_of_another_environment_is_refused(folder: Path, tmp_path: Path) -> None:
-    assert "jawenv/JawBilateral-v2" in refused(folder, env_id="bilateral")
+    assert "jawenv/JawBilateral-v3" in refused(folder, env_id="bilateral")
     layers = (9, 5, 4)
     architecture = {"layers": layers, "activation": "relu", "squash": "tanh"}
     small = write_policy(tmp_path / "small", random_weights(layers), observation_size=9, architecture=architecture)
@@ -210,11 +210,11 @@ def test_a_checkpoint_of_other_spaces_is_refused(tmp_path: Path) -> None:
     saved(tmp_path / "two.zip", env=Blank(actions=2))
     assert "(2,)" in refused(tmp_path / "two.zip", trust=True)
     saved(tmp_path / "small.zip", env=Blank(seen=5))
-    for env_id in ("jawenv/Jaw-v2", "jawenv/JawHinge-v2"):
+    for env_id in ("jawenv/Jaw-v3", "jawenv/JawHinge-v3"):
         assert "5 values" in refused(tmp_path / "small.zip", env_id=env_id, trust=True)
 
 
-@pytest.mark.parametrize("place", ["vecnormalize.pkl", "Jaw-v2/vecnormalize.pkl", "model_vecnormalize_100_steps.pkl"])
+@pytest.mark.parametrize("place", ["vecnormalize.pkl", "Jaw-v3/vecnormalize.pkl", "model_vecnormalize_100_steps.pkl"])
 def test_a_policy_that_saw_normalised_observations_is_refused(place: str, tmp_path: Path) -> None:
     """It would play on what it has never seen, and nobody would notice."""
     saved(tmp_path / "zoo.zip")

@@ -9,7 +9,7 @@ from jawenv.envs.fork import believe
 from jawenv.envs.rewards import potential
 
 
-@pytest.fixture(params=["jawenv/Jaw-v2", "jawenv/JawImaged-v1"])
+@pytest.fixture(params=["jawenv/Jaw-v3", "jawenv/JawImaged-v3"])
 def env(request):
     made = gym.make_vec(request.param, num_envs=2, autoreset_mode="disabled", control="targets", episode_s=6.0)
     made.reset(seed=5000)

@@ -8,9 +8,10 @@ from scipy.stats import kstest, truncnorm
 
 from jawenv.anatomy import COHORTS, MUSCLE_NAMES, Patient, cohort
 from jawenv.errors import InputError
+from jawenv.mechanics.passive_opening import passive_opening
 
 PATIENTS = 4000
-SINGLE_GROUP = ["trismus", "healthy", "severe", "blockage", "wide"]
+SINGLE_GROUP = ["trismus", "healthy", "severe", "patchy", "blockage", "wide"]
 TRUNCATED = truncnorm(-2, 2)
 
 
@@ -20,7 +21,7 @@ def draws(name: str, n: int = PATIENTS) -> np.ndarray:
 
 
 def test_names_and_default() -> None:
-    assert tuple(COHORTS) == ("trismus", "healthy", "severe", "one_sided", "blockage", "wide")
+    assert tuple(COHORTS) == ("trismus", "healthy", "severe", "one_sided", "patchy", "blockage", "wide")
     for name, one in COHORTS.items():
         assert one is cohort(name)
         assert one.name == name and one.description and one.basis
@@ -51,8 +52,8 @@ def test_the_prior_is_honest(name: str) -> None:
 
 def test_the_default_cohort_is_that_of_the_design() -> None:
     one = cohort("trismus")
-    np.testing.assert_allclose(one.prior.mean, np.log([1.2, 7.0] * 6))
-    np.testing.assert_allclose(one.sd[0], [0.5, 0.3] * 6)
+    np.testing.assert_allclose(one.prior.mean, np.log([4.0, 10.0] * 6))
+    np.testing.assert_allclose(one.sd[0], [0.4, 0.3] * 6)
     np.testing.assert_allclose(one.prior.sd, TRUNCATED.std() * one.sd[0])
 
 
@@ -68,19 +69,20 @@ def test_one_sided_is_fibrosed_on_one_side_at_random() -> None:
     assert np.mean(left > right) == pytest.approx(0.5, abs=0.04)
     fibrosed = np.where((left > right)[:, None], theta[:, :6], theta[:, 6:])
     healthy = np.where((left > right)[:, None], theta[:, 6:], theta[:, :6])
-    assert np.median(fibrosed[:, ::2]) == pytest.approx(np.log(1.2), abs=0.05)
-    assert np.median(healthy[:, ::2]) == pytest.approx(np.log(0.25), abs=0.05)
+    assert np.median(fibrosed[:, ::2]) == pytest.approx(np.log(4.0), abs=0.05)
+    assert np.median(healthy[:, ::2]) == pytest.approx(np.log(0.7), abs=0.05)
 
 
 def test_the_prior_of_one_sided_has_the_moments_of_the_mixture() -> None:
     prior = cohort("one_sided").prior
-    mean = (np.log(1.2) + np.log(0.25)) / 2
-    sd = np.sqrt(TRUNCATED.var() * 0.5**2 + (np.log(1.2 / 0.25) / 2) ** 2)
-    np.testing.assert_allclose(prior.mean, [mean, np.log(7.0)] * 6)
-    np.testing.assert_allclose(prior.sd, [sd, TRUNCATED.std() * 0.3] * 6)
+    mean = (np.log(4.0) + np.log(0.7)) / 2, (np.log(10.0) + np.log(7.0)) / 2
+    within = TRUNCATED.var() * np.array([(0.4**2 + 0.3**2) / 2, 0.3**2])
+    sd = np.sqrt(within + np.array([np.log(4.0 / 0.7) / 2, np.log(10.0 / 7.0) / 2]) ** 2)
+    np.testing.assert_allclose(prior.mean, np.tile(mean, 6))
+    np.testing.assert_allclose(prior.sd, np.tile(sd, 6))
     theta = draws("one_sided")
     np.testing.assert_allclose(theta.mean(axis=0), prior.mean, atol=0.06)
-    np.testing.assert_allclose(theta.std(axis=0)[::2], sd, rtol=0.03)
+    np.testing.assert_allclose(theta.std(axis=0), np.tile(sd, 6), rtol=0.03)
 
 
 @pytest.mark.parametrize("name", COHORTS)
@@ -147,3 +149,20 @@ def soft(theta: np.ndarray) -> np.ndarray:
 def test_what_a_sample_refuses(n, seed, accept) -> None:
     with pytest.raises(InputError):
         cohort("trismus").sample(n, seed, accept=accept)
+
+
+@pytest.mark.parametrize(
+    "name, rest_mm, at_20_N_mm, at_40_N_mm",
+    [
+        ("healthy", (2.0, 4.0), (45.0, 60.0), (45.0, 60.0)),
+        ("trismus", (-2.0, 0.0), (15.0, 35.0), (15.0, 35.0)),
+        ("severe", (-3.0, 0.0), (5.0, 15.0), (10.0, 20.0)),
+        ("blockage", (0.0, 4.0), (20.0, 35.0), (20.0, 35.0)),
+        ("patchy", (-2.0, 2.0), (20.0, 45.0), (30.0, 45.0)),
+    ],
+)
+def test_the_median_patient_keeps_to_the_clinical_criteria(name, rest_mm, at_20_N_mm, at_40_N_mm):
+    """Trismus: at most 35 mm (Dijkstra 2006), severe: at most 20 mm, under therapeutic 20 to 40 N."""
+    openings = np.median(passive_opening(cohort(name).sample(30, seed=7), (0.0, 20.0, 40.0)), axis=0)
+    for opening, (least, most) in zip(openings, (rest_mm, at_20_N_mm, at_40_N_mm), strict=True):
+        assert least <= opening <= most

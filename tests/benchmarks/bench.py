@@ -41,7 +41,7 @@ print(time.perf_counter() - start, *[name for name in {HEAVY} if name in sys.mod
 FIRST_STEP = """
 import time
 import gymnasium as gym, jawenv
-env = gym.make("jawenv/Jaw-v2", control="force")
+env = gym.make("jawenv/Jaw-v3", control="force")
 env.reset(seed=0)
 env.step(env.action_space.sample())
 print(time.time(), time.process_time())
@@ -99,7 +99,7 @@ def filter_speeds(size: Size) -> list[Row]:
 def bound_speed(size: Size) -> list[Row]:
     """The bound along a record of 30 s, 3000 ticks, in steps of Humanoid-v5; the first call compiles."""
     rows, reference_speed = [], humanoid()
-    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v2"):
+    for env_id in (DEFAULT_ENV, "jawenv/JawBilateral-v3"):
         say(f"bound: {env_id}")
         record = jawenv.play(Sinusoids(), patients=1, seed=0, env_kwargs={"record": True}, env_id=env_id).records[0]
         jawenv.bound_along(record, every=5)
@@ -146,8 +146,8 @@ def growth(run: Callable[[int], object], steps: int, what: str) -> Row:
 
 def memory(size: Size) -> list[Row]:
     vec, jaw = (
-        gym.make_vec("jawenv/Jaw-v2", num_envs=WORLDS, control="force"),
-        gym.make("jawenv/Jaw-v2", control="force"),
+        gym.make_vec("jawenv/Jaw-v3", num_envs=WORLDS, control="force"),
+        gym.make("jawenv/Jaw-v3", control="force"),
     )
     vec.reset(seed=0)
     jaw.reset(seed=0)

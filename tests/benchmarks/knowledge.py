@@ -23,7 +23,7 @@ MEMORY = {"unmodelled_time_s": 0.5}
 def microseconds(control, knowledge, device):
     """Of 50 ms of one world: mean over the episode, and over its last seconds."""
     envs = gym.make_vec(
-        "jawenv/Jaw-v2",
+        "jawenv/Jaw-v3",
         WORLDS,
         control=control,
         knowledge=knowledge,

@@ -16,10 +16,10 @@ from jawenv.playing.rollout import DEFAULT_ENV
 
 WORLDS = 256
 CONTROL_HZ = 20.0
-COMPARED = (DEFAULT_ENV, "jawenv/JawBilateral-v2", "jawenv/JawPortions-v2")
+COMPARED = (DEFAULT_ENV, "jawenv/JawBilateral-v3", "jawenv/JawPortions-v3")
 CONTROLS = ("force", "trajectory", "targets")
 OTHERS = [env_id for env_id in ENVIRONMENTS if env_id != DEFAULT_ENV]
-PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v2",)
+PLANTS_IN_PYTHON = ("jawenv/JawSagittal-v3",)
 
 
 class Size(NamedTuple):
@@ -103,7 +103,7 @@ def speeds(size: Size) -> list[Row]:
     theirs, rate, ratio = paired(size, reference, lambda: run_single(jaw, sinusoids(None), size.single_steps))
     rows = [
         Row("Humanoid-v5, one environment, random actions", f"{theirs:,.0f} steps/s"),
-        Row("Jaw-v2, one environment, force, filter included", f"{rate:,.0f} steps/s"),
+        Row("Jaw-v3, one environment, force, filter included", f"{rate:,.0f} steps/s"),
         Row("  over Humanoid-v5, median of paired ratios", f"{ratio:.2f} x", ">= 3 x", bool(ratio >= 3.0)),
     ]
     for env_id in COMPARED:

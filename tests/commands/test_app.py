@@ -118,7 +118,7 @@ def interrupt(page):
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
         (["score", "nope"], "maneuver is 'nope'; allowed: chirp"),
-        (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v2"),
+        (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v3"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),

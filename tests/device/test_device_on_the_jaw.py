@@ -11,7 +11,7 @@ from jawenv.device.motors import ON_PATH, command_motors, device_wrench
 from jawenv.envs.world.plants import SUBSTEPS, TICK
 from jawenv.mechanics.dynamics import state_rate
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 PATIENTS = 16
 FULL = {"open": (1, 1, 0, 0), "left": (0, 0, -1, 1), "forward": (0, 0, 1, 1), "back": (0, 0, -1, -1)}
 # How many of the patients' hard limits may be crossed: where the painless range is short, the condyles' stop gives way.

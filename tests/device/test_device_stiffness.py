@@ -20,7 +20,7 @@ class Tick:
     """One world at the start of a tick, and what moves it."""
 
     def __init__(self, control, seed=2):
-        env = gym.make("jawenv/Jaw-v2", control=control).unwrapped
+        env = gym.make("jawenv/Jaw-v3", control=control).unwrapped
         env.reset(seed=seed)
         simulation = env.simulation
         self.world, self.device, self.settings = simulation.worlds[0], simulation.device[0], simulation.settings[0]

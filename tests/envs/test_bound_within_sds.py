@@ -18,7 +18,7 @@ MEMORY = {"device": {"unmodelled_time_s": 0.5}}
 
 def swings(**kwargs):
     """A world after one control period of 40 ticks, of which the bound has all rows."""
-    env = gym.make("jawenv/Jaw-v2", control="targets", control_hz=2.5, track_bound=True, **kwargs)
+    env = gym.make("jawenv/Jaw-v3", control="targets", control_hz=2.5, track_bound=True, **kwargs)
     env.reset(seed=6022)
     _, _, _, _, info = env.step(np.array([0.6, 0.4, 0.3, -0.3], dtype=np.float32))
     return env.unwrapped.simulation, info

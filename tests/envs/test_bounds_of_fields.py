@@ -28,7 +28,7 @@ STIFFNESS = {"F_o_N": 1.2, "b": 7.0, "head_tilt_deg": 0.0, "anatomy_seed": None}
 
 def play_two_seconds(patient=None, **arguments):
     """Random actions until the end; all that a step gives must be finite."""
-    env = gym.make("jawenv/Jaw-v2", episode_s=2.0, **arguments)
+    env = gym.make("jawenv/Jaw-v3", episode_s=2.0, **arguments)
     env.action_space.seed(0)
     observation, info = env.reset(seed=0, options=None if patient is None else {"patient": patient})
     reward, ended = 0.0, False
@@ -52,7 +52,7 @@ def test_an_episode_at_a_bound_is_finite(what, name, value, control):
     play_two_seconds(control=control, **{what: {**NEEDS.get(name, {}), name: value}})
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawBilateral-v3"])
 def test_motors_switched_against_the_strongest_brake_move_a_jaw_finitely(env_id):
     """A brake that stops the jaw within a step of the simulation throws it back faster each time."""
     device = {"slew_N_s": 1e5, "brake_N_s_m": jawenv.Device.numeric_fields()["brake_N_s_m"].high}

@@ -46,7 +46,7 @@ def test_a_copy_goes_on_like_its_original(env_id):
 
 
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawSagittal-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawSagittal-v3"])
 def test_a_copy_of_the_vector_form_goes_on_like_its_original(env_id, way):
     """Through the end of an episode."""
     env = gym.make_vec(env_id, num_envs=2, episode_s=1.0)
@@ -60,7 +60,7 @@ def test_a_copy_of_the_vector_form_goes_on_like_its_original(env_id, way):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_copy_is_no_view(way):
-    env = gym.make("jawenv/Jaw-v2")
+    env = gym.make("jawenv/Jaw-v3")
     env.reset(seed=3)
     other = WAYS[way](env)
     before = env.unwrapped.simulation.worlds.tobytes()
@@ -73,7 +73,7 @@ def test_a_copy_is_no_view(way):
 @pytest.mark.parametrize("mode", ["rgb_array", "human"])
 def test_a_copy_of_a_shown_environment_draws_its_own_pictures(mode, way, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    env = gym.make("jawenv/Jaw-v2", render_mode=mode)
+    env = gym.make("jawenv/Jaw-v3", render_mode=mode)
     env.reset(seed=3)
     env.step(np.ones(4, dtype=np.float32))
     picture = env.render()

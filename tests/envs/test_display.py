@@ -32,7 +32,7 @@ def set_all(monkeypatch, environment):
 def test_the_environment_is_not_made(monkeypatch):
     monkeypatch.setattr(jaw, "Simulation", None)
     with pytest.raises(InputError) as refused:
-        gym.make("jawenv/Jaw-v2", render_mode="human")
+        gym.make("jawenv/Jaw-v3", render_mode="human")
     assert str(refused.value) == (
         "render_mode: 'human' needs a display (neither DISPLAY nor WAYLAND_DISPLAY is set); "
         "use 'rgb_array', or SDL_VIDEODRIVER=dummy to draw unseen"
@@ -42,7 +42,7 @@ def test_the_environment_is_not_made(monkeypatch):
 @pytest.mark.parametrize("driver", ["dummy", "offscreen"])
 def test_check_env_passes_where_the_driver_asks_for_a_window_unseen(monkeypatch, driver):
     monkeypatch.setenv("SDL_VIDEODRIVER", driver)
-    check_env(gym.make("jawenv/Jaw-v2").unwrapped)
+    check_env(gym.make("jawenv/Jaw-v3").unwrapped)
 
 
 @pytest.mark.parametrize(("environment", "reason"), UNSEEN)

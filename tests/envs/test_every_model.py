@@ -39,7 +39,7 @@ def test_the_registry_is_the_ladder():
 @pytest.mark.parametrize(
     ("env_id", "control", "sensors"),
     [(env_id, control, "pose") for env_id in ENVIRONMENTS for control in CONTROLS]
-    + [("jawenv/Jaw-v2", control, "point") for control in CONTROLS],
+    + [("jawenv/Jaw-v3", control, "point") for control in CONTROLS],
 )
 def test_both_checkers_have_nothing_to_say(env_id, control, sensors):
     """Warnings are errors in this suite."""
@@ -62,7 +62,7 @@ def test_names_and_sizes_follow_the_muscles(env_id):
     assert (info["information_claimed"] > 1.0).all(), "a second and a half of motion teaches something"
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/JawHinge-v2", "jawenv/JawSagittal-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/JawHinge-v3", "jawenv/JawSagittal-v3"])
 def test_planar_models_stay_in_their_plane(env_id):
     _, _, info = played(env_id)
     held = [1, 3, 4, 6, 7, 9] + ([0, 5] if "Hinge" in env_id else [])
@@ -71,7 +71,7 @@ def test_planar_models_stay_in_their_plane(env_id):
 
 
 def test_a_patient_has_the_muscles_of_the_model():
-    env = gym.make("jawenv/JawSides-v2", control="force")
+    env = gym.make("jawenv/JawSides-v3", control="force")
     law = {"F_o_N": {"left": 3.0, "right": 1.0}, "b": {"left": 7.0, "right": 7.0}}
     _, info = env.reset(seed=0, options={"patient": law})
     np.testing.assert_allclose(np.exp(info["truth"]), [3.0, 7.0, 1.0, 7.0])
@@ -82,19 +82,19 @@ def test_a_patient_has_the_muscles_of_the_model():
 
 def test_two_condyles_resist_roll_and_their_filter_knows():
     """The filter of one point on the fossa claims as much on the jaw with two condyles, and is wrong."""
-    _, _, honest = played("jawenv/JawBilateral-v2", number=4)
-    _, _, wrong = played("jawenv/JawBilateral-v2", number=4, estimator="midline")
+    _, _, honest = played("jawenv/JawBilateral-v3", number=4)
+    _, _, wrong = played("jawenv/JawBilateral-v3", number=4, estimator="midline")
     np.testing.assert_array_equal(honest["truth"], wrong["truth"])
     assert honest["nees"].mean() < nees_band(4, 12, 0.999)[1]
     assert np.median(wrong["nees"]) > 1000.0
     with pytest.raises(jawenv.InputError):
-        gym.make("jawenv/Jaw-v2", estimator="bilateral", control="force")
+        gym.make("jawenv/Jaw-v3", estimator="bilateral", control="force")
 
 
 def test_the_plant_in_contact_moves_as_the_smooth_one_does():
     """The same patients and noise: friction and the chatter of contact change the motion by little."""
-    _, _, rough = played("jawenv/JawSagittal-v2")
-    smooth_env = gym.make_vec("jawenv/JawSagittal-v2", num_envs=2, control="force")
+    _, _, rough = played("jawenv/JawSagittal-v3")
+    smooth_env = gym.make_vec("jawenv/JawSagittal-v3", num_envs=2, control="force")
     simulation = smooth_env.simulation
     simulation._contact = None  # the compiled midline plant, restricted to the plane
     smooth_env.reset(seed=5)

@@ -6,7 +6,7 @@ import pytest
 
 import jawenv
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 LIMP = {"F_o_N": dict.fromkeys(jawenv.MUSCLE_NAMES, 0.01), "b": dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0)}
 FIRM = {"F_o_N": dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0), "b": dict.fromkeys(jawenv.MUSCLE_NAMES, 7.0)}
 STRANGE = {"F_o_N": {"tongue": 1.0}, "b": {"tongue": 1.0}}
@@ -15,7 +15,7 @@ ACTION = np.array([0.3, 0.3, 0.1, 0.1], dtype=np.float32)
 
 @pytest.mark.parametrize("seed", [None, 9])
 @pytest.mark.parametrize("patient", [LIMP, STRANGE])
-@pytest.mark.parametrize("env_id", [ID, "jawenv/JawSagittal-v2"])
+@pytest.mark.parametrize("env_id", [ID, "jawenv/JawSagittal-v3"])
 def test_a_failed_reset_changes_nothing(env_id, patient, seed):
     env, untouched = gym.make(env_id, record=True).unwrapped, gym.make(env_id, record=True).unwrapped
     for each in (env, untouched):

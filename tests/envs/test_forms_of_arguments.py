@@ -13,7 +13,7 @@ import jawenv
 from jawenv.anatomy import Stiffness
 from jawenv.reality import Reality
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 ONE_SIDE = jawenv.Cohort(
     "stiff left", "left twice as stiff", "made up", ((Stiffness(2.4, 0.5, 7.0, 0.3), Stiffness(1.2, 0.5, 7.0, 0.3)),)
 )
@@ -85,7 +85,7 @@ def test_forms_of_a_patient(files):
 
 
 def test_a_cohort_serves_every_model():
-    env = gym.make("jawenv/JawSides-v2", cohort=ONE_SIDE, control="force")
+    env = gym.make("jawenv/JawSides-v3", cohort=ONE_SIDE, control="force")
     _, info = env.reset(seed=0)
     assert info["truth"].shape == (4,)
     np.testing.assert_allclose(env.unwrapped.prior.mean[::2], np.log([2.4, 1.2]))

@@ -17,7 +17,7 @@ from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector import JawVectorEnv
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 MODES = [(control, sensors) for control in CONTROLS for sensors in ("pose", "point")]
 MUSCLES = dict.fromkeys(jawenv.MUSCLE_NAMES, 1.0)
 NOTHING = np.zeros(4, dtype=np.float32)
@@ -72,7 +72,7 @@ def test_every_argument_is_described_and_comes_back_from_a_mapping_of_plain_valu
     assert Configuration.from_mapping(json.loads(json.dumps(whole.to_mapping()))) == whole
 
 
-@pytest.mark.parametrize("env_id", [*ENVIRONMENTS, "jawenv/JawImaged-v1"])
+@pytest.mark.parametrize("env_id", [*ENVIRONMENTS, "jawenv/JawImaged-v3"])
 def test_a_configuration_knows_its_id(env_id):
     made = gym.make(env_id).unwrapped.configuration
     again = Configuration.from_mapping({"env": env_id})

@@ -7,7 +7,7 @@ from gymnasium.utils.env_checker import check_env
 import jawenv
 from jawenv.device.device import device_of
 
-ENV_ID = "jawenv/JawImaged-v1"
+ENV_ID = "jawenv/JawImaged-v3"
 
 
 def test_it_is_an_environment_like_the_others():

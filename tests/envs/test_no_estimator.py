@@ -8,7 +8,7 @@ from test_copies import actions, assert_same
 import jawenv
 from jawenv.envs.registration import ENVIRONMENTS
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 
 
 @pytest.mark.parametrize("control", ["force", "trajectory"])

@@ -22,7 +22,7 @@ WORLDS, CLAIMED = 4, 12 * 4
 @pytest.mark.parametrize("device", DEVICES)
 def test_a_whole_episode_is_finite_and_honest(device, control):
     """NEES of four patients with 12 parameters each is chi-squared of 48, whose 99.9th percentile is 84."""
-    env = gym.make_vec("jawenv/Jaw-v2", num_envs=WORLDS, control=control, device=DEVICES[device])
+    env = gym.make_vec("jawenv/Jaw-v3", num_envs=WORLDS, control=control, device=DEVICES[device])
     _, info = env.reset(seed=5000)
     rng = np.random.default_rng(0)
     for k in range(env.configuration.steps):
@@ -37,7 +37,7 @@ def test_a_whole_episode_is_finite_and_honest(device, control):
 
 
 def test_readings_have_no_noise():
-    env = gym.make("jawenv/Jaw-v2", control="force", device=DEVICES["everything"], record=True).unwrapped
+    env = gym.make("jawenv/Jaw-v3", control="force", device=DEVICES["everything"], record=True).unwrapped
     env.reset(seed=5000)
     for _ in range(10):
         env.step(np.full(4, 0.4, np.float32))
@@ -50,7 +50,7 @@ def test_readings_have_no_noise():
 
 def test_a_quiet_load_cell_that_repeats_itself_has_not_failed():
     """No motor pushes, so it reads zero throughout; a record's filter has the belief of the environment's."""
-    env = gym.make("jawenv/Jaw-v2", control="force", device=CELL, record=True).unwrapped
+    env = gym.make("jawenv/Jaw-v3", control="force", device=CELL, record=True).unwrapped
     env.reset(seed=5000)
     for _ in range(20):
         info = env.step(np.zeros(4, np.float32))[4]
@@ -64,16 +64,16 @@ def test_less_noise_than_the_least_is_as_much_as_none():
     found = []
     for share in (0.0, 0.5):
         sds = dict(zip(ENCODERS, share * np.array([0.05, 0.05, 0.5, 0.01]), strict=True))
-        simulation = gym.make("jawenv/Jaw-v2", device=sds).unwrapped.simulation
+        simulation = gym.make("jawenv/Jaw-v3", device=sds).unwrapped.simulation
         found.append(simulation.settings["filter"]["measurement_variance"].copy())
     np.testing.assert_array_equal(*found)
-    default = gym.make("jawenv/Jaw-v2").unwrapped.simulation.settings["filter"]["measurement_variance"][0]
+    default = gym.make("jawenv/Jaw-v3").unwrapped.simulation.settings["filter"]["measurement_variance"][0]
     np.testing.assert_allclose(np.sqrt(default), np.repeat([1e-4, np.radians(0.1), 1e-3, 0.02], 3))
 
 
 def test_a_disturbance_with_memory_beside_a_quiet_cell_has_a_variance():
     device = CELL | {"unmodelled_time_s": 0.5}
-    env = gym.make("jawenv/Jaw-v2", device=device).unwrapped
+    env = gym.make("jawenv/Jaw-v3", device=device).unwrapped
     np.testing.assert_allclose(
         np.sqrt(env.simulation.settings["filter"]["wrench_variance"][0]), np.repeat(least_noise.WRENCH_SDS, 3)
     )

@@ -15,7 +15,7 @@ from jawenv.envs.jaw import JawEnv
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.vector import JawVectorEnv
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 ACTION = np.array([0.3, 0.3, 0.1, 0.1], dtype=np.float32)
 ACTIONS = np.tile(ACTION, (2, 1))
 

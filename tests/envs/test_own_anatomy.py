@@ -11,7 +11,7 @@ SESSION = ("gravity", "mouthpiece", "zero")
 
 def truths(patients, seeds):
     """The truth of each of some episodes."""
-    env = gym.make("jawenv/Jaw-v2", knowledge="imaged").unwrapped
+    env = gym.make("jawenv/Jaw-v3", knowledge="imaged").unwrapped
     found = []
     for patient, seed in zip(patients, seeds, strict=True):
         env.reset(seed=seed, options={"patient": patient})
@@ -39,7 +39,7 @@ def test_an_anatomy_that_is_known_exactly_has_no_use_for_it():
     patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
     jaws = []
     for seed in (None, 1):
-        env = gym.make("jawenv/Jaw-v2").unwrapped
+        env = gym.make("jawenv/Jaw-v3").unwrapped
         env.reset(seed=5, options={"patient": patient.model_copy(update={"anatomy_seed": seed})})
         jaws.append(env.simulation.worlds["truth"]["jaw"][0].tobytes())
     assert jaws[0] == jaws[1]

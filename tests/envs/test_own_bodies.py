@@ -12,7 +12,7 @@ from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 HEAVY = {"mandible": {"mass_kg": 0.4}, "fossa": {"drop_m": 0.003, "spatial_frequency": 220.0}}
 
 

@@ -11,7 +11,7 @@ from jawenv.device.comfort import COMFORT_LIMITS, GOVERNOR_ONSET
 from jawenv.envs.world.tracking import wanted_by
 from jawenv.numeric_fields import NumericFields
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 PUSH = np.array([0.15, 0.15, 0.05, 0.05], np.float32)
 BARELY = np.array([0.03, 0.03, 0.01, 0.0], np.float32)
 

@@ -12,7 +12,7 @@ import jawenv
 from agents import load_agent
 from jawenv.envs.own_estimators import EpisodeStart, OwnEstimator
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 
 
 class Replayed:

@@ -9,7 +9,7 @@ from jawenv.device.comfort import COMFORT_LIMITS
 from jawenv.envs.observation import OBSERVATION_LAYOUT, observe_world
 from jawenv.metrics.calibration import claimed_information, true_information
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 TOTAL = {"uncertainty": "information_claimed", "bound": "information_bound", "score": "information_true"}
 
 

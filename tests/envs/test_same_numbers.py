@@ -16,7 +16,7 @@ from jawenv.controls import CONTROLS
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.kernels.compiled import WORLDS_AT_ONCE
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 THREADS = sorted({1, min(2, numba.config.NUMBA_NUM_THREADS)})
 
 
@@ -77,7 +77,7 @@ def test_the_next_episode_of_a_seed_is_another_one_and_repeats_too():
 
 _EPISODE = """
 import hashlib, gymnasium, jawenv, numpy
-env = gymnasium.make("jawenv/Jaw-v2", control="force")
+env = gymnasium.make("jawenv/Jaw-v3", control="force")
 observations = [env.reset(seed=8)[0]]
 for k in range(20):
     observations.append(env.step(numpy.full(4, 0.2 * numpy.sin(k), dtype=numpy.float32))[0])
@@ -97,7 +97,7 @@ def test_the_same_seed_gives_the_same_episode_in_another_process():
 _FORK = """
 import os, gymnasium, jawenv, numba, numpy
 numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
-env = gymnasium.make_vec("jawenv/Jaw-v2", num_envs=20, control="force")
+env = gymnasium.make_vec("jawenv/Jaw-v3", num_envs=20, control="force")
 env.reset(seed=8)
 actions = numpy.zeros((20, 4), dtype=numpy.float32)
 env.step(actions)

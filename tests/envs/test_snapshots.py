@@ -49,7 +49,7 @@ def test_the_single_form_has_the_future_of_its_snapshot(env_id):
     assert_same_futures(future(twin, ahead), expected)
 
 
-MODES = [("jawenv/Jaw-v2", mode) for mode in ("next_step", "disabled")]  # how episodes end is the same in every model
+MODES = [("jawenv/Jaw-v3", mode) for mode in ("next_step", "disabled")]  # how episodes end is the same in every model
 
 
 @pytest.mark.parametrize(("env_id", "mode"), [(env_id, "same_step") for env_id in ENVIRONMENTS] + MODES)
@@ -70,7 +70,7 @@ def test_the_vector_form_has_the_future_of_its_snapshot(env_id, mode):
 
 
 def test_a_finished_episode_is_taken_up_again():
-    env = gym.make("jawenv/Jaw-v2", episode_s=1.0)
+    env = gym.make("jawenv/Jaw-v3", episode_s=1.0)
     env.reset(seed=3)
     ahead = actions(1, 4)[:, 0]
     env.step(ahead[0])
@@ -82,7 +82,7 @@ def test_a_finished_episode_is_taken_up_again():
 
 
 def test_a_snapshot_before_the_first_reset_asks_for_one():
-    env = gym.make("jawenv/JawHinge-v2").unwrapped
+    env = gym.make("jawenv/JawHinge-v3").unwrapped
     snapshot = env.snapshot()
     env.reset(seed=0)
     env.restore(snapshot)
@@ -91,7 +91,7 @@ def test_a_snapshot_before_the_first_reset_asks_for_one():
 
 
 def test_reset_and_step_leave_a_snapshot_as_it_is():
-    env = gym.make("jawenv/JawSagittal-v2").unwrapped
+    env = gym.make("jawenv/JawSagittal-v3").unwrapped
     env.reset(seed=0)
     snapshot = env.snapshot()
     before = pickle.dumps(snapshot)
@@ -103,7 +103,7 @@ def test_reset_and_step_leave_a_snapshot_as_it_is():
 
 def test_pictures_go_back_as_well(monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    env = gym.make("jawenv/JawHinge-v2", render_mode="rgb_array").unwrapped
+    env = gym.make("jawenv/JawHinge-v3", render_mode="rgb_array").unwrapped
     env.reset(seed=0)
     env.step(np.full(4, 0.3, dtype=np.float32))
     snapshot, picture = env.snapshot(), env.render()
@@ -127,11 +127,11 @@ def test_pictures_go_back_as_well(monkeypatch):
         {"episode_s": 10.0},
         {"device": {"full_scale_N": 5.0}},
         {"reality": {"creep_share": 0.3}},
-        {"id": "jawenv/JawSides-v2"},
+        {"id": "jawenv/JawSides-v3"},
     ],
 )
 def test_a_snapshot_of_another_environment_is_refused_and_nothing_changes(other):
-    env, strange = gym.make("jawenv/Jaw-v2").unwrapped, gym.make(**{"id": "jawenv/Jaw-v2", **other}).unwrapped
+    env, strange = gym.make("jawenv/Jaw-v3").unwrapped, gym.make(**{"id": "jawenv/Jaw-v3", **other}).unwrapped
     env.reset(seed=0)
     before = env.simulation.worlds.tobytes()
     with pytest.raises(jawenv.InputError):
@@ -140,11 +140,11 @@ def test_a_snapshot_of_another_environment_is_refused_and_nothing_changes(other)
 
 
 def test_what_is_no_snapshot_of_this_form_is_refused():
-    env, vec = gym.make("jawenv/Jaw-v2").unwrapped, gym.make_vec("jawenv/Jaw-v2", num_envs=1)
+    env, vec = gym.make("jawenv/Jaw-v3").unwrapped, gym.make_vec("jawenv/Jaw-v3", num_envs=1)
     with pytest.raises(jawenv.InputError):
         env.restore({})
     with pytest.raises(jawenv.InputError):
         vec.restore(env.snapshot())
     with pytest.raises(jawenv.InputError):
-        vec.restore(gym.make_vec("jawenv/Jaw-v2", num_envs=2).snapshot())
+        vec.restore(gym.make_vec("jawenv/Jaw-v3", num_envs=2).snapshot())
     assert copy.deepcopy(vec).restore(vec.snapshot()) is None

@@ -15,7 +15,7 @@ from jawenv.metrics.calibration import nees, nees_band
 from jawenv.playing.maneuvers import Player, maneuver_names
 from jawenv.playing.maneuvers.player import action_of
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 PERIOD_S = 0.2
 
 

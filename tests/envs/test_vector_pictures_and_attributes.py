@@ -9,7 +9,7 @@ from jawenv.envs.pictures import picture_size
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.rendering import Renderer
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 SHORT = {"control": "targets", "episode_s": 0.6}
 
 

@@ -32,7 +32,7 @@ def test_the_filter_is_part_of_one_kernel_and_the_bound_of_its_own():
     assert having_filter == [advance] and having_bound == [track_bound]
 
 
-@pytest.mark.parametrize(("env_id", "size"), [("jawenv/Jaw-v2", 0), ("jawenv/JawBilateral-v2", N_BODY)])
+@pytest.mark.parametrize(("env_id", "size"), [("jawenv/Jaw-v3", 0), ("jawenv/JawBilateral-v3", N_BODY)])
 def test_only_a_plant_with_two_condyles_has_a_body(env_id, size):
     assert gym.make(env_id).unwrapped.simulation.worlds["truth"]["body"].shape == (1, size)
 
@@ -41,7 +41,7 @@ def test_the_bound_is_the_same_with_whatever_is_kept():
     """All ticks of a recorded episode, or those of the last step alone, which come round."""
     bounds = []
     for record in (False, True):
-        env = gym.make("jawenv/Jaw-v2", track_bound=True, record=record, episode_s=1.0)
+        env = gym.make("jawenv/Jaw-v3", track_bound=True, record=record, episode_s=1.0)
         env.reset(seed=2)
         steps = [env.step(np.array([0.4, 0.3, -0.2, 0.1], dtype=np.float32))[4]["bound_sd"] for _ in range(5)]
         bounds.append(steps)

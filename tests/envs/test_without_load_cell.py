@@ -13,7 +13,7 @@ from jawenv.mechanics.kinematics import rotation, split
 
 
 def driven(steps, **kwargs):
-    env = gym.make("jawenv/Jaw-v2", episode_s=4.0, **kwargs)
+    env = gym.make("jawenv/Jaw-v3", episode_s=4.0, **kwargs)
     _, info = env.reset(seed=5000)
     infos = [info] + [env.step(0.4 * np.sin(np.arange(4.0) + k))[4] for k in range(steps)]
     return env.unwrapped.simulation, infos
@@ -48,7 +48,7 @@ def test_a_reading_is_what_the_errors_make_of_the_wrench(sensor):
 @pytest.mark.parametrize("sensor", ["motors", "straps"])
 def test_the_filter_is_honest_without_a_load_cell(sensor):
     envs = gym.make_vec(
-        "jawenv/Jaw-v2", num_envs=24, force_sensor=sensor, episode_s=8.0, autoreset_mode=AutoresetMode.DISABLED
+        "jawenv/Jaw-v3", num_envs=24, force_sensor=sensor, episode_s=8.0, autoreset_mode=AutoresetMode.DISABLED
     )
     agent = load_agent("refined")
     observation, _ = envs.reset(seed=6000)

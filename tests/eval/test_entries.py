@@ -90,7 +90,7 @@ def test_an_exported_policy_plays_with_the_control_and_rate_of_its_card(tmp_path
 
 def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared", env="sides")
-    assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v2"
+    assert env_of_runs(["hold_still", str(folder)]) == "jawenv/JawSides-v3"
     with pytest.raises(InputError):
         load_entries([str(folder)], Settings().world)
 
@@ -98,7 +98,7 @@ def test_an_exported_policy_brings_its_environment(tmp_path: Path) -> None:
 def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_path: Path) -> None:
     folder = exported(tmp_path / "shared")
     (entry,) = load_entries([str(folder)], Settings.of(env="JawImaged").world)
-    assert entry.env_id == "jawenv/JawImaged-v1" and "trained in jawenv/Jaw-v2" in entry.note
+    assert entry.env_id == "jawenv/JawImaged-v3" and "trained in jawenv/Jaw-v3" in entry.note
     (entry,) = load_entries(["ppo_trismus"])
     assert not entry.note
 

@@ -14,7 +14,7 @@ STEPS_PER_S = 5  # of targets control
 def play(maneuver, worlds, seconds, seed, **kwargs):
     """The environments, info at the end, and the unmodelled wrench after each step (steps, worlds, 6)."""
     envs = gym.make_vec(
-        "jawenv/Jaw-v2", worlds, episode_s=60.0, autoreset_mode=AutoresetMode.DISABLED, **{"cohort": "trismus"} | kwargs
+        "jawenv/Jaw-v3", worlds, episode_s=60.0, autoreset_mode=AutoresetMode.DISABLED, **{"cohort": "trismus"} | kwargs
     )
     observations, info = envs.reset(seed=seed)
     player, wrenches = Player(maneuver, control="targets"), []
@@ -99,7 +99,7 @@ def test_it_goes_with_a_jaw_that_is_known_within_sds():
 
 @pytest.mark.repeats
 def test_it_goes_with_two_condyles():
-    env = gym.make("jawenv/JawBilateral-v2", device={"unmodelled_time_s": 0.5}, episode_s=2.0)
+    env = gym.make("jawenv/JawBilateral-v3", device={"unmodelled_time_s": 0.5}, episode_s=2.0)
     observation, info = env.reset(seed=976_000)
     for _ in range(8):
         observation, *_, info = env.step(env.action_space.sample())

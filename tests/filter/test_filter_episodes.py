@@ -10,7 +10,7 @@ from agents.excitation import EXCITATIONS
 from jawenv.metrics.calibration import covered, nees, nees_band
 from jawenv.playing.rollout import play
 
-ID = "jawenv/Jaw-v2"
+ID = "jawenv/Jaw-v3"
 GAIN = 22  # index of the load cell's gain error, the last state of the bound's recursion
 PATIENTS = 48
 

@@ -34,7 +34,7 @@ def played(env_id, faulty, **more):
     return jawenv.play(Waves(), patients=2, seed=5000, env_id=env_id, env_kwargs=kwargs)
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawBilateral-v3"])
 @pytest.mark.parametrize("faulty", [False, True], ids=["sound", "faulty"])
 def test_a_record_gives_the_environments_belief_to_the_bit(env_id, faulty):
     run = played(env_id, faulty)
@@ -46,7 +46,7 @@ def test_a_record_gives_the_environments_belief_to_the_bit(env_id, faulty):
 
 
 def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
-    run = played("jawenv/Jaw-v2", True, sensors="point", control="trajectory", control_hz=10)
+    run = played("jawenv/Jaw-v3", True, sensors="point", control="trajectory", control_hz=10)
     estimate = TensionFilter(every=10).estimate(run.records[0])
     np.testing.assert_array_equal(estimate.mean, run.belief_mean[0])
     np.testing.assert_array_equal(estimate.cov, run.belief_cov[0])
@@ -65,7 +65,7 @@ def test_a_record_of_one_point_gives_the_environments_belief_to_the_bit():
 )
 def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(told, tmp_path):
     """To the rounding of a file's numbers; another file has them from the caller."""
-    run = played("jawenv/Jaw-v2", False, **told)
+    run = played("jawenv/Jaw-v3", False, **told)
     record, path = run.records[0], tmp_path / "within_sds.csv"
     assert np.isnan(record.samples).any() == (told.get("force_sensor") == "straps")
     save_record(record, path)
@@ -96,7 +96,7 @@ def test_a_file_says_what_is_known_within_sds_and_gives_the_environments_belief(
     ],
 )
 def test_what_takes_all_as_exact_refuses_a_record_that_does_not(estimate, told):
-    record = replace(played("jawenv/Jaw-v2", False).records[0], **told)
+    record = replace(played("jawenv/Jaw-v3", False).records[0], **told)
     with pytest.raises(InputError):
         estimate(record)
 
@@ -104,7 +104,7 @@ def test_what_takes_all_as_exact_refuses_a_record_that_does_not(estimate, told):
 @pytest.mark.parametrize("fields", [{"disturbance_time_s": -1.0}, {"disturbance_sd": np.full(6, np.nan)}])
 def test_a_disturbance_that_cannot_be_is_refused(fields):
     with pytest.raises(InputError):
-        replace(played("jawenv/Jaw-v2", False).records[0], **fields)
+        replace(played("jawenv/Jaw-v3", False).records[0], **fields)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_disturbance_that_cannot_be_is_refused(fields):
 )
 def test_two_condyles_are_known_exactly_and_their_force_is_read(told):
     with pytest.raises(InputError):
-        replace(played("jawenv/JawBilateral-v2", False).records[0], **told)
+        replace(played("jawenv/JawBilateral-v3", False).records[0], **told)
 
 
 def believing(record):

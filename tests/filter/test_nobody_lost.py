@@ -43,7 +43,7 @@ def test_nobody_is_lost(cohort, control):
     """Every number is one all the way, NEES/12 ends at 10 at most, and what the gate refuses is counted."""
     everybody = Everybody(seed=6000)
     env = gym.make_vec(
-        "jawenv/Jaw-v2", everybody.worlds, cohort=cohort, control=control, episode_s=SECONDS, autoreset_mode="disabled"
+        "jawenv/Jaw-v3", everybody.worlds, cohort=cohort, control=control, episode_s=SECONDS, autoreset_mode="disabled"
     )
     observation, info = env.reset(seed=6000)
     worlds = env.unwrapped.simulation.worlds
@@ -71,7 +71,7 @@ def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(c
     held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)
     actions = np.repeat(held, 8, axis=0)
     env = gym.make_vec(
-        "jawenv/JawBilateral-v2",
+        "jawenv/JawBilateral-v3",
         len(actions),
         cohort=cohort,
         control="force",
@@ -91,7 +91,7 @@ def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(c
 def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
     """Random targets of one second's hold; a step has twenty ticks, in which the belief would not be renewed."""
     rng = np.random.default_rng(0)
-    env = gym.make_vec("jawenv/Jaw-v2", 32, cohort="one_sided", control="targets", autoreset_mode="disabled")
+    env = gym.make_vec("jawenv/Jaw-v3", 32, cohort="one_sided", control="targets", autoreset_mode="disabled")
     env.reset(seed=6000)
     for step in range(30):
         if step % 5 == 0:
@@ -102,7 +102,7 @@ def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
 
 def test_a_patient_who_rests_aside_is_not_lost_in_the_first_second():
     """The first tick moves the jaw by 200 sds of a reading: the muscles are not what the prior's mean says."""
-    env = gym.make("jawenv/Jaw-v2", cohort="one_sided", control="targets").unwrapped
+    env = gym.make("jawenv/Jaw-v3", cohort="one_sided", control="targets").unwrapped
     env.reset(seed=30015)
     first = [[-0.66, -0.09, 0.0, 0.0], [-0.32, -0.18, 0.0, 0.0], [0.02, -0.27, 0.0, 0.0]]
     for action in [*first, *[[0.36, -0.36, 0.0, 0.0]] * 5]:

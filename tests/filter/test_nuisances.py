@@ -144,7 +144,7 @@ def test_the_model_moves_with_the_nuisances(simulation, rng):
 def play(knowledge, worlds, seconds, seed, maneuver="refined", **kwargs):
     """Info after a maneuver."""
     disabled = AutoresetMode.DISABLED
-    envs = gym.make_vec("jawenv/Jaw-v2", worlds, knowledge=knowledge, episode_s=60.0, autoreset_mode=disabled, **kwargs)
+    envs = gym.make_vec("jawenv/Jaw-v3", worlds, knowledge=knowledge, episode_s=60.0, autoreset_mode=disabled, **kwargs)
     observations, info = envs.reset(seed=seed)
     player = Player(maneuver, control="targets")
     player.reset(worlds, 0)
@@ -227,7 +227,7 @@ def test_worlds_are_drawn_by_their_seeds_alone():
 def test_whatever_is_done_a_model_stays_one(largest):
     """Full commands at the largest sds: numbers stay finite, and no nuisance is believed beyond its limit."""
     envs = gym.make_vec(
-        "jawenv/Jaw-v2",
+        "jawenv/Jaw-v3",
         16,
         knowledge=largest,
         control="trajectory",

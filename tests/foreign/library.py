@@ -9,7 +9,7 @@ from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import KNOWN_WITHIN_SDS
 
 REPEATS = pytest.mark.repeats
-_USUAL = "jawenv/Jaw-v2"
+_USUAL = "jawenv/Jaw-v3"
 _IDS = (*ENVIRONMENTS, KNOWN_WITHIN_SDS)  # version 1 of an id is the same world
 
 

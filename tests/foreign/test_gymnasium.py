@@ -59,7 +59,7 @@ def test_native_vector_form(env_id, control):
 @pytest.mark.parametrize("way", COPIES)
 def test_copies(way):
     """Copies in mid-episode through a stack of wrappers: `deepcopy`, `pickle`, `cloudpickle`"""
-    env = gym.make("jawenv/Jaw-v2", max_episode_steps=20)
+    env = gym.make("jawenv/Jaw-v3", max_episode_steps=20)
     env = wrappers.NormalizeReward(wrappers.RecordEpisodeStatistics(env))
     env.reset(seed=1)
     actions = np.random.default_rng(0).uniform(-1, 1, (20, 4)).astype(np.float32)
@@ -75,8 +75,8 @@ def test_copies(way):
 def test_async_vector_env():
     """`AsyncVectorEnv`: worlds in processes of their own"""
     arguments = {"num_envs": 2, "episode_s": 0.6}
-    asynchronous = gym.make_vec("jawenv/Jaw-v2", vectorization_mode="async", **arguments)
-    native = gym.make_vec("jawenv/Jaw-v2", **arguments)
+    asynchronous = gym.make_vec("jawenv/Jaw-v3", vectorization_mode="async", **arguments)
+    native = gym.make_vec("jawenv/Jaw-v3", **arguments)
     try:
         np.testing.assert_array_equal(asynchronous.reset(seed=3)[0], native.reset(seed=3)[0])
         for action in np.random.default_rng(0).uniform(-1, 1, (5, 2, 4)).astype(np.float32):
@@ -104,7 +104,7 @@ WRAPPERS = {
 @pytest.mark.parametrize("name", WRAPPERS)
 def test_wrappers(name):
     """Wrappers of the single form: observations stay in the space that they state"""
-    env = WRAPPERS[name](gym.make("jawenv/Jaw-v2", episode_s=1.0, max_episode_steps=5, render_mode="rgb_array"))
+    env = WRAPPERS[name](gym.make("jawenv/Jaw-v3", episode_s=1.0, max_episode_steps=5, render_mode="rgb_array"))
     observation, _ = env.reset(seed=0)
     env.action_space.seed(0)
     ended = False
@@ -136,7 +136,7 @@ VECTOR_WRAPPERS = {
 )
 def test_vector_wrappers(name, mode):
     """Wrappers of the native vector form, through ends of episodes in both ways to begin anew"""
-    env = VECTOR_WRAPPERS[name](gym.make_vec("jawenv/Jaw-v2", 2, episode_s=0.6, autoreset_mode=mode))
+    env = VECTOR_WRAPPERS[name](gym.make_vec("jawenv/Jaw-v3", 2, episode_s=0.6, autoreset_mode=mode))
     observation, _ = env.reset(seed=0)
     env.action_space.seed(0)
     for _ in range(8):
@@ -152,10 +152,10 @@ def test_record_video(form, tmp_path):
     pytest.importorskip("moviepy")
     arguments = {"episode_s": 0.6, "render_mode": "rgb_array"}
     if form == "single":
-        env = wrappers.RecordVideo(gym.make("jawenv/Jaw-v2", **arguments), str(tmp_path / "films"))
+        env = wrappers.RecordVideo(gym.make("jawenv/Jaw-v3", **arguments), str(tmp_path / "films"))
         action = np.zeros(4, np.float32)
     else:
-        env = vector_wrappers.RecordVideo(gym.make_vec("jawenv/Jaw-v2", 2, **arguments), str(tmp_path / "films"))
+        env = vector_wrappers.RecordVideo(gym.make_vec("jawenv/Jaw-v3", 2, **arguments), str(tmp_path / "films"))
         action = np.zeros((2, 4), np.float32)
     env.reset(seed=0)
     for _ in range(3):

@@ -32,7 +32,7 @@ def test_a_data_set(control, format_, tmp_path, monkeypatch):
     pytest.importorskip({"hdf5": "h5py", "arrow": "pyarrow"}[format_])
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     arguments = {"control": control, "episode_s": 1.0}
-    env = gym.make("jawenv/Jaw-v2", **arguments)
+    env = gym.make("jawenv/Jaw-v3", **arguments)
     env.action_space.seed(0)
     collector = minari.DataCollector(env, record_infos=True, data_format=format_)
     for seed in (4, 5):
@@ -41,7 +41,7 @@ def test_a_data_set(control, format_, tmp_path, monkeypatch):
         while not ended:
             *_, terminated, truncated, _ = collector.step(env.action_space.sample())
             ended = terminated or truncated
-    collector.create_dataset("jaw/random-v0", eval_env=gym.make("jawenv/Jaw-v2", **arguments), **ABOUT)
+    collector.create_dataset("jaw/random-v0", eval_env=gym.make("jawenv/Jaw-v3", **arguments), **ABOUT)
     loaded = minari.load_dataset("jaw/random-v0")
     again = loaded.recover_environment()
     assert again.spec.kwargs == env.spec.kwargs

@@ -21,11 +21,11 @@ def one_of_many():
 
 
 def made():
-    return gym.make("jawenv/Jaw-v2", episode_s=1.0)
+    return gym.make("jawenv/Jaw-v3", episode_s=1.0)
 
 
 def native(mode):
-    env = gym.make_vec("jawenv/Jaw-v2", WORLDS, episode_s=1.0, autoreset_mode=mode)
+    env = gym.make_vec("jawenv/Jaw-v3", WORLDS, episode_s=1.0, autoreset_mode=mode)
     env = vector_wrappers.ClipAction(vector_wrappers.RecordEpisodeStatistics(env))
     if mode == "next_step":  # Gymnasium refuses the other
         env = vector_wrappers.NormalizeObservation(env)

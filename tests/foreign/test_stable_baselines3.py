@@ -26,9 +26,9 @@ def test_vector_environments(kind):
     from stable_baselines3.common.env_util import make_vec_env
 
     # The part before the colon is imported where the world is made, in whichever process.
-    env = make_vec_env("jawenv:jawenv/Jaw-v2", 2, 3, env_kwargs={"episode_s": 0.6}, vec_env_cls=getattr(vec_env, kind))
+    env = make_vec_env("jawenv:jawenv/Jaw-v3", 2, 3, env_kwargs={"episode_s": 0.6}, vec_env_cls=getattr(vec_env, kind))
     try:
-        native = gym.make_vec("jawenv/Jaw-v2", 2, episode_s=0.6)
+        native = gym.make_vec("jawenv/Jaw-v3", 2, episode_s=0.6)
         np.testing.assert_array_equal(env.reset(), native.reset(seed=3)[0])
         for _ in range(3):
             observation, _, done, infos = env.step(np.zeros((2, 4), np.float32))
@@ -43,7 +43,7 @@ def test_vector_environments(kind):
 def test_learning(name, tmp_path):
     """PPO and SAC learn some steps; the saved model decides as before"""
     arguments = {"PPO": {"n_steps": 32, "batch_size": 32}, "SAC": {"learning_starts": 16}}[name]
-    env = gym.make("jawenv/Jaw-v2", episode_s=1.0)
+    env = gym.make("jawenv/Jaw-v3", episode_s=1.0)
     algorithm = getattr(stable_baselines3, name)
     model = algorithm("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [16]}, **arguments).learn(40)
     model.save(tmp_path / "model.zip")

@@ -124,7 +124,7 @@ def test_a_considered_gain_takes_a_little_of_the_information():
 def test_two_condyles_have_the_curvature_of_their_information_over_some_sds():
     """Their discs are so stiff that ticks are divided always: the likelihood jumps by up to some nats."""
     kwargs = {"control": "force"}
-    made = jawenv.simulate([SOFT] * 8, swings(2), 0, states=True, env_id="jawenv/JawBilateral-v2", env_kwargs=kwargs)
+    made = jawenv.simulate([SOFT] * 8, swings(2), 0, states=True, env_id="jawenv/JawBilateral-v3", env_kwargs=kwargs)
     information = np.mean([jawenv.fisher_information(record) for record in made.records], axis=0)
     sds = np.linspace(-5.0, 5.0, 21)
     theta = SOFT + sds[:, None] / np.sqrt(information.sum())

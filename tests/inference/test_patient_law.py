@@ -7,7 +7,7 @@ import jawenv
 from jawenv.inference.patient_law import PatientLaw
 from jawenv.ladder import model_named
 
-HINGE = "jawenv/JawHinge-v2"
+HINGE = "jawenv/JawHinge-v3"
 
 
 def cells(law, counts):

@@ -19,7 +19,7 @@ def coarse(*shape, seed=0):
     return np.random.default_rng(seed).uniform(-1, 1, (*shape, 4)).astype(np.float32)
 
 
-def alone(theta, actions, seed, env_id="jawenv/Jaw-v2", **kwargs):
+def alone(theta, actions, seed, env_id="jawenv/Jaw-v3", **kwargs):
     """The record of a single environment, until it terminates."""
     muscles = model_named(gym.spec(env_id).kwargs["model"]).muscles.names
     env = gym.make(env_id, record=True, **kwargs)

@@ -43,7 +43,7 @@ def test_the_treatable_of_a_sample_are_as_those_whom_a_reset_draws():
     cohort = jawenv.cohort("healthy")  # of which two thirds cannot be treated
     sample = cohort.sample(PATIENTS, 0, accept=jawenv.treatable)
     assert sample.shape == (PATIENTS, 12) and jawenv.treatable(sample).all()
-    vec = gym.make_vec("jawenv/Jaw-v2", num_envs=PATIENTS, cohort="healthy")
+    vec = gym.make_vec("jawenv/Jaw-v3", num_envs=PATIENTS, cohort="healthy")
     drawn = vec.reset(seed=0)[1]["truth"]
     whole = cohort.sample(PATIENTS, 1)
     # Kolmogorov's test of each parameter, and of the ratio of two that the condition binds.
@@ -63,10 +63,10 @@ def test_nobody_whom_a_patient_cannot_describe_is_treatable():
 @pytest.mark.parametrize(
     ("theta", "env_id"),
     [
-        (np.zeros(12), "jawenv/Jaw-v2"),
-        (np.zeros((2, 4)), "jawenv/Jaw-v2"),
-        ([["a"] * 12], "jawenv/Jaw-v2"),
-        (np.full((1, 2), np.nan), "jawenv/JawHinge-v2"),
+        (np.zeros(12), "jawenv/Jaw-v3"),
+        (np.zeros((2, 4)), "jawenv/Jaw-v3"),
+        ([["a"] * 12], "jawenv/Jaw-v3"),
+        (np.full((1, 2), np.nan), "jawenv/JawHinge-v3"),
         (np.zeros((1, 12)), "CartPole-v1"),
         (np.zeros((1, 12)), "jawenv/Jaw-v99"),
     ],

@@ -174,7 +174,7 @@ def test_kernels_without_their_sources(tmp_path: Path) -> None:
 
 
 def test_compilation_that_is_switched_off_is_told_in_one_line() -> None:
-    command = [sys.executable, "-c", "import gymnasium, jawenv; gymnasium.make('jawenv/JawHinge-v2')"]
+    command = [sys.executable, "-c", "import gymnasium, jawenv; gymnasium.make('jawenv/JawHinge-v3')"]
     ran = subprocess.run(command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True)
     assert ran.returncode == 1 and "InputError: NUMBA_DISABLE_JIT is set; allowed" in ran.stderr.splitlines()[-1]
 

@@ -24,7 +24,7 @@ FAULTS = {"lost_share": 0.2, "frozen_share": 0.2}
 NOTHING = np.full(12, np.nan)
 
 
-def played(env_id="jawenv/Jaw-v2", **more):
+def played(env_id="jawenv/Jaw-v3", **more):
     kwargs = {"record": True, "control": "force", "episode_s": 3.0, **more}
     return jawenv.play(Waves(), patients=1, seed=5000, env_id=env_id, env_kwargs=kwargs)
 
@@ -42,7 +42,7 @@ def same(beliefs, mean, cov, every):
 
 
 @pytest.mark.parametrize("faulty", [False, True], ids=["sound", "faulty"])
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawBilateral-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawBilateral-v3"])
 def test_a_records_readings_give_the_environments_belief_to_the_bit(env_id, faulty):
     run = played(env_id, reality=FAULTS if faulty else None)
     record = run.records[0]
@@ -67,7 +67,7 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
     "told", [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps"}]
 )
 def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the_bit(told):
-    env = gym.make("jawenv/Jaw-v2", **told, episode_s=2.0).unwrapped
+    env = gym.make("jawenv/Jaw-v3", **told, episode_s=2.0).unwrapped
     _, info = env.reset(seed=5000)
     infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(10)]
     rows = env.simulation.ticks[0]

@@ -135,11 +135,11 @@ def test_a_filter_that_diverged_ends_its_episode_the_step_before(monkeypatch):
 
 def test_the_bound_is_the_same_however_the_environment_is_named(recording):
     patient = jawenv.cohort("trismus").draw(np.random.default_rng(0))
-    env = gym.make("jawenv/Jaw-v2", **{"control": "force", **SHORT})
+    env = gym.make("jawenv/Jaw-v3", **{"control": "force", **SHORT})
     by_instance = information_bound(env, OPEN, patient)
     env.close()
     by_kwargs = information_bound(SHORT, OPEN, patient)
-    by_id = information_bound("jawenv/Jaw-v2", OPEN, patient)
+    by_id = information_bound("jawenv/Jaw-v3", OPEN, patient)
     assert by_instance.shape == (21, 12)
     np.testing.assert_array_equal(by_instance, by_kwargs)
     np.testing.assert_array_equal(by_instance, by_id[:21])

@@ -17,7 +17,7 @@ def test_swings_to_the_side_do_nothing_in_the_plane(name: str, control: str) -> 
         patients=3,
         seed=0,
         env_kwargs={"control": control, "episode_s": 12.0},
-        env_id="jawenv/JawHinge-v2",
+        env_id="jawenv/JawHinge-v3",
     )
     assert recording.valid.all() and not recording.violation.any()
     used = dict(zip(recording.comfort_names, recording.comfort.max(axis=(0, 1)), strict=True))

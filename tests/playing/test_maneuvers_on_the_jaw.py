@@ -47,7 +47,7 @@ def one_thread() -> Iterator[None]:
 
 @cache
 def play(name: str, control: str) -> Episode:
-    env = gym.make_vec("jawenv/Jaw-v2", num_envs=PATIENTS, control=control, track_bound=True, autoreset_mode="disabled")
+    env = gym.make_vec("jawenv/Jaw-v3", num_envs=PATIENTS, control=control, track_bound=True, autoreset_mode="disabled")
     agent = load_agent(name, control=control, control_hz=CONTROL_HZ)
     assert isinstance(agent, Player)
     observation, info = env.reset(seed=SEED)

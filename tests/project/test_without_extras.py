@@ -27,7 +27,7 @@ class Still:
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         return np.zeros((len(observation), 4), dtype=np.float32), state
 
-env = gym.make("jawenv/Jaw-v2", episode_s=0.2)
+env = gym.make("jawenv/Jaw-v3", episode_s=0.2)
 env.reset(seed=0)
 ended = False
 while not ended:
@@ -46,10 +46,10 @@ def in_new_process(code: str) -> str:
 
 
 REFUSED = {
-    "contact": 'gym.make("jawenv/JawSagittal-v2")',
-    "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v2", num_envs=2)',
+    "contact": 'gym.make("jawenv/JawSagittal-v3")',
+    "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v3", num_envs=2)',
     "contact, mechanics": "import jawenv.mechanics.sagittal",
-    "pictures": 'env = gym.make("jawenv/Jaw-v2", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
+    "pictures": 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
     "filters": "import jawenv.laboratory.references.filterpy_filters",
 }
 REFUSALS = f"""

@@ -132,7 +132,7 @@ def test_every_environment_renders(model):
 
 
 def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohort():
-    env = gym.make("jawenv/Jaw-v2", render_mode="rgb_array", cohort="severe", episode_s=2.0, control="force").unwrapped
+    env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array", cohort="severe", episode_s=2.0, control="force").unwrapped
     env.reset(seed=0)
     for _ in range(7):
         env.step(OPENING)
@@ -147,7 +147,7 @@ def test_the_trace_holds_steps_that_were_not_drawn_and_the_title_names_the_cohor
 
 
 def test_a_governor_that_acts_all_the_time_is_drawn():
-    env = gym.make("jawenv/Jaw-v2").unwrapped
+    env = gym.make("jawenv/Jaw-v3").unwrapped
     env.reset(seed=0)
     env.simulation.worlds["truth"]["governor"] = np.nextafter(1.0, 2.0)  # as a sum of shares rounds
     assert build_scene(env.simulation).governor == 1.0

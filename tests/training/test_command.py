@@ -187,7 +187,7 @@ def test_damaged_checkpoint_is_named(
         (["sac", "--residual-on", "wiggle"], "wiggle"),
         (["--device", "abacus"], "abacus"),
         (["--comfort", "nowhere.toml"], "nowhere.toml"),
-        (["--env", "knee"], "jawenv/JawHinge-v2"),
+        (["--env", "knee"], "jawenv/JawHinge-v3"),
     ],
 )
 def test_unusable_arguments_get_one_line(
@@ -214,7 +214,7 @@ def test_unusable_arguments_get_one_line(
         ("{id: 'no_module:Point-v0'}", "no_module"),
         ("{id: 'point_env:Point-v0', kwargs: {colour: red}}", "colour"),
         ("{id: 'point_env:Point-v0', kwargs: {start: -1.0}}", "start is -1.0"),
-        ("{id: 'jawenv/Jaw-v2', kwargs: {colour: red}}", "colour"),
+        ("{id: 'jawenv/Jaw-v3', kwargs: {colour: red}}", "colour"),
     ],
 )
 def test_unusable_environment_is_named(

@@ -44,7 +44,7 @@ def test_the_command_line_wins_over_the_file() -> None:
     sac = TrainingConfig.load(config_file("sac"))
     asked = {"env": "sides", "cohort": "one_sided", "reward": None}
     config, stem = asked_for("sac", asked, residual_on="prbs", target_discomfort=0.07, steps=12, seed=None)
-    assert stem == "sac-JawSides" and config.env.id == "jawenv/JawSides-v2" and config.steps == 12
+    assert stem == "sac-JawSides" and config.env.id == "jawenv/JawSides-v3" and config.steps == 12
     assert config.env.kwargs == {**sac.env.kwargs, "cohort": "one_sided"}
     assert config.residual == Residual(maneuver="prbs", scale=0.3)
     assert config.comfort is not None and sac.comfort is not None

@@ -77,7 +77,7 @@ def test_a_correction_begins_as_its_maneuver_and_is_played_as_it_was_trained(tra
 
 def test_the_best_policy_has_a_card(trained: RunFolder) -> None:
     card, config = read_card(trained.path), trained.open()
-    assert card.environment.kwargs().items() >= ENV.items() and card.environment.id == "jawenv/Jaw-v2"
+    assert card.environment.kwargs().items() >= ENV.items() and card.environment.id == "jawenv/Jaw-v3"
     assert card.residual is not None and card.residual.scale == 0.5
     assert card.residual.maneuver == Maneuver.load(trained.path / BASE_FILE) == Maneuver.named("slow_opening")
     assert (card.algorithm, card.seed, card.steps in (0, 60)) == ("sac", config.seed, True)

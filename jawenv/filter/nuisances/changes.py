@@ -18,6 +18,7 @@ import numpy as np
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
+from jawenv.filter.motion.balance import at_mouthpiece, left_over
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
@@ -31,9 +32,9 @@ from jawenv.filter.nuisances.without_cell import (
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import record_dtype
-from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract, vector3
-from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
-from jawenv.mechanics.forces import muscle_pull, resultant
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
@@ -47,6 +48,7 @@ def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
         ("first_moment", "f8", (n, 3)),  # mass times centre of mass: the equations of motion are linear in these
         ("inertia", "f8", (n, 9)),  # about the contact point
         ("gravity", "f8", (n, 3)),  # head axes
+        ("tone", "f8", (n,)),
         ("fossa_drop", "f8", (n,)),
         ("fossa_frequency", "f8", (n,)),
         ("damping_rotation", "f8", (n,)),
@@ -82,25 +84,6 @@ def nuisance_fields(n_lines: int, n: int) -> list[Any]:
 
 
 @njit
-def left_over(jaw, muscles, q, u, wrench, rate):
-    """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
-    body_to_head = rotation(q)
-    force, moment = resultant(jaw, muscles, q, u, body_to_head)
-    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
-    _, slope, curvature, _ = fossa(jaw, q[0])
-    omega, rho = (u[2], u[3], u[4]), vector3(jaw.centre_of_mass)
-    turning = (rate[2], rate[3], rate[4])
-    swing = add(cross(turning, rho), cross(omega, cross(omega, rho)))
-    contact = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
-    inertial = scale(jaw.mass, add(contact, apply(body_to_head, swing)))
-    net = subtract(force, inertial)
-    turn = body_moment(jaw, body_to_head, moment, omega, wrench)
-    turn = subtract(turn, add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega))))
-    turn = subtract(turn, cross(rho, apply_transposed(body_to_head, inertial)))
-    return net[0] + slope * net[2], net[1], turn
-
-
-@njit
 def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
     """The derivative of force and moment (head axes) of the line whose ends nuisance j moves, by one sd of it.
 
@@ -114,9 +97,10 @@ def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
     change = subtract((origin[3 * i], origin[3 * i + 1], origin[3 * i + 2]), shift)
     longer, l_o = dot(direction, change), jaw.l_o[i]
     stretch = longer / l_o - length * nuisances.l_o[j, i] / (l_o * l_o)
-    across = scale(tension / length, subtract(change, scale(longer, direction)))
+    whole = tension + jaw.tone
+    across = scale(whole / length, subtract(change, scale(longer, direction)))
     pull = add(scale(tension * muscles[i, 1] * stretch, direction), across)
-    return pull, add(cross(arm, pull), cross(shift, scale(tension, direction)))
+    return pull, add(cross(arm, pull), cross(shift, scale(whole, direction)))
 
 
 @njit
@@ -146,9 +130,7 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
             x, y, moment = left_over(scratch.jaw, muscles, pose, u, reading, rate)
             x, y = (x - base_x) / STEP, (y - base_y) / STEP
             moment = scale(1.0 / STEP, subtract(moment, base_turn))
-        along = x / (1.0 + slope * slope)
-        pull = apply_transposed(body_to_head, (along, y, slope * along))
-        moment = subtract(moment, cross(vector3(jaw.mouthpiece), pull))
+        pull, moment = at_mouthpiece(jaw, pose, x, y, moment)
         # The reading is of axes that are turned, and has an offset.
         turn = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
         pull = add(pull, cross(turn, (reading[0], reading[1], reading[2])))

@@ -22,7 +22,7 @@ from tests.eval.runs import save_run
 
 def test_a_submission_has_scores_patients_and_the_agents_files(played):
     given = submission.read(played)
-    assert given.benchmark == "jawenv-1"
+    assert given.benchmark == "jawenv-2"
     assert [(score.task, score.agent, score.patients) for score in given.scores] == [
         ("hinge-exact", "slow_opening", 2),
         ("hinge-exact", "opening_with_circles", 2),
@@ -64,7 +64,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["slow_opening", "--tasks", ","], "tasks is none; allowed"),
         ([], "nothing to play: name a maneuver"),
         (["nobody"], "agent is 'nobody'; allowed"),
-        (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v2, where none of these tasks"),
+        (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v3, where none of these tasks"),
         (["slow_opening", "--check", "x"], "--check: plays what the submission names"),
         (["slow_opening", "--baselines"], "--baselines: plays every task of all patients"),
         (["--check", "nowhere"], "nowhere/submission.json"),

@@ -127,7 +127,7 @@ def renamed(data):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda data: data.update(tasks_digest="0" * 16), "digest '0000000000000000'; this jawenv plays jawenv-1"),
+        (lambda data: data.update(tasks_digest="0" * 16), "digest '0000000000000000'; this jawenv plays jawenv-2"),
         (lambda data: data["agents"][1].update(copy_at="agents/../../x.yaml"), "allowed: a path within agents/"),
         (lambda data: data["agents"][1].update(copy_at="."), "allowed: a path within agents/"),
         (lambda data: data["agents"][1].update(copy_at="a\0"), "printable"),

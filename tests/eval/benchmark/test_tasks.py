@@ -11,7 +11,7 @@ from jawenv.errors import InputError
 
 
 def test_the_tasks_are_those_of_their_version():
-    assert VERSION == "jawenv-1"
+    assert VERSION == "jawenv-2"
     assert list(TASKS) == [
         "hinge-exact",
         "jaw-exact",

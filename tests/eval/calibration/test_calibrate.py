@@ -221,7 +221,7 @@ def test_what_is_known_within_sds_is_judged_by_groups(tmp_path, capsys):
 
 
 def test_the_belief_about_nuisances_is_the_filters():
-    env = gym.make("jawenv/Jaw-v2", knowledge="imaged", episode_s=2.0)
+    env = gym.make("jawenv/Jaw-v3", knowledge="imaged", episode_s=2.0)
     env.reset(seed=6001)
     for _ in range(10):
         _, _, _, _, info = env.step(np.array([0.5, 0.5, 0.2, -0.5], dtype=np.float32))

@@ -126,7 +126,7 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["hold_still", "--reality", "creep=0.3"], "reality.creep is not a field of Reality; allowed: reflex_gain, "),
         (["hold_still", "--reality", "creep_share"], "reality is 'creep_share'; allowed: FIELD=VALUE"),
         (["hold_still", "--reality", "creep_share=2"], "reality.creep_share is 2.0; allowed: a finite number"),
-        (["hold_still", "--env", "knee"], "env is 'knee'; allowed: jawenv/JawHinge-v2, jawenv/JawSagittal-v2, "),
+        (["hold_still", "--env", "knee"], "env is 'knee'; allowed: jawenv/JawHinge-v3, jawenv/JawSagittal-v3, "),
     ],
 )
 def test_bad_input_is_one_line(arguments, message, tmp_path, capsys):
@@ -179,7 +179,7 @@ def test_settings_are_kept_with_the_results(tmp_path):
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     about = results.load(tmp_path).about
     assert about["settings"]["patients"] == 2
-    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v2"
+    assert about["settings"]["env"] == about["entries"][0]["env_id"] == "jawenv/Jaw-v3"
     assert about["entries"][0]["label"] == "hold_still"
     assert "numpy" in about["versions"]
     json.dumps(about)
@@ -194,17 +194,17 @@ def trained_run(tmp_path_factory):
 
 
 def test_a_trained_run_brings_its_environment_and_takes_part_in_no_other(trained_run, tmp_path, capsys):
-    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v2"
+    assert env_of_runs(["hold_still"]) == env_of_runs([str(trained_run)]) == "jawenv/Jaw-v3"
     other = tmp_path / "other"
     shutil.copytree(trained_run, other)
     text = (other / CARD).read_text()
-    (other / CARD).write_text(text.replace("jawenv/Jaw-v2", "jawenv/JawBilateral-v2"))
-    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v2"
+    (other / CARD).write_text(text.replace("jawenv/Jaw-v3", "jawenv/JawBilateral-v3"))
+    assert env_of_runs(["hold_still", str(other), str(trained_run)]) == "jawenv/JawBilateral-v3"
     output = tmp_path / "study"
     for arguments in ([str(other), str(trained_run)], [str(trained_run), "--env", "bilateral"]):
         assert run(*arguments, *SHORT, "--output", str(output)) == 2
         told = capsys.readouterr().err
-        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v2, but this comparison is in jawenv/J")
+        assert told.startswith(f"error: {trained_run} was trained in jawenv/Jaw-v3, but this comparison is in jawenv/J")
         assert told.count("\n") == 1
     assert not output.exists()
 
@@ -216,7 +216,7 @@ def test_a_bare_policy_of_another_environment_is_refused(tmp_path, capsys):
     told = capsys.readouterr().err
     assert "policy.zip" in told and "--trust" in told and told.count("\n") == 1
     assert run(*arguments, "--trust") == 2
-    assert "observations of 75 values, jawenv/JawSides-v2 gives 47" in capsys.readouterr().err
+    assert "observations of 75 values, jawenv/JawSides-v3 gives 47" in capsys.readouterr().err
 
 
 def test_another_environment_is_another_study(tmp_path, plays):

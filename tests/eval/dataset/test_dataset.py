@@ -37,7 +37,7 @@ def test_a_data_set_is_what_was_played(tmp_path, monkeypatch, capsys):
         assert "Seeds 3 to 4. Made by: python -m eval" in loaded.storage.metadata["description"]
         kwargs = {"control": "targets", "sensors": "pose", "cohort": "trismus", "episode_s": 1.0}
         assert loaded.recover_environment().spec.kwargs == {"model": "hinge", **kwargs}
-        env_id = "jawenv/JawHinge-v2"
+        env_id = "jawenv/JawHinge-v3"
         agent = load_agent(name, control="targets", env_id=env_id)
         for seed, episode in zip((3, 4), loaded.iterate_episodes(), strict=True):
             played = play(agent, patients=1, seed=seed, env_id=env_id, env_kwargs=kwargs)

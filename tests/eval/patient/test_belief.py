@@ -55,7 +55,7 @@ def test_an_environment_and_its_copies_take_the_prior():
     known = KnownPatient.of(population, Prior(np.linspace(0.0, 1.0, 12), np.full(12, 0.2)))
     np.testing.assert_array_equal(copy.deepcopy(known).prior.mean, known.believed.mean)
     np.testing.assert_array_equal(known.mean, population.mean)
-    env = gym.make_vec("jawenv/Jaw-v2", num_envs=1, cohort=known, episode_s=1.0, control="force")
+    env = gym.make_vec("jawenv/Jaw-v3", num_envs=1, cohort=known, episode_s=1.0, control="force")
     _, info = env.reset(seed=5000)
     np.testing.assert_allclose(info["belief_mean"][0], known.believed.mean, atol=0.2)
     assert (info["belief_sd"] <= 0.2 + 1e-9).all()

@@ -112,6 +112,6 @@ def test_what_is_believed_does_not_change_how_many_numbers_are_integrated_out():
     np.testing.assert_array_equal(known.prior.mean, believed.mean)
     sizes = []
     for each in (population, known):
-        env = gym.make("jawenv/Jaw-v2", cohort=each, knowledge="imaged")
+        env = gym.make("jawenv/Jaw-v3", cohort=each, knowledge="imaged")
         sizes.append(len(env.unwrapped.simulation.nuisance_sds))
     assert sizes[0] == sizes[1]

@@ -255,7 +255,7 @@ def test_a_damaged_file_says_what_to_do(tmp_path, capsys):
         (["hold_still", "--drift", "nan"], "drift is nan; allowed: 0 to 0.5"),
         (["hold_still", "--patients", "0"], "patients is 0; allowed: 1 or more"),
         (["hold_still", "--seed", "-1"], "seed is -1; allowed: a whole number"),
-        (["hold_still", "--env", "JawSides"], "env is jawenv/JawSides-v2; allowed: those with six"),
+        (["hold_still", "--env", "JawSides"], "env is jawenv/JawSides-v3; allowed: those with six"),
         (["hold_still", "--patient", "none.json"], "none.json: no such file"),
         (["hold_still", "--cohort", "nobody"], "cohort is 'nobody'; allowed"),
     ],

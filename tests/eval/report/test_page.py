@@ -146,10 +146,10 @@ def test_the_figure_is_valid_svg_in_the_colours_of_the_page(made):
 @pytest.mark.parametrize(
     ("env", "number", "muscle"),
     [
-        ("jawenv/JawHinge-v2", 2, "closers"),
-        ("jawenv/JawSagittal-v2", 6, "masseter"),
-        ("jawenv/JawSides-v2", 4, "left"),
-        ("jawenv/JawPortions-v2", 24, "superficial masseter"),
+        ("jawenv/JawHinge-v3", 2, "closers"),
+        ("jawenv/JawSagittal-v3", 6, "masseter"),
+        ("jawenv/JawSides-v3", 4, "left"),
+        ("jawenv/JawPortions-v3", 24, "superficial masseter"),
     ],
 )
 def test_the_report_follows_the_parameters_of_the_environment(env, number, muscle):

@@ -48,7 +48,7 @@ def test_an_environment_may_be_played_in_some_controls_alone():
     made = cells(environments=["Jaw", {"env": "JawImaged", "controls": ["targets"]}], controls=["force", "targets"])
     played = {(cell.levels["environment"], cell.levels["control"]) for cell in made}
     assert played == {("Jaw", "force"), ("Jaw", "targets"), ("JawImaged", "targets")}
-    assert {cell.load().env_id for cell in made} == {"jawenv/Jaw-v2", "jawenv/JawImaged-v1"}
+    assert {cell.load().env_id for cell in made} == {"jawenv/Jaw-v3", "jawenv/JawImaged-v3"}
 
 
 def test_rates_reach_the_environment():
@@ -114,7 +114,7 @@ def test_shipped_studies_are_of_all_that_they_are_about():
             {"environments": [{"env": "Jaw", "controls": ["force"]}]},
             "environment 'Jaw': controls force; allowed: the study's, targets",
         ),
-        ({"environments": ["Knee"]}, "env is 'Knee'; allowed: jawenv/JawHinge-v2"),
+        ({"environments": ["Knee"]}, "env is 'Knee'; allowed: jawenv/JawHinge-v3"),
         ({"environments": [{"env": "Jaw", "estimator": "bilateral"}]}, "estimator is 'bilateral'; allowed in"),
         ({"controls": ["thought"]}, "controls.0 is 'thought'"),
         ({"control_hz": [33]}, "control_hz is 33; allowed: 20 divided by a whole number"),

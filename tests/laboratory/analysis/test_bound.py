@@ -27,17 +27,17 @@ def played(env_id, maneuver=SWINGS, episode_s=2.0):
 
 
 def a_record():
-    return played("jawenv/Jaw-v2").records[0]
+    return played("jawenv/Jaw-v3").records[0]
 
 
 # Where a jaw is held still on its teeth, the filter steps otherwise than the bound.
 @pytest.mark.parametrize(
     ("env_id", "maneuver"),
     [
-        ("jawenv/Jaw-v2", SWINGS),
-        ("jawenv/Jaw-v2", "hold_still"),
-        ("jawenv/JawHinge-v2", SWINGS),
-        ("jawenv/JawBilateral-v2", SWINGS),
+        ("jawenv/Jaw-v3", SWINGS),
+        ("jawenv/Jaw-v3", "hold_still"),
+        ("jawenv/JawHinge-v3", SWINGS),
+        ("jawenv/JawBilateral-v3", SWINGS),
     ],
 )
 def test_it_is_what_the_environment_tracks(env_id, maneuver):

@@ -22,14 +22,14 @@ from jawenv.laboratory.analysis.identifiability import (
 
 
 @cache
-def record_of(maneuver, env_id="jawenv/Jaw-v2"):
+def record_of(maneuver, env_id="jawenv/Jaw-v3"):
     agent = load_agent(maneuver, env_id=env_id, control="force")
     settings = {"record": True, "episode_s": 6.0}
     return jawenv.play(agent, patients=1, seed=5_000, env_kwargs=settings, env_id=env_id).records[0]
 
 
 @cache
-def report(maneuver, env_id="jawenv/Jaw-v2"):
+def report(maneuver, env_id="jawenv/Jaw-v3"):
     return identifiability(record_of(maneuver, env_id))
 
 
@@ -137,7 +137,7 @@ def test_what_slow_opening_leaves_is_the_medial_pterygoid_and_the_fore_aft_force
     assert report("opening_with_swings_and_fore_aft").least_known()[0].sd < 0.7 * slow.sd
 
 
-@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v2", "jawenv/JawHinge-v2", "jawenv/JawBilateral-v2"])
+@pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawHinge-v3", "jawenv/JawBilateral-v3"])
 def test_it_can_be_told_in_words(env_id):
     found = report("opening_with_swings_and_fore_aft", env_id)
     text = found.describe()

@@ -15,7 +15,7 @@ WORLDS = 4
 @pytest.fixture(scope="module")
 def played():
     """Simulation and info after 6 s of ``refined``."""
-    envs = gym.make_vec("jawenv/Jaw-v2", WORLDS, knowledge="imaged", autoreset_mode=AutoresetMode.DISABLED)
+    envs = gym.make_vec("jawenv/Jaw-v3", WORLDS, knowledge="imaged", autoreset_mode=AutoresetMode.DISABLED)
     observations, info = envs.reset(seed=991_000)
     player = Player("refined", control="targets")
     player.reset(WORLDS, 0)
@@ -64,7 +64,7 @@ def test_the_anatomy_is_learned_as_the_filters_nuisances_say(played):
 
 
 def test_an_anatomy_that_is_known_exactly_has_no_part_in_it():
-    env = gym.make("jawenv/Jaw-v2").unwrapped
+    env = gym.make("jawenv/Jaw-v3").unwrapped
     env.reset(seed=1)
     with pytest.raises(InputError):
         joint_likelihood(env.simulation, 0)

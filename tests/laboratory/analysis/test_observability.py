@@ -16,7 +16,7 @@ TICKS = 6
 
 
 @cache
-def record_of(env_id="jawenv/Jaw-v2"):
+def record_of(env_id="jawenv/Jaw-v3"):
     agent = load_agent("opening_with_swings_and_fore_aft", env_id=env_id, control="force")
     settings = {"record": True, "episode_s": 3.0}
     return jawenv.play(agent, patients=1, seed=5_001, env_kwargs=settings, env_id=env_id).records[0]
@@ -47,7 +47,7 @@ def test_singular_values_are_those_of_the_whole_flight():
 
 
 @pytest.mark.parametrize(
-    ("env_id", "states"), [("jawenv/Jaw-v2", 22), ("jawenv/JawHinge-v2", 4), ("jawenv/JawBilateral-v2", 24)]
+    ("env_id", "states"), [("jawenv/Jaw-v3", 22), ("jawenv/JawHinge-v3", 4), ("jawenv/JawBilateral-v3", 24)]
 )
 def test_one_moment_cannot_tell_all_parameters_and_the_motion_can(env_id, states):
     """At one moment they act through the accelerations alone: half of the motion's numbers."""

@@ -133,10 +133,10 @@ def test_a_search_begins_at_the_modes_the_prior_and_bent_ones(record):
 @pytest.mark.parametrize(
     ("env_id", "sensors", "expected"),
     [
-        ("jawenv/Jaw-v2", "pose", False),
-        ("jawenv/Jaw-v2", "point", True),
-        ("jawenv/JawHinge-v2", "point", False),
-        ("jawenv/JawBilateral-v2", "point", True),
+        ("jawenv/Jaw-v3", "pose", False),
+        ("jawenv/Jaw-v3", "point", True),
+        ("jawenv/JawHinge-v3", "point", False),
+        ("jawenv/JawBilateral-v3", "point", True),
     ],
 )
 def test_the_pose_is_open_where_there_are_fewer_readings_than_coordinates(env_id, sensors, expected):

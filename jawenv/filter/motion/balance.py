@@ -1,0 +1,53 @@
+"""The equations of motion as a balance of forces: what they leave over, and the reading that they need."""
+
+from __future__ import annotations
+
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, scale, subtract, vector3
+from jawenv.mechanics.dynamics import body_moment, inertia_times
+from jawenv.mechanics.forces import resultant
+from jawenv.mechanics.kinematics import fossa, rotation
+
+
+@njit
+def left_over(jaw, muscles, q, u, wrench, rate):
+    """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
+    body_to_head = rotation(q)
+    force, moment = resultant(jaw, muscles, q, u, body_to_head)
+    force = add(force, apply(body_to_head, (wrench[0], wrench[1], wrench[2])))
+    _, slope, curvature, _ = fossa(jaw, q[0])
+    omega, rho = (u[2], u[3], u[4]), vector3(jaw.centre_of_mass)
+    turning = (rate[2], rate[3], rate[4])
+    swing = add(cross(turning, rho), cross(omega, cross(omega, rho)))
+    contact = (rate[0], rate[1], slope * rate[0] + curvature * u[0] * u[0])
+    inertial = scale(jaw.mass, add(contact, apply(body_to_head, swing)))
+    net = subtract(force, inertial)
+    turn = body_moment(jaw, body_to_head, moment, omega, wrench)
+    turn = subtract(turn, add(inertia_times(jaw, turning), cross(omega, inertia_times(jaw, omega))))
+    turn = subtract(turn, cross(rho, apply_transposed(body_to_head, inertial)))
+    return net[0] + slope * net[2], net[1], turn
+
+
+@njit
+def at_mouthpiece(jaw, q, x, y, turn):
+    """Force and moment at the mouthpiece (body axes) that act as ``left_over`` has it."""
+    _, slope, _, _ = fossa(jaw, q[0])
+    along = x / (1.0 + slope * slope)
+    pull = apply_transposed(rotation(q), (along, y, slope * along))
+    return pull, subtract(turn, cross(vector3(jaw.mouthpiece), pull))
+
+
+@njit
+def set_balanced(jaw, muscles, at, reading, balanced):
+    """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a motion ``at``: pose, rates, their rate.
+
+    A load cell reads within milliseconds what servo, brake or stop answer to the true motion, so that even a reading of
+    ticks before is correlated with the error of the filtered motion. What a motion of the past needs is not.
+    """
+    pose, u, rate = at
+    wrench = (reading[0], reading[1], reading[2], reading[3], reading[4], reading[5])
+    x, y, turn = left_over(jaw, muscles, pose, u, wrench, rate)
+    pull, moment = at_mouthpiece(jaw, pose, x, y, turn)
+    for i in range(3):
+        balanced[i] = reading[i] - pull[i]
+        balanced[3 + i] = reading[3 + i] - moment[i]
