@@ -15,6 +15,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, cross, norm, vector3
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 COMFORT_LIMITS = (
@@ -61,7 +62,7 @@ def limits_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
+def used_fractions(jaw: Jaw, muscles, limits, q, u, lift, force, fractions):
     """Fill ``fractions`` (8) for a motion, the lines' (F_o, b) and the magnitude of the force on the mouthpiece.
 
     ``lift`` as in ``motors.mouthpiece_motion``.

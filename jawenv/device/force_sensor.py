@@ -28,6 +28,7 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply_transposed, cross, dot, row3, scale
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
 from jawenv.mechanics.unknowns import N_MOTOR_ERRORS
 
@@ -124,7 +125,7 @@ def motor_forces(linkage, body_to_head, wrench):
 
 
 @njit
-def motor_rates(linkage, jaw, q, u):
+def motor_rates(linkage, jaw: Jaw, q, u):
     """Rates (m/s) of the four motors' points along their directions, of a jaw on its path."""
     body_to_head = rotation(q)
     point, velocity = mouthpiece_motion(jaw, q, u, ON_PATH, body_to_head)
@@ -197,7 +198,7 @@ def read_forces(errors, forces, shares, rates):
 
 
 @njit
-def read_force(device, jaw, truth, dt, samples):
+def read_force(device, jaw: Jaw, truth, dt, samples):
     """Make of true wrenches what the sensors read of them, in ``samples`` (3, 6), to which noise may have been added.
 
     ``truth`` is a world's, at the end of the tick: its ``friction_share`` is that of the tick before, and becomes this

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jawenv.kernels.compiled import njit_inlined
+from jawenv.mechanics.jaw import Jaw
 
 
 @njit_inlined
@@ -13,7 +14,7 @@ def path_at(limits, opening):
 
 
 @njit_inlined
-def excursions(limits, jaw, point):
+def excursions(limits, jaw: Jaw, point):
     """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
     opening = jaw.mouthpiece[2] - point[2] - limits.rest_opening
     return opening, point[1] - limits.rest_side, point[0] - path_at(limits, opening)

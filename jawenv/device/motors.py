@@ -28,6 +28,7 @@ from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.kernels.lanes import all_lines
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import smooth_ramp, totals
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
@@ -38,7 +39,7 @@ YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altog
 
 
 @njit_inlined
-def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
+def motor_point(device, jaw: Jaw, i, body_to_head, mouthpiece, velocity, omega):
     """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i, or all."""
     point = row3(device.point, i)
     arm = apply(body_to_head, point)
@@ -49,7 +50,7 @@ def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
 
 
 @njit_inlined
-def mouthpiece_motion(jaw, q, u, lift, body_to_head):
+def mouthpiece_motion(jaw: Jaw, q, u, lift, body_to_head):
     """Place and velocity of the mouthpiece in head axes.
 
     ``lift`` is what the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline model.
@@ -62,7 +63,7 @@ def mouthpiece_motion(jaw, q, u, lift, body_to_head):
 
 
 @njit
-def command_motors(device, jaw, motors, motion, action, trajectory, dt):
+def command_motors(device, jaw: Jaw, motors, motion, action, trajectory, dt):
     """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor.
 
     ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it.
@@ -93,7 +94,7 @@ def command_motors(device, jaw, motors, motion, action, trajectory, dt):
 
 
 @njit_inlined
-def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
+def device_wrench(device, jaw: Jaw, limits, motors, motion, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
     ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it. The last value says what of the governor acts:
@@ -144,7 +145,7 @@ def end_stop(device, travel, limit, rate):
 
 
 @njit_inlined
-def end_stops(device, jaw, limits, point, velocity):
+def end_stops(device, jaw: Jaw, limits, point, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, point)
     side_limit = limits.side * limits.onset[SIDE]

@@ -20,6 +20,7 @@ from jawenv.filter.motion.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import midline_motion, split_body
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
 
 OBSERVATION_BOUND = 10.0
@@ -115,7 +116,7 @@ def bounded(value):
 
 
 @njit
-def filtered_motion(model, mean):
+def filtered_motion(model: Jaw, mean):
     """The estimated motion in the midline model's coordinates, and the lift of the condyles' midpoint."""
     if model.condyles == 2:
         body_q, body_u = split_body(mean)
@@ -126,7 +127,7 @@ def filtered_motion(model, mean):
 
 
 @njit
-def observe_world(device, model, known, control, prior, scratch, row):
+def observe_world(device, model: Jaw, known, control, prior, scratch, row):
     """Fill one row of the observation.
 
     Args:

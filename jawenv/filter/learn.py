@@ -9,7 +9,7 @@ from jawenv.filter.belief.basis import N_NODES, set_coefficients
 from jawenv.filter.belief.posterior import posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.state import tension_columns
+from jawenv.filter.state import Belief, tension_columns
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.unknowns import FARTHEST
 
@@ -25,7 +25,7 @@ def belief_fields(n_muscles: int, n_nuisances: int = 0) -> list[Any]:
 
 
 @njit
-def recentre(belief, settings, scratch):
+def recentre(belief: Belief, settings, scratch):
     """Move motion and score to the belief's mean."""
     nodes = belief.nominal.shape[1]
     set_coefficients(belief.basis, belief.mean, scratch.after)
@@ -46,7 +46,7 @@ def recentre(belief, settings, scratch):
 
 
 @njit
-def move_nuisances(belief, first, row, nuisances, scratch):
+def move_nuisances(belief: Belief, first, row, nuisances, scratch):
     """The nuisances' mean moves to the most probable one at the new tensions, by ``row`` from ``first`` + 1 on.
 
     None goes beyond ``FARTHEST``, where a model is none any more. The gain error, at ``first``, is where it is: its
@@ -85,7 +85,7 @@ def solve_decomposed(factor, right):
 
 
 @njit
-def learn(belief, settings, scratch):
+def learn(belief: Belief, settings, scratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     update_belief(belief, settings, scratch.posterior)
     recentre(belief, settings, scratch)

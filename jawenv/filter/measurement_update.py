@@ -22,10 +22,11 @@ from jawenv.filter.belief.basis import set_derivatives
 from jawenv.filter.motion.instrument import set_rows_of_past
 from jawenv.filter.nuisances.changes import add_nuisance_readings, nuisance_fields
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.filter.state import Belief, lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.jaw import Jaw
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
@@ -54,7 +55,7 @@ def measurement_update_fields(n_muscles: int, n_lines: int, n_motion: int, n_nui
 
 
 @njit
-def set_innovation(jaw, motion, measured, variances, used, scratch):
+def set_innovation(jaw: Jaw, motion, measured, variances, used, scratch):
     """Innovations, rows and variances of the readings in use."""
     expect(jaw, motion, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
@@ -94,7 +95,7 @@ def squared_length(scratch):
 
 
 @njit
-def normalised_innovation(belief, scratch):
+def normalised_innovation(belief: Belief, scratch):
     """NIS given the parameters' mean; leaves ``factor``. Infinite if S is not positive definite."""
     set_factor(belief.motion_cov, scratch)
     if not decompose(scratch.factor):
@@ -104,7 +105,7 @@ def normalised_innovation(belief, scratch):
 
 
 @njit
-def add_muscles(belief, scratch):
+def add_muscles(belief: Belief, scratch):
     """Add to S, in the lower half of ``factor``, the innovation covariance due to the parameters' uncertainty."""
     set_derivatives(belief.basis, belief.mean, scratch.by_log)
     multiply(scratch.by_tension_rows, scratch.by_log, scratch.by_log_rows)
@@ -117,7 +118,7 @@ def add_muscles(belief, scratch):
 
 
 @njit
-def add_nuisances(belief, scratch):
+def add_nuisances(belief: Belief, scratch):
     """Add the same due to gain error and nuisances at given tensions."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1]
     rows, turned = scratch.by_tension_rows, scratch.whitened_nuisances
@@ -132,7 +133,7 @@ def add_nuisances(belief, scratch):
 
 
 @njit
-def judge_innovation(belief, start_sd, scratch):
+def judge_innovation(belief: Belief, start_sd, scratch):
     """The innovation's explanation, ``EXPECTED`` and so on; widens the motion if there is none. Leaves ``factor``."""
     nis = normalised_innovation(belief, scratch)
     if nis <= GATE:
@@ -153,7 +154,7 @@ def judge_innovation(belief, start_sd, scratch):
 
 
 @njit_within
-def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
+def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings, scratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
@@ -182,7 +183,7 @@ def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
 
 
 @njit
-def correct_motion(belief, scratch):
+def correct_motion(belief: Belief, scratch):
     """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
     correct_state(belief, scratch)
     whiten(scratch.factor, scratch.by_tension_rows)
@@ -190,7 +191,7 @@ def correct_motion(belief, scratch):
 
 
 @njit
-def correct_state(belief, scratch):
+def correct_state(belief: Belief, scratch):
     """Kalman update of motion and covariance, given ``factor``; leaves ``gain``."""
     whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
     whiten(scratch.factor, whitened)
@@ -202,7 +203,7 @@ def correct_state(belief, scratch):
 
 
 @njit
-def add_information(belief, scratch):
+def add_information(belief: Belief, scratch):
     """Add the innovations' information and score about the tensions."""
     rows, score, innovation = scratch.by_tension_rows, belief.score, scratch.whitened_innovation
     for i in range(N_MEASUREMENTS):

@@ -24,14 +24,14 @@ from jawenv.filter.nuisances.changes import correct_readings, follow_friction, h
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
-from jawenv.filter.state import begin_belief, begin_motion, forget_readings
+from jawenv.filter.state import Belief, begin_belief, begin_motion, forget_readings
 from jawenv.filter.time_update import predict_motion, time_update_fields
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import smooth_ramp
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.jaw import N_TEETH, Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
@@ -111,7 +111,7 @@ def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
 
 
 @njit
-def begin_filter(jaw, belief, motion, settings):
+def begin_filter(jaw: Jaw, belief: Belief, motion, settings):
     """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
     if belief.nuisances.shape[0] > 0:
         copy_jaw(jaw, belief.jaw)
@@ -122,7 +122,7 @@ def begin_filter(jaw, belief, motion, settings):
 
 
 @njit
-def add_tooth_noise(jaw, motion, variance):
+def add_tooth_noise(jaw: Jaw, motion, variance):
     """Add to the process noise ``variance`` (6) what the force of the teeth, where they touch, may be off by.
 
     Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
@@ -141,18 +141,18 @@ def add_tooth_noise(jaw, motion, variance):
         variance[k] += sd * sd
 
 
-def _known_jaw(jaw, belief):
+def _known_jaw(jaw: Jaw, belief: Belief):
     return jaw
 
 
 @where(has_nuisances, otherwise=_known_jaw)
-def model_of(jaw, belief):
+def model_of(jaw: Jaw, belief: Belief):
     """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
     return belief.jaw
 
 
 @njit
-def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
+def take_readings(jaw: Jaw, belief: Belief, measured, samples, tick, settings, scratch):
     """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
@@ -161,7 +161,7 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
 
 
 @njit
-def take(jaw, belief, measured, samples, tick, settings, scratch):
+def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings, scratch):
     """``take_readings`` by the model ``jaw``."""
     left_out, resolved = 0, True
     if tick > 0:
@@ -193,7 +193,7 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
 
 
 @njit
-def ends_window(belief, scratch):
+def ends_window(belief: Belief, scratch):
     """Whether a window of readings ends with this tick."""
     if not scratch.used.any() or belief.readings > LAST_WINDOW:
         return False
@@ -204,7 +204,7 @@ def ends_window(belief, scratch):
 
 
 @njit
-def has_moved(belief):
+def has_moved(belief: Belief):
     """Whether the mean is so far from where the readings were last filtered that they are to be filtered again."""
     furthest = 0.0
     for i in range(belief.mean.shape[0]):
@@ -215,7 +215,7 @@ def has_moved(belief):
 
 
 @njit
-def replay(jaw, belief, rows, tick, settings, scratch):
+def replay(jaw: Jaw, belief: Belief, rows, tick, settings, scratch):
     """Filter ``rows`` 0 to ``tick`` again, linearised at the current mean of the parameters.
 
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
@@ -230,7 +230,7 @@ def replay(jaw, belief, rows, tick, settings, scratch):
 
 
 @njit_within
-def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
+def filter_tick(jaw: Jaw, belief: Belief, rows, tick, measured, samples, settings, scratch):
     """One tick of the filter. Returns how many readings were left out.
 
     The belief is renewed where a window of readings ends, and where the parameters' uncertainty alone explains what was

@@ -15,11 +15,12 @@ from jawenv.filter.motion.joint_step import N_SAMPLES, set_muscles
 from jawenv.filter.motion.motion_step import move, step_dtype
 from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
 from jawenv.filter.nuisances.changes import correct_samples, nuisance_fields, set_nuisance_wrenches
-from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.filter.state import Belief, lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 MISSED_CHANGE, MISSED_NOISE = 0.2, 0.05  # shares of a wrench's change and of its noise that three samples miss
 
@@ -48,7 +49,7 @@ def time_update_fields(
 
 
 @njit_within
-def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
+def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings, scratch):
     """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
 
     The samples are corrected in place by what the belief knows of nuisances.

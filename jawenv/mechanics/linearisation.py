@@ -16,6 +16,7 @@ from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, split
 
 
@@ -55,18 +56,18 @@ def fill_angle_rate_derivatives(q, omega, by_angle):
     by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
 
 
-def _linearise_body(jaw, muscles, q, u, wrench, linear):
+def _linearise_body(jaw: Jaw, muscles, q, u, wrench, linear):
     return linearise_body(jaw, muscles, q, u, wrench, linear)
 
 
 @where(lambda q: len(q) < N_BODY // 2, otherwise=_linearise_body)
-def linearise(jaw, muscles, q, u, wrench, linear):
+def linearise(jaw: Jaw, muscles, q, u, wrench, linear):
     """``linearise_acceleration`` or ``linearise_body``, whichever is for as many coordinates."""
     return linearise_acceleration(jaw, muscles, q, u, wrench, linear)
 
 
 @njit_within
-def linearised_rate(jaw, muscles, q, u, wrench, linear):
+def linearised_rate(jaw: Jaw, muscles, q, u, wrench, linear):
     """(q', u') as two tuples, and into ``linear`` (``linear_dtype``) its derivatives."""
     acceleration = linearise(jaw, muscles, q, u, wrench, linear)
     pose, omega = (q[0], q[1], q[-3], q[-2], q[-1]), (u[-3], u[-2], u[-1])

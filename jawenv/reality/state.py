@@ -10,6 +10,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # With the tick that sampling and holding take of themselves, the longest latency is one tick more.
@@ -32,7 +33,7 @@ def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
+def reset_reality(reality, state, jaw: Jaw, muscles, q, lift, measured, normals):
     """Begin an episode at rest: tissue without creep or reflex, play centred, a load-cell bias drawn.
 
     Args:

@@ -29,11 +29,12 @@ from math import exp
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, dot, row3
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 
 @njit
-def update_tissue(reality, state, jaw, muscles, motion, dt, effective):
+def update_tissue(reality, state, jaw: Jaw, muscles, motion, dt, effective):
     """(F_o, b) of each line for the coming ``dt`` seconds, into ``effective`` (lines, 2); advances ``state`` by dt.
 
     Args:

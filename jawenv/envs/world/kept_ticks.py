@@ -12,6 +12,7 @@ from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 
 @cache
@@ -40,7 +41,7 @@ def keep_reading(tick, measured, samples, used, ticks):
 
 
 @njit
-def keep_truth(model, truth, tick, wrench, trend, path):
+def keep_truth(model: Jaw, truth, tick, wrench, trend, path):
     """Write what was true into row ``tick`` of ``path``, which begins anew where it has fewer rows than ticks."""
     row = path[tick % path.shape[0]]
     for i in range(row.wrench.shape[0]):

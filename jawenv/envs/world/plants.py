@@ -15,6 +15,7 @@ from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, split_body
 from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import articular_push
@@ -31,7 +32,7 @@ def lift_of(truth):
 
 
 @njit_inlined
-def true_state(model, truth, i):
+def true_state(model: Jaw, truth, i):
     """Number i of the true motion, in the coordinates of the filter's model."""
     return truth.body[i] if model.condyles == 2 else truth.state[i]
 
@@ -104,7 +105,7 @@ def midline_tick(device, world, scratch, settings):
 
 
 @njit
-def parts_of_tick(device, jaw, settings, rate, acted):
+def parts_of_tick(device, jaw: Jaw, settings, rate, acted):
     """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
     if acted >= BRAKED:
         rate = held_rate(device, jaw, settings.control.servo, acted, rate)

@@ -22,6 +22,7 @@ from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation, split
 from jawenv.mechanics.linearisation import linear_dtype
 from jawenv.reality.state import reset_reality
@@ -48,7 +49,7 @@ def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
 
 
 @njit
-def write_position(jaw, pose, positions, i):
+def write_position(jaw: Jaw, pose, positions, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
     point, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
@@ -57,7 +58,7 @@ def write_position(jaw, pose, positions, i):
 
 
 @njit
-def open_slowly(jaw, muscles, comfort, pose, scratch):
+def open_slowly(jaw: Jaw, muscles, comfort, pose, scratch):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -85,7 +86,7 @@ def open_slowly(jaw, muscles, comfort, pose, scratch):
 
 
 @njit
-def set_limits(jaw, muscles, comfort, limits, last, scratch):
+def set_limits(jaw: Jaw, muscles, comfort, limits, last, scratch):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
     set_general_limits(comfort, limits)
@@ -127,7 +128,7 @@ def reset_motors(device, truth, motors):
 
 
 @njit
-def reset_belief(device, model, world, settings, scratch, first_row):
+def reset_belief(device, model: Jaw, world, settings, scratch, first_row):
     """Prior belief over motion, parameters and load-cell gain, before the first reading."""
     truth, known, normals = world.truth, world.known, scratch.normals
     fill_normals((truth.key[0], truth.key[1]), START_TICK, normals)
@@ -156,7 +157,7 @@ def begin_reality(truth, reality, scratch):
 
 
 @njit
-def begin_device(device, model, world):
+def begin_device(device, model: Jaw, world):
     """Clock, motors, targets and load cell as an episode begins, of the jaw at rest; nothing has been read."""
     known = world.known
     known.tick = -1
@@ -171,7 +172,7 @@ def begin_device(device, model, world):
 
 
 @njit_within
-def begin_world(device, model, world, settings, scratch, beginning, first_row):
+def begin_world(device, model: Jaw, world, settings, scratch, beginning, first_row):
     """Put one world at rest; False when the device cannot treat its patient."""
     truth, limits = world.truth, world.known.limits
     set_muscles(truth.jaw, truth.log_parameters, 0, truth.muscles)

@@ -35,6 +35,7 @@ from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 from jawenv.reality import REALITY
 from jawenv.reality.faults import fail
@@ -151,7 +152,7 @@ def sense(device, truth, scratch, reality):
 
 
 @njit_within
-def command(device, model, known, action, settings, scratch):
+def command(device, model: Jaw, known, action, settings, scratch):
     """The motors' command of the next tick, into ``scratch.action``: the action, or the law that follows targets."""
     control, tracker = settings.control, known.tracker
     if not control.targets:
@@ -177,7 +178,7 @@ def draw_unmodelled(device, truth, tick, decay, normals):
 
 
 @njit
-def begin_tick(device, model, world, action, settings, scratch):
+def begin_tick(device, model: Jaw, world, action, settings, scratch):
     """Draw the tick's noise and let the motors take their command."""
     truth, known = world.truth, world.known
     command(device, model, known, action, settings, scratch)
@@ -199,7 +200,7 @@ def begin_first_tick(truth, scratch):
 
 
 @njit_within
-def end_tick(device, model, world, settings, scratch, ticks, path):
+def end_tick(device, model: Jaw, world, settings, scratch, ticks, path):
     """Encoders and filter after the motion of a tick, or at the start; what was read is kept in ``ticks``."""
     truth, known = world.truth, world.known
     sense(device, truth, scratch, settings.reality)
@@ -211,7 +212,7 @@ def end_tick(device, model, world, settings, scratch, ticks, path):
 
 
 @njit_within
-def read(model, known, settings, scratch, ticks):
+def read(model: Jaw, known, settings, scratch, ticks):
     """The filter takes the readings in ``scratch``, which are kept in ``ticks``."""
     measured, samples = scratch.measured, scratch.samples
     belief, gated = known.belief, known.belief.gated
@@ -226,7 +227,7 @@ def read(model, known, settings, scratch, ticks):
 
 
 @njit_within
-def end_step(device, model, world, settings, scratch, row):
+def end_step(device, model: Jaw, world, settings, scratch, row):
     """Belief at the end of a control period, its information, and the observation, into ``row``."""
     known = world.known
     if known.tick > 0 and not settings.filter.motion_only:
@@ -270,7 +271,7 @@ def clear_step(world):
 
 
 @njit_within
-def advance_world(shared, model, world, action, scratch, rows, i):
+def advance_world(shared, model: Jaw, world, action, scratch, rows, i):
     """Advance one world by one control period, or read its sensors for the first time; its rows are number ``i``."""
     device, settings = shared.devices[0], shared.settings[0]
     begins, number = world.known.tick < 0, settings.control.ticks_per_step

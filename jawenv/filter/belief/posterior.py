@@ -23,6 +23,7 @@ import numpy as np
 
 from jawenv.filter.belief.basis import N_NODES, expand_coefficients
 from jawenv.filter.motion.motion_step import padded
+from jawenv.filter.state import Belief
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import add_squares, decompose, mirror, whiten
@@ -62,7 +63,7 @@ def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
 
 
 @njit
-def without_nuisances(belief, gain_variance, scratch):
+def without_nuisances(belief: Belief, gain_variance, scratch):
     """Information and score about c alone: gain error and nuisances integrated out, with their priors.
 
     Leaves the factor of their information at given c in ``nuisance_factor``. False if that has none.
@@ -228,7 +229,7 @@ def set_precision(mean, prior_mean, prior_sd, scratch):
 
 
 @njit
-def update_belief(belief, settings, scratch):
+def update_belief(belief: Belief, settings, scratch):
     """Refine the belief about the parameters by one step of the iteration; False where there is no answer.
 
     Information and score are those gathered so far, the score at ``belief.nominal``. One step is enough, since there is
@@ -252,7 +253,7 @@ def update_belief(belief, settings, scratch):
 
 
 @njit
-def refine(belief, settings, scratch):
+def refine(belief: Belief, settings, scratch):
     """One step of the iteration, within the trust region; False where there is none."""
     mean, covariance, prior_sd = belief.mean, belief.cov, settings.prior_sd
     parameters = mean.shape[0]

@@ -29,6 +29,7 @@ from jawenv.filter.readings.encoders import expect
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 
 def bound_size(n_muscles: int, n_states: int, n_nuisances: int, n_disturbance: int) -> int:
@@ -74,7 +75,7 @@ def begin_bound(settings, covariance):
 
 
 @njit
-def move_bound(jaw, covariance, tick, settings, noise_variance, scratch):
+def move_bound(jaw: Jaw, covariance, tick, settings, noise_variance, scratch):
     """Through a tick; ``tick`` is (muscles, motion before and after, wrench, cell's trend, friction), all true."""
     muscles, before, after, wrench, trend, friction = tick
     joint, recursion = scratch.joint, scratch.recursion
@@ -107,7 +108,7 @@ def extend_total(motion_total, decay, parameters, total):
 
 
 @njit
-def read_bound(jaw, motion, covariance, used, settings, scratch):
+def read_bound(jaw: Jaw, motion, covariance, used, settings, scratch):
     """At the readings of the end of a tick, of the true ``motion``."""
     joint, recursion = scratch.joint, scratch.recursion
     expect(jaw, motion, joint.rows, joint.expected)
@@ -120,13 +121,13 @@ def read_bound(jaw, motion, covariance, used, settings, scratch):
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def move_by_nuisances(jaw, muscles, tick, settings, scratch):
+def move_by_nuisances(jaw: Jaw, muscles, tick, settings, scratch):
     """The effect of one sd of each nuisance on the motion at the tick's end, into its columns of the derivative."""
     add_columns(jaw, muscles, tick, settings, scratch)
 
 
 @njit
-def add_columns(jaw, muscles, tick, settings, scratch):
+def add_columns(jaw: Jaw, muscles, tick, settings, scratch):
     """``move_by_nuisances`` where there are some."""
     before, after, wrench, friction = tick
     scratch.nuisances.friction_share[:] = friction
@@ -150,7 +151,7 @@ def add_columns(jaw, muscles, tick, settings, scratch):
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def read_by_nuisances(jaw, motion, used, settings, scratch):
+def read_by_nuisances(jaw: Jaw, motion, used, settings, scratch):
     """The effect of one sd of each nuisance on the readings, into its columns of their derivative."""
     first = scratch.recursion.total.shape[0]
     add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

@@ -30,6 +30,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
@@ -146,7 +147,7 @@ def reduce_covariance(covariance, gain, variance):
 
 
 @njit
-def update_covariance(jaw, state, covariance, variances, used, scratch):
+def update_covariance(jaw: Jaw, state, covariance, variances, used, scratch):
     """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound.
 
     All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.

@@ -20,6 +20,7 @@ from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.linalg import add_scaled, multiply
 from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.linearisation import linear_dtype, linearised_rate, motion_of
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
@@ -46,7 +47,7 @@ def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -
 
 
 @njit
-def set_muscles(jaw, log_parameters, offset, muscles):
+def set_muscles(jaw: Jaw, log_parameters, offset, muscles):
     """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
     for line in range(muscles.shape[0]):
         index = offset + 2 * jaw.muscle[line]
@@ -144,7 +145,7 @@ def stage_share(part, stage, parts):
 
 
 @njit
-def step_parts(jaw, muscles, state, dt, linear):
+def step_parts(jaw: Jaw, muscles, state, dt, linear):
     """Into how many parts the step from ``state`` (n) is divided, of the model that ``linear`` is made for."""
     q, _ = motion_of(state, linear)
     pose = (q[0], q[1], q[-3], q[-2], q[-1])
@@ -152,7 +153,7 @@ def step_parts(jaw, muscles, state, dt, linear):
 
 
 @njit
-def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
+def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch):
     """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 
     The number of states is that of the model that ``scratch`` is made for. ``samples`` (3, 6) are the load cell's
@@ -193,7 +194,7 @@ def move_derivative(stage, h, scratch):
 
 
 @njit
-def propagate_in(jaw, muscles, state, cell, dt, parts, scratch):
+def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch):
     """As ``propagate``, with the step divided into ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
     set_identity(scratch.total)
     h = dt / parts

@@ -25,6 +25,7 @@ from jawenv.kernels.records import record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
 from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, split_body
 from jawenv.mechanics.dynamics import N_WRENCH, state_rate
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.linearisation import linear_dtype, linearised_rate
 
@@ -118,7 +119,7 @@ def midline_rate(q, u, stage, h, arguments):
 
 
 @njit_within
-def midline_step(jaw, motion, samples, dt, scratch):
+def midline_step(jaw: Jaw, motion, samples, dt, scratch):
     """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
     parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
@@ -142,7 +143,7 @@ def body_rate(q, u, stage, h, arguments):
 
 
 @njit_within
-def body_step(jaw, motion, samples, dt, scratch):
+def body_step(jaw: Jaw, motion, samples, dt, scratch):
     """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``.
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
@@ -157,11 +158,11 @@ def body_step(jaw, motion, samples, dt, scratch):
         append_part(part == 0, scratch)
 
 
-def _body_step(jaw, motion, samples, dt, scratch):
+def _body_step(jaw: Jaw, motion, samples, dt, scratch):
     body_step(jaw, motion, samples, dt, scratch)
 
 
 @where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise=_body_step)
-def move(jaw, motion, samples, dt, scratch):
+def move(jaw: Jaw, motion, samples, dt, scratch):
     """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
     midline_step(jaw, motion, samples, dt, scratch)

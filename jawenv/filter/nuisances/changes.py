@@ -29,12 +29,13 @@ from jawenv.filter.nuisances.without_cell import (
     set_motor_column,
 )
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
+from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
 from jawenv.mechanics.forces import muscle_pull, resultant
-from jawenv.mechanics.jaw import jaw_dtype
+from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
@@ -82,7 +83,7 @@ def nuisance_fields(n_lines: int, n: int) -> list[Any]:
 
 
 @njit
-def left_over(jaw, muscles, q, u, wrench, rate):
+def left_over(jaw: Jaw, muscles, q, u, wrench, rate):
     """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
     body_to_head = rotation(q)
     force, moment = resultant(jaw, muscles, q, u, body_to_head)
@@ -101,7 +102,7 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 
 
 @njit
-def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
+def line_change(jaw: Jaw, muscles, nuisances, j, contact, body_to_head):
     """The derivative of force and moment (head axes) of the line whose ends nuisance j moves, by one sd of it.
 
     T = F_o exp(b (l / l_o - 1)) along e = v / l, with v from the insertion to the origin: dl = e dv, de = (dv - e dl) /
@@ -120,7 +121,7 @@ def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
 
 
 @njit
-def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
+def set_wrenches(jaw: Jaw, muscles, at, nuisances, first, line_wrench, scratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
     ``at`` is the pose half way through the tick, the rates and their rate of change over it, and the load cell's
@@ -159,7 +160,7 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
 
 
 @njit
-def add_readings(jaw, motion, nuisances, used, first, rows, scratch):
+def add_readings(jaw: Jaw, motion, nuisances, used, first, rows, scratch):
     """Add to ``rows`` (12, columns) from column ``first`` on what one sd of each nuisance adds to the used readings."""
     read_motion(jaw, motion, scratch.expected)
     copy_rest(jaw, scratch.jaw)
@@ -204,7 +205,7 @@ def has_nuisances(belief):
 
 
 @where(has_nuisances)
-def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
+def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings, scratch):
     """``set_wrenches`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     wrenches = scratch.line_wrench
@@ -215,14 +216,14 @@ def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
 
 
 @where(has_nuisances)
-def add_nuisance_readings(jaw, belief, nuisances, used, scratch):
+def add_nuisance_readings(jaw: Jaw, belief: Belief, nuisances, used, scratch):
     """``add_readings`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
 
 
 @where(has_nuisances)
-def correct_samples(jaw, belief, settings, samples, scratch):
+def correct_samples(jaw: Jaw, belief: Belief, settings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
     correct_offsets(belief, settings.nuisances, samples)
     if has_motors(settings.nuisances):
@@ -230,14 +231,14 @@ def correct_samples(jaw, belief, settings, samples, scratch):
 
 
 @where(has_nuisances)
-def follow_friction(jaw, belief, settings, scratch):
+def follow_friction(jaw: Jaw, belief: Belief, settings, scratch):
     """The shares of the motors' friction at the end of a tick, from the motion; compiled where there are nuisances."""
     if has_motors(settings.nuisances):
         move_friction(jaw, belief, settings, scratch.start_motion)
 
 
 @njit
-def correct_offsets(belief, nuisances, samples):
+def correct_offsets(belief: Belief, nuisances, samples):
     """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]
@@ -250,7 +251,7 @@ def correct_offsets(belief, nuisances, samples):
 
 
 @njit
-def correct_readings(belief, nuisances, measured, corrected):
+def correct_readings(belief: Belief, nuisances, measured, corrected):
     """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
     corrected[:] = measured
     for j in range(nuisances.mass.shape[0]):

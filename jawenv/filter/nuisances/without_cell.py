@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import error_wrench, motor_forces, motor_rates, moving_motors, read_forces
+from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
 
 # The directions first: a record that began as the device's does would be taken for a part of it.
@@ -23,7 +25,7 @@ def has_motors(nuisances):
 
 
 @njit
-def motors_of(nuisances, jaw, at, scratch):
+def motors_of(nuisances, jaw: Jaw, at, scratch):
     """(forces as their sensors read them, shares of friction, rates), four each, for a corrected reading.
 
     Zeros where a load cell reads the force; ``at`` is (pose, rates, rotation, reading).
@@ -48,7 +50,7 @@ def set_motor_column(nuisances, j, at, column, line_wrench):
 
 
 @njit
-def correct_motors(jaw, belief, settings, samples, scratch):
+def correct_motors(jaw: Jaw, belief: Belief, settings, samples, scratch):
     """Add to ``samples`` (3, 6) what acts beyond what is read, as far as the belief knows it.
 
     ``scratch`` is that of the time update, with the motion at the start of the tick and what the past alone predicts.
@@ -77,7 +79,7 @@ def correct_motors(jaw, belief, settings, samples, scratch):
 
 
 @njit
-def move_friction(jaw, belief, settings, before):
+def move_friction(jaw: Jaw, belief: Belief, settings, before):
     """``friction_share`` after a tick from the motion ``before`` to the present one."""
     linkage = settings.nuisances.linkage
     q, u = split(before)

@@ -29,6 +29,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import MotionPath, path_of
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -107,7 +108,7 @@ def reduced(rows: Array) -> Array:
 
 
 @njit
-def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
+def rates_at(jaw: Jaw, muscles, state, wrench, trend, moving, rates, scratch):
     """Derivative (n, n + p) of the motion's rate by motion and parameters at one moment, into ``rates``.
 
     ``moving`` (n) is a copy of ``state`` to work in. It is what a step of no length leaves in ``scratch.slope``.

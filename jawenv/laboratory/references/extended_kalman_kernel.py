@@ -23,6 +23,7 @@ from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ def predict_plain(problem, tick, mean, covariance, trend, scratch):
 
 
 @njit
-def update_plain(jaw, mean, covariance, measured, variances, scratch):
+def update_plain(jaw: Jaw, mean, covariance, measured, variances, scratch):
     """Measurement update; NaN in ``measured`` (12) was not read."""
     size = mean.shape[0]
     expect(jaw, mean, scratch.rows, scratch.expected)

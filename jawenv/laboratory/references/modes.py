@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import record_dtype
 
@@ -34,7 +35,7 @@ def modes_dtype(parameters: int) -> np.dtype[np.void]:
 
 
 @njit
-def distance(belief, parameters):
+def distance(belief: Belief, parameters):
     """The largest distance of a parameter from the belief's mean, in its sds."""
     furthest = 0.0
     for i in range(parameters.shape[0]):
@@ -43,7 +44,7 @@ def distance(belief, parameters):
 
 
 @njit
-def nearest_mode(modes, belief):
+def nearest_mode(modes, belief: Belief):
     """The mode that the belief is nearest to, and its ``distance``; -1 if there is none."""
     nearest, smallest = -1, np.inf
     for k in range(modes.number):
@@ -54,7 +55,7 @@ def nearest_mode(modes, belief):
 
 
 @njit
-def keep_mode(modes, belief, density):
+def keep_mode(modes, belief: Belief, density):
     """Store the belief as a mode of this log-density: a new one, or in place of a close one of lower density."""
     k, separation = nearest_mode(modes, belief)
     if not separation < SAME:

@@ -31,6 +31,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -91,7 +92,7 @@ class PathProblem(NamedTuple):
 
 
 @njit
-def divide(jaw, states, parameters, dt, parts, scratch):
+def divide(jaw: Jaw, states, parameters, dt, parts, scratch):
     """Raise ``parts`` (T,) to what the motion ``states`` (T + 1, n) asks for; whether any was raised."""
     inner, raised = scratch.filter, False
     set_muscles(jaw, parameters, 0, inner.muscles)
