@@ -1,4 +1,4 @@
-"""State of the online filter, and its initialisation.
+"""State and settings of the online filter, and its initialisation.
 
 Three parts make the bias-separated form of the Kalman filter (Friedland 1969, IEEE Trans. Autom. Control 14:359):
 
@@ -18,9 +18,11 @@ from functools import cache
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
-from jawenv.device.device import N_MOTORS
-from jawenv.filter.belief.basis import N_NODES, Basis, set_coefficients
+from jawenv.device.device import N_MOTORS, Linkage
+from jawenv.device.force_sensor import N_ERRORS
+from jawenv.filter.belief.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.motion.motion_step import padded
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.kernels.compiled import njit
@@ -113,6 +115,79 @@ def belief_dtype(
     )
 
 
+class Nuisances:
+    """The changes that one sd of each of ``n`` nuisances makes."""
+
+    mass: Annotated[Array, "nuisances"]
+    first_moment: Annotated[
+        Array, "nuisances", 3
+    ]  # mass times centre of mass: the equations of motion are linear in these
+    inertia: Annotated[Array, "nuisances", 9]  # about the contact point
+    gravity: Annotated[Array, "nuisances", 3]  # head axes
+    fossa_drop: Annotated[Array, "nuisances"]
+    fossa_frequency: Annotated[Array, "nuisances"]
+    damping_rotation: Annotated[Array, "nuisances"]
+    damping_sliding: Annotated[Array, "nuisances"]
+    mouthpiece: Annotated[Array, "nuisances", 3]
+    origin: Annotated[Array, "nuisances", "ends"]
+    insertion: Annotated[Array, "nuisances", "ends"]
+    l_o: Annotated[Array, "nuisances", "lines"]
+    offset: Annotated[Array, "nuisances", N_WRENCH]  # of the load cell's reading
+    turn: Annotated[Array, "nuisances", 3]  # of the mouthpiece about body axes, rad
+    cell_turn: Annotated[Array, "nuisances", 3]  # of the load cell, with the mouthpiece and by itself
+    line: Annotated[NDArray[np.int64], "nuisances"]  # whose ends it moves and nothing else, or -1
+    moves: Annotated[NDArray[np.uint8], "nuisances"]  # whether it is in the equations of motion elsewhere
+    in_cell: Annotated[NDArray[np.uint8], "nuisances"]  # whether the load cell reads it
+    turns: Annotated[NDArray[np.uint8], "nuisances"]  # whether it turns what the encoders read
+    reads: Annotated[NDArray[np.uint8], "nuisances"]  # whether the encoders read it at the same motion
+    of_motors: Annotated[
+        NDArray[np.uint8], "nuisances"
+    ]  # whether it is one of a force that no load cell reads, and of nothing else
+    motor_errors: Annotated[Array, "nuisances", N_MOTORS, N_ERRORS]  # see ``device.force_sensor``
+    linkage: Linkage
+
+
+@cache
+def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
+    """Dtype of ``Nuisances``."""
+    return record_dtype(Nuisances, nuisances=n, ends=3 * n_lines, lines=n_lines)
+
+
+class FilterSettings:
+    """The filter's settings: device, prior and noise."""
+
+    dt: float
+    used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]
+    measurement_variance: Annotated[Array, N_MEASUREMENTS]
+    wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
+    gain_variance: float
+    cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
+    rough: Annotated[Array, 3]  # see ``screening.rough_change``
+    motion_only: bool  # whether the motion is filtered at the prior's mean, and nothing is learnt
+    start_sd: Annotated[Array, "motion"]  # of motion and disturbance before the first reading
+    disturbance_decay: float  # over a tick, of a disturbance with memory
+    disturbance_variance: Annotated[Array, "disturbance"]  # of its innovation in a tick
+    basis: Basis
+    prior_mean: Annotated[Array, "parameters"]
+    prior_sd: Annotated[Array, "parameters"]
+    nuisances: Nuisances
+
+
+@cache
+def filter_settings_dtype(
+    n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
+    """Dtype of ``FilterSettings``."""
+    return record_dtype(
+        FilterSettings,
+        motion=n_states + n_disturbance,
+        disturbance=n_disturbance,
+        basis=basis_dtype(n_muscles),
+        parameters=2 * n_muscles,
+        nuisances=nuisance_dtype(n_lines, n_nuisances),
+    )
+
+
 @njit
 def begin_motion(belief: Belief, motion, sd):
     """Set the mean of the motion (n) before the first reading, no disturbance, and the sds of both."""
@@ -156,7 +231,7 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
 
 
 @njit
-def copy_basis(target, source):
+def copy_basis(target: Basis, source: Basis):
     """Target = source."""
     target.middle[:] = source.middle
     target.width[:] = source.width

@@ -11,7 +11,7 @@ from __future__ import annotations
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 from jawenv.mechanics.bilateral import midline_pose, point_motion
-from jawenv.mechanics.dynamics import N_WRENCH, inertia_times, set_column
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, inertia_times, set_column
 from jawenv.mechanics.forces import capsule_force, carried_with_stiffness, smooth_ramp
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import fossa, rotation, turning_axes
@@ -89,7 +89,7 @@ def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
 
 
 @njit
-def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear):
+def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' (six numbers) and its exact derivatives.
 
     Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``

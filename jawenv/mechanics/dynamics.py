@@ -13,7 +13,13 @@ given in body axes, as the load cell in the mouthpiece feels it.
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Annotated
+
+import numpy as np
+
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
 from jawenv.mechanics.jaw import Jaw
@@ -21,6 +27,29 @@ from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_ax
 
 N_STATES = 10
 N_WRENCH = 6
+
+
+class Linear:
+    """A linearisation's results."""
+
+    by_state: Annotated[Array, "half", "states"]  # d u'/d(q, u)
+    by_input: Annotated[Array, "half", "inputs"]  # d u'/d(log F_o, log b of each muscle; wrench)
+    by_angle: Annotated[Array, 3, 5]  # d(theta', psi', alpha')/d(psi, alpha, omega)
+    stiffness: Annotated[Array, 3, 3, 3]  # K, L and N of all forces (``forces``)
+    pulls: Annotated[Array, "lines", 7]  # force, moment and strain of each line
+
+
+@cache
+def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> np.dtype[np.void]:
+    """Dtype of ``Linear``.
+
+    Args:
+        n_lines: of the jaw.
+        n_states: 10, or 12 for two condyles.
+        n_muscles: by whose parameters is differentiated; 0 for none.
+    """
+    half = n_states // 2
+    return record_dtype(Linear, half=half, states=n_states, inputs=2 * n_muscles + N_WRENCH, lines=n_lines)
 
 
 @njit_inlined
@@ -119,7 +148,7 @@ def state_rate(jaw: Jaw, muscles, q, u, wrench):
 
 
 @njit
-def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear):
+def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' and its exact derivatives.
 
     Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``

@@ -13,8 +13,11 @@ of the ticks before, and all is linearised along it.
 
 from __future__ import annotations
 
+from functools import cache
 from math import isfinite
-from typing import Any
+from typing import Annotated
+
+import numpy as np
 
 from jawenv.filter.motion.disturbance import add_disturbance
 from jawenv.filter.motion.joint_step import N_SAMPLES
@@ -22,18 +25,24 @@ from jawenv.filter.motion.motion_step import move
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit, where
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates
 
 
-def instrument_fields(n_states: int) -> list[Any]:
-    """Fields of the working memory."""
-    return [
-        ("motion", "f8", (n_states,)),  # at the end of the tick
-        ("total", "f8", (n_states, n_states + N_WRENCH)),  # its derivative by state and wrench, [A, G]
-        ("held", "f8", (N_SAMPLES, N_WRENCH)),  # the smoothed reading as samples of this tick
-    ]
+class Instrument:
+    """What the past alone predicts."""
+
+    motion: Annotated[Array, "states"]  # at the end of the tick
+    total: Annotated[Array, "states", "wide"]  # its derivative by state and wrench, [A, G]
+    held: Annotated[Array, N_SAMPLES, N_WRENCH]  # the smoothed reading as samples of this tick
+
+
+@cache
+def instrument_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of ``Instrument``."""
+    return record_dtype(Instrument, states=n_states, wide=n_states + N_WRENCH)
 
 
 @njit

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import pi
 
+from jawenv.filter.state import Nuisances
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross, dot, norm, row3, subtract, vector3
 from jawenv.mechanics.jaw import N_TEETH, Jaw
 
 
 @njit
-def change_body(jaw: Jaw, nuisances, j, share, changed: Jaw):
+def change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """Mass, centre of mass and inertia about it, with mass, first moment and inertia about the contact point changed.
 
     The equations of motion are linear in the latter, so that what they say of a sum of nuisances is no curved ridge.
@@ -35,7 +36,7 @@ def change_body(jaw: Jaw, nuisances, j, share, changed: Jaw):
 
 
 @njit
-def change_jaw(jaw: Jaw, nuisances, j, share, changed: Jaw):
+def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """``changed`` = ``jaw`` with nuisance j at ``share`` sds."""
     change_body(jaw, nuisances, j, share, changed)
     changed.fossa_drop = jaw.fossa_drop + share * nuisances.fossa_drop[j]
@@ -89,7 +90,7 @@ def copy_jaw(jaw: Jaw, copied: Jaw):
 
 
 @njit
-def move_jaw(jaw: Jaw, nuisances, steps, first):
+def move_jaw(jaw: Jaw, nuisances: Nuisances, steps, first):
     """Change ``jaw`` by so many sds of each nuisance, ``steps`` from ``first`` on."""
     for j in range(nuisances.mass.shape[0]):
         change_jaw(jaw, nuisances, j, steps[first + j], jaw)

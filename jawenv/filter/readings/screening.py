@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from jawenv.filter.least_noise import ENCODER_SDS, WRENCH_SDS
 from jawenv.filter.readings.encoders import expect
-from jawenv.filter.state import Belief
+from jawenv.filter.state import Belief, FilterSettings
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
 
@@ -73,7 +73,7 @@ def common_step(step, change, noise):
 
 
 @njit
-def mark_usable(jaw: Jaw, belief: Belief, measured, settings, scratch):
+def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, scratch):
     """Set ``scratch.used`` where readings (12) are in range and of no frozen encoder; ``scratch.measured`` corrected.
 
     Returns how many readings of ``settings.used`` are left out.
@@ -125,7 +125,7 @@ def has_moved_on(jaw: Jaw, belief: Belief, changed):
 
 
 @njit
-def mark_frozen(jaw: Jaw, belief: Belief, samples, settings, frozen):
+def mark_frozen(jaw: Jaw, belief: Belief, samples, settings: FilterSettings, frozen):
     """Set ``frozen`` (6) where the load cell's ``samples`` (3, 6) of a tick are equal and its step does not explain it.
 
     The first sample may be the last one of the tick before, as it is where a row has a single reading.
