@@ -116,7 +116,7 @@ def observe_world(
         device: Record of dtype ``DEVICE``.
         model: The jaw as the filter knows it.
         known: Record of dtype ``known_dtype``.
-        control: Record of dtype ``CONTROL``.
+        control: Record of dtype ``Control``.
         prior: Record with ``prior_mean`` and ``prior_sd``: the filter's settings.
         scratch: Record of dtype ``seeing_dtype``.
         row: (size,) float32, filled.

@@ -179,7 +179,7 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: 
         used: (12,).
         resolved: Whether something can be learnt from them, see ``readings.screening``.
         settings: Variances of the encoders, sds that the motion is reset to where S is not positive definite, and the
-            nuisances (``tick.filter_settings_dtype``).
+            nuisances (``FilterSettings``).
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)

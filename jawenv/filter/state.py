@@ -116,12 +116,11 @@ def belief_dtype(
 
 
 class Nuisances:
-    """The changes that one sd of each of ``n`` nuisances makes."""
+    """The changes that one sd of each nuisance makes."""
 
     mass: Annotated[Array, "nuisances"]
-    first_moment: Annotated[
-        Array, "nuisances", 3
-    ]  # mass times centre of mass: the equations of motion are linear in these
+    # Mass times centre of mass: the equations of motion are linear in these.
+    first_moment: Annotated[Array, "nuisances", 3]
     inertia: Annotated[Array, "nuisances", 9]  # about the contact point
     gravity: Annotated[Array, "nuisances", 3]  # head axes
     fossa_drop: Annotated[Array, "nuisances"]
@@ -140,9 +139,8 @@ class Nuisances:
     in_cell: Annotated[NDArray[np.uint8], "nuisances"]  # whether the load cell reads it
     turns: Annotated[NDArray[np.uint8], "nuisances"]  # whether it turns what the encoders read
     reads: Annotated[NDArray[np.uint8], "nuisances"]  # whether the encoders read it at the same motion
-    of_motors: Annotated[
-        NDArray[np.uint8], "nuisances"
-    ]  # whether it is one of a force that no load cell reads, and of nothing else
+    # Whether it is one of a force that no load cell reads, and of nothing else.
+    of_motors: Annotated[NDArray[np.uint8], "nuisances"]
     motor_errors: Annotated[Array, "nuisances", N_MOTORS, N_ERRORS]  # see ``device.force_sensor``
     linkage: Linkage
 

@@ -92,7 +92,7 @@ def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
 def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' (six numbers) and its exact derivatives.
 
-    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``
+    Fills of ``linear`` (``Linear``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``
     (6, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench).
     """
     stiffness = linear.stiffness

@@ -151,7 +151,7 @@ def state_rate(jaw: Jaw, muscles, q, u, wrench):
 def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' and its exact derivatives.
 
-    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``
+    Fills of ``linear`` (``Linear``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``
     (5, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench). The residual of the equations of motion is
     differentiated at fixed u' and solved with the mass matrix, so no derivative of that is formed.
     """

@@ -27,7 +27,7 @@ def settle(jaw: Jaw, muscles, pose, opening, on_spring, linear: Linear, matrix, 
     """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
 
     With ``on_spring`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
-    otherwise it is free. ``linear`` (``linearisation.linear_dtype``), ``matrix`` (5, 5) and ``right`` (5) are working
+    otherwise it is free. ``linear`` (``Linear``), ``matrix`` (5, 5) and ``right`` (5) are working
     memory.
     """
     step = 1e-4

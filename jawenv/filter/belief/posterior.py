@@ -250,7 +250,7 @@ def update_belief(belief: Belief, settings: FilterSettings, scratch: PosteriorSc
 
     Args:
         belief: See ``state.belief_dtype``; its mean (p) and cov (p, p) change.
-        settings: See ``tick.filter_settings_dtype``.
+        settings: See ``FilterSettings``.
         scratch: Record of dtype ``posterior_dtype``.
     """
     mean, covariance = belief.mean, belief.cov
