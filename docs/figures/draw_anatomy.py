@@ -9,10 +9,10 @@ from matplotlib.patches import Arc
 
 from jawenv.anatomy import COHORTS, WHOLE_MUSCLES, attachment, attachment_rows
 from jawenv.mechanics import build_jaw
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import capsule_force, muscle_pull
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
-from jawenv.mechanics.linearisation import linear_dtype
 
 MUSCLE_COLOURS = {"masseter": RED, "temporalis": BLUE, "medial_pterygoid": GREEN}
 

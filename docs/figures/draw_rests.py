@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from jawenv.device.comfort_settings import Comfort
 from jawenv.envs.world import reset_kernel
 from jawenv.mechanics import acceleration, build_jaw
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import contact_point, rotation
-from jawenv.mechanics.linearisation import linear_dtype
 
 COMFORT = Comfort().in_si()
 

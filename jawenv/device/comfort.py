@@ -7,14 +7,15 @@ the cost is 1 and the episode ends. The numbers are ``comfort_settings``.
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
-from jawenv.device.linkage import excursions
-from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.compiled import njit, njit_inlined
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, cross, norm, vector3
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 COMFORT_LIMITS = (
@@ -34,34 +35,71 @@ FORCE, OPENING, SIDE, FORE_AFT, CONDYLE_FORE_AFT, CONDYLE_SIDE, SPEED, TENSION =
 GOVERNOR_ONSET = 0.1
 
 
+class ComfortRecord:
+    """The settings, SI units."""
+
+    force: float
+    speed: float
+    condyle_side: float
+    side: float
+    fore_aft: float
+    painless_force: float
+    painless_range: float
+    largest_opening: float
+    condyle_back: float
+    condyle_free: float
+    tension_margin: float
+    hard: Annotated[Array, N_LIMITS]  # over the soft limit, in the order of COMFORT_LIMITS
+
+
+COMFORT = record_dtype(ComfortRecord)
+
+
+class Limits:
+    """One patient's soft limits, SI units."""
+
+    rest_opening: float
+    opening: float  # painless range above rest
+    path: Annotated[Array, 3]  # forward place of the mouthpiece on the natural path: a + b s + c s^2
+    rest_side: float
+    side: float
+    fore_aft: float
+    condyle_middle: float
+    condyle_half: float
+    rest_condyle_side: float
+    tension: Annotated[Array, "lines"]
+    force: float  # on the mouthpiece
+    speed: float  # of the mouthpiece
+    condyle_side: float  # from where the condyles rest
+    hard: Annotated[Array, N_LIMITS]  # over the soft limit, in the order of COMFORT_LIMITS
+    onset: Annotated[Array, N_LIMITS]  # used fraction at which the governor begins
+
+
 @cache
 def limits_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of one patient's soft limits, SI units.
+    """Dtype of ``Limits``.
 
     The natural path is that of the mouthpiece under a purely vertical pull.
     """
-    fields = [
-        ("rest_opening", "f8"),
-        ("opening", "f8"),  # painless range above rest
-        ("path", "f8", (3,)),  # forward place of the mouthpiece on the natural path: a + b s + c s^2
-        ("rest_side", "f8"),
-        ("side", "f8"),
-        ("fore_aft", "f8"),
-        ("condyle_middle", "f8"),
-        ("condyle_half", "f8"),
-        ("rest_condyle_side", "f8"),
-        ("tension", "f8", (n_lines,)),
-        ("force", "f8"),  # on the mouthpiece
-        ("speed", "f8"),  # of the mouthpiece
-        ("condyle_side", "f8"),  # from where the condyles rest
-        ("hard", "f8", (N_LIMITS,)),  # over the soft limit, in the order of COMFORT_LIMITS
-        ("onset", "f8", (N_LIMITS,)),  # used fraction at which the governor begins
-    ]
-    return record_dtype(fields)
+    return record_dtype(Limits, lines=n_lines)
+
+
+@njit_inlined
+def path_at(limits: Limits, opening):
+    """Forward place of the mouthpiece (m) on the natural path, ``opening`` (m) above the rest opening."""
+    s = opening / limits.opening
+    return limits.path[0] + limits.path[1] * s + limits.path[2] * s * s
+
+
+@njit_inlined
+def excursions(limits: Limits, jaw: Jaw, point):
+    """Opening above rest, side (+ left) and fore-aft excursion from the natural path (m) of the mouthpiece."""
+    opening = jaw.mouthpiece[2] - point[2] - limits.rest_opening
+    return opening, point[1] - limits.rest_side, point[0] - path_at(limits, opening)
 
 
 @njit
-def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
+def used_fractions(jaw: Jaw, muscles, limits: Limits, q, u, lift, force, fractions):
     """Fill ``fractions`` (8) for a motion, the lines' (F_o, b) and the magnitude of the force on the mouthpiece.
 
     ``lift`` as in ``motors.mouthpiece_motion``.
@@ -88,7 +126,7 @@ def used_fractions(jaw, muscles, limits, q, u, lift, force, fractions):
 
 
 @njit
-def set_general_limits(comfort, limits):
+def set_general_limits(comfort: ComfortRecord, limits: Limits):
     """Limits common to all patients: ``limits`` of force, speed and condyles' side, and all hard ones.
 
     ``comfort`` is a record of dtype ``COMFORT``.

@@ -11,30 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.comfort import COMFORT_LIMITS, N_LIMITS
+from jawenv.device.comfort import COMFORT, COMFORT_LIMITS
 from jawenv.errors import InputError
 from jawenv.files import instance_of
-from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.kernels.records import record_zeros
 from jawenv.numeric_fields import NumericFields, number
 
 __all__ = ["COMFORT", "Comfort", "comfort_of"]
 
-COMFORT = record_dtype(
-    [
-        ("force", "f8"),
-        ("speed", "f8"),
-        ("condyle_side", "f8"),
-        ("side", "f8"),
-        ("fore_aft", "f8"),
-        ("painless_force", "f8"),
-        ("painless_range", "f8"),
-        ("largest_opening", "f8"),
-        ("condyle_back", "f8"),
-        ("condyle_free", "f8"),
-        ("tension_margin", "f8"),
-        ("hard", "f8", N_LIMITS),  # over the soft limit, in the order of COMFORT_LIMITS
-    ],
-)
 LEAST_HARD = 1.05  # over the soft limit: the cost grows from 0 to 1 between them, and the governor needs room
 SMALLEST_RANGE_MM = 5.0  # of a patient whom the device can treat: a painless range below is none
 

@@ -8,47 +8,59 @@ mouthpiece; the linkage multiplies the motor's thrust by ``lever`` and divides i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.files import instance_of
-from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.kernels.records import Array, record_dtype, record_zeros
 from jawenv.numeric_fields import NumericFields, number
 
 N_MOTORS = 4
 MOTOR_NAMES = ("vertical_left", "vertical_right", "horizontal_left", "horizontal_right")
 
-DEVICE = record_dtype(
-    [
-        ("point", "f8", (N_MOTORS, 3)),  # from the mouthpiece's point, body axes
-        ("direction", "f8", (N_MOTORS, 3)),  # of positive thrust, head axes
-        ("full_scale", "f8"),
-        ("thrust_continuous", "f8"),
-        ("thrust_peak", "f8"),
-        ("no_load_speed", "f8"),
-        ("thermal_time", "f8"),
-        ("force_cap", "f8"),
-        ("slew", "f8"),
-        ("lag", "f8"),
-        ("max_rate", "f8"),
-        ("servo_stiffness", "f8"),
-        ("servo_damping", "f8"),
-        ("stop_stiffness", "f8"),
-        ("stop_damping", "f8"),
-        ("brake", "f8"),
-        ("unmodelled_force", "f8"),
-        ("unmodelled_moment", "f8"),
-        ("unmodelled_time", "f8"),
-        ("cell_force", "f8"),
-        ("cell_moment", "f8"),
-        ("cell_gain", "f8"),
-        ("encoder_position", "f8"),
-        ("encoder_angle", "f8"),
-        ("encoder_velocity", "f8"),
-        ("encoder_rate", "f8"),
-    ],
-)
+
+class DeviceRecord:
+    """The device, SI units."""
+
+    point: Annotated[Array, N_MOTORS, 3]  # from the mouthpiece's point, body axes
+    direction: Annotated[Array, N_MOTORS, 3]  # of positive thrust, head axes
+    full_scale: float
+    thrust_continuous: float
+    thrust_peak: float
+    no_load_speed: float
+    thermal_time: float
+    force_cap: float
+    slew: float
+    lag: float
+    max_rate: float
+    servo_stiffness: float
+    servo_damping: float
+    stop_stiffness: float
+    stop_damping: float
+    brake: float
+    unmodelled_force: float
+    unmodelled_moment: float
+    unmodelled_time: float
+    cell_force: float
+    cell_moment: float
+    cell_gain: float
+    encoder_position: float
+    encoder_angle: float
+    encoder_velocity: float
+    encoder_rate: float
+
+
+DEVICE = record_dtype(DeviceRecord)
+
+
+class Linkage:
+    """Of the device, what moves its motors."""
+
+    # The directions first: a record that began as the device's does would be taken for a part of it.
+    direction: Annotated[Array, N_MOTORS, 3]
+    point: Annotated[Array, N_MOTORS, 3]
 
 
 @dataclass(frozen=True)

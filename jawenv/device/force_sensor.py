@@ -24,10 +24,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.device.device import N_MOTORS, Device
+from jawenv.device.device import N_MOTORS, Device, DeviceRecord, Linkage
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply_transposed, cross, dot, row3, scale
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
 from jawenv.mechanics.unknowns import N_MOTOR_ERRORS
 
@@ -100,7 +101,7 @@ assert N_MOTOR_ERRORS == 5, "sds of gain, two frictions and two turns"
 
 
 @njit
-def motor_forces(linkage, body_to_head, wrench):
+def motor_forces(linkage: DeviceRecord | Linkage, body_to_head, wrench):
     """The four forces along the motors' directions that make a wrench (six numbers, body axes) best.
 
     ``linkage`` has ``point`` and ``direction`` of the device: motors in pairs, left and right, on the body's y axis.
@@ -124,7 +125,7 @@ def motor_forces(linkage, body_to_head, wrench):
 
 
 @njit
-def motor_rates(linkage, jaw, q, u):
+def motor_rates(linkage: DeviceRecord | Linkage, jaw: Jaw, q, u):
     """Rates (m/s) of the four motors' points along their directions, of a jaw on its path."""
     body_to_head = rotation(q)
     point, velocity = mouthpiece_motion(jaw, q, u, ON_PATH, body_to_head)
@@ -162,7 +163,7 @@ def moving_motors(shares, first, last, part, dt):
 
 
 @njit
-def error_wrench(linkage, errors, motors, body_to_head):
+def error_wrench(linkage: DeviceRecord | Linkage, errors, motors, body_to_head):
     """The wrench beyond the readings, force and moment (body axes), for ``errors`` (4, 6).
 
     ``motors`` is (forces, shares of Coulomb's friction, rates), of four each.
@@ -197,7 +198,7 @@ def read_forces(errors, forces, shares, rates):
 
 
 @njit
-def read_force(device, jaw, truth, dt, samples):
+def read_force(device: DeviceRecord, jaw: Jaw, truth, dt, samples):
     """Make of true wrenches what the sensors read of them, in ``samples`` (3, 6), to which noise may have been added.
 
     ``truth`` is a world's, at the end of the tick: its ``friction_share`` is that of the tick before, and becomes this

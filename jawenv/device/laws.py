@@ -10,6 +10,7 @@ from math import cos, sin
 from typing import NamedTuple
 
 from jawenv.anatomy import default_mandible
+from jawenv.device.device import DeviceRecord
 from jawenv.kernels.compiled import njit
 
 _MOUTHPIECE_X, _MOUTHPIECE_Z = 1e3 * default_mandible().mouthpiece_m[0], 1e3 * default_mandible().mouthpiece_m[2]
@@ -63,7 +64,7 @@ class Wanted(NamedTuple):
 
 
 @njit
-def arms_mm(device):
+def arms_mm(device: DeviceRecord):
     """How far the vertical and the horizontal motors push from the midline, mm."""
     return 1e3 * abs(device.point[0, 1]), 1e3 * abs(device.point[2, 1])
 
@@ -89,7 +90,7 @@ def set_motors(action, down, forward, roll, yaw, full):
 
 
 @njit
-def servo_rates(device, targets, felt, action):
+def servo_rates(device: DeviceRecord, targets: Wanted, felt: Felt, action):
     """Rates of the motors' targets, as shares of the largest, into ``action`` (4)."""
     vertical_arm, horizontal_arm = arms_mm(device)
     down = within(targets.opening_rate + CORRECTION * (targets.opening - felt.opening), FASTEST)
@@ -101,7 +102,7 @@ def servo_rates(device, targets, felt, action):
 
 
 @njit
-def thrusts(device, targets, felt, holds_roll, integral, dt, action):
+def thrusts(device: DeviceRecord, targets: Wanted, felt: Felt, holds_roll, integral, dt, action):
     """Thrusts of the motors, as shares of full scale, into ``action`` (4); changes ``integral`` (3)."""
     opened = min(max(felt.opened, 0.0), 1.0)
     # How much stiffer than typical: a typical jaw takes twice its stiffness times the opening, as it must be lifted off

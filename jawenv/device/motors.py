@@ -12,6 +12,7 @@ While a stop or the brake works, the motors yield to it. The governor does not k
 from __future__ import annotations
 
 from math import exp
+from typing import Annotated
 
 from jawenv.device.comfort import (
     CONDYLE_FORE_AFT,
@@ -21,13 +22,16 @@ from jawenv.device.comfort import (
     OPENING,
     SIDE,
     SPEED,
+    Limits,
+    excursions,
 )
-from jawenv.device.device import N_MOTORS
-from jawenv.device.linkage import excursions
+from jawenv.device.device import N_MOTORS, DeviceRecord, Linkage
 from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.kernels.lanes import all_lines
+from jawenv.kernels.records import Array
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import smooth_ramp, totals
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 ON_PATH = (0.0, 0.0)  # lift of a jaw whose condyles' midpoint is on its path
@@ -37,8 +41,19 @@ IDLE, CAPPED, BRAKED, STOPPED, STOPPED_AND_BRAKED = 0.0, 1.0, 2.0, 3.0, 4.0
 YIELD_FORCE = 8.0  # N of stops and brake at which the motors have yielded altogether
 
 
+class Motors:
+    """The motors."""
+
+    thrust: Annotated[Array, N_MOTORS]
+    command: Annotated[Array, N_MOTORS]
+    target: Annotated[Array, N_MOTORS]
+    rate: Annotated[Array, N_MOTORS]
+    cap: Annotated[Array, N_MOTORS]
+    heat: Annotated[Array, N_MOTORS]
+
+
 @njit_inlined
-def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
+def motor_point(device: DeviceRecord | Linkage, jaw: Jaw, i, body_to_head, mouthpiece, velocity, omega):
     """Arm from the mouthpiece (head axes), position along the motor's axis and its rate, for motor i, or all."""
     point = row3(device.point, i)
     arm = apply(body_to_head, point)
@@ -49,7 +64,7 @@ def motor_point(device, jaw, i, body_to_head, mouthpiece, velocity, omega):
 
 
 @njit_inlined
-def mouthpiece_motion(jaw, q, u, lift, body_to_head):
+def mouthpiece_motion(jaw: Jaw, q, u, lift, body_to_head):
     """Place and velocity of the mouthpiece in head axes.
 
     ``lift`` is what the condyles' midpoint is above its path (m), and its rate (m/s): zero in the midline model.
@@ -62,7 +77,7 @@ def mouthpiece_motion(jaw, q, u, lift, body_to_head):
 
 
 @njit
-def command_motors(device, jaw, motors, motion, action, trajectory, dt):
+def command_motors(device: DeviceRecord, jaw: Jaw, motors: Motors, motion, action, trajectory, dt):
     """Take the action (4, in [-1, 1]) for the next ``dt``: new thrust or target rate, cap and heat of each motor.
 
     ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it.
@@ -93,7 +108,7 @@ def command_motors(device, jaw, motors, motion, action, trajectory, dt):
 
 
 @njit_inlined
-def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
+def device_wrench(device: DeviceRecord, jaw: Jaw, limits: Limits, motors: Motors, motion, since, trajectory):
     """Wrench on the mouthpiece (force and moment, body axes) ``since`` seconds after the command, and what acted.
 
     ``motion`` is (q, u, lift), as ``envs.world.plants`` describes it. The last value says what of the governor acts:
@@ -137,14 +152,14 @@ def device_wrench(device, jaw, limits, motors, motion, since, trajectory):
 
 
 @njit_inlined
-def end_stop(device, travel, limit, rate):
+def end_stop(device: DeviceRecord, travel, limit, rate):
     """Push back of a one-sided stop at ``limit`` (0 or less inside)."""
     ramp, steepness = smooth_ramp(travel - limit, STOP_ONSET_WIDTH)
     return max(0.0, device.stop_stiffness * ramp + device.stop_damping * steepness * rate)
 
 
 @njit_inlined
-def end_stops(device, jaw, limits, point, velocity):
+def end_stops(device: DeviceRecord, jaw: Jaw, limits: Limits, point, velocity):
     """Force of the mouthpiece's stops (head axes); zero inside their travel."""
     opening, side, fore_aft = excursions(limits, jaw, point)
     side_limit = limits.side * limits.onset[SIDE]
@@ -157,7 +172,7 @@ def end_stops(device, jaw, limits, point, velocity):
 
 
 @njit_inlined
-def condyle_stop(device, limits, q, u):
+def condyle_stop(device: DeviceRecord, limits: Limits, q, u):
     """Force of the slide's stops on the condyles (head axes); zero inside their travel."""
     x, y = q[0] - limits.condyle_middle, q[1] - limits.rest_condyle_side
     forward_limit = limits.condyle_half * limits.onset[CONDYLE_FORE_AFT]

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from math import sqrt
 
-from jawenv.device.device import N_MOTORS
+from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import BRAKED, STOPPED, STOPPED_AND_BRAKED
 from jawenv.kernels.compiled import njit
+from jawenv.mechanics.jaw import Jaw
 
 
 @njit
-def held_rate(device, jaw, trajectory, acted, free_rate):
+def held_rate(device: DeviceRecord, jaw: Jaw, trajectory, acted, free_rate):
     """Bound on the rate (1/s) of a jaw of this ``free_rate``, while the device holds it.
 
     Args:

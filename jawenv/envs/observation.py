@@ -6,20 +6,18 @@ all that a device would have (``world.record.known_dtype``).
 
 from __future__ import annotations
 
-from functools import cache
 from math import log10, sqrt
 
-import numpy as np
-
-from jawenv.device.comfort import N_LIMITS, used_fractions
-from jawenv.device.device import N_MOTORS
-from jawenv.device.linkage import excursions
+from jawenv.device.comfort import N_LIMITS, excursions, used_fractions
+from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
+from jawenv.envs.world.record import Control, Known, Seeing
 from jawenv.errors import InputError
 from jawenv.filter.motion.joint_step import set_muscles
+from jawenv.filter.state import FilterSettings
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import midline_motion, split_body
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
 
 OBSERVATION_BOUND = 10.0
@@ -89,23 +87,6 @@ _MARGIN = _REST["comfort_margin"].start
 _TIME = _REST["time_left"].start
 
 
-CONTROL = record_dtype(
-    [
-        ("servo", "u1"),  # whether servos hold the motors
-        ("targets", "u1"),  # whether the action is the channels' targets
-        ("steps", "i8"),  # in an episode
-        ("ticks_per_step", "i8"),
-    ],
-)
-"""How the device is commanded, for all worlds of an environment."""
-
-
-@cache
-def seeing_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of the working memory of ``observe_world``."""
-    return record_dtype([("muscles", "f8", (n_lines, 2)), ("fractions", "f8", N_LIMITS)])
-
-
 @njit
 def bounded(value):
     """``value`` inside the observation's bounds; not-a-number becomes the lower bound."""
@@ -115,7 +96,7 @@ def bounded(value):
 
 
 @njit
-def filtered_motion(model, mean):
+def filtered_motion(model: Jaw, mean):
     """The estimated motion in the midline model's coordinates, and the lift of the condyles' midpoint."""
     if model.condyles == 2:
         body_q, body_u = split_body(mean)
@@ -126,14 +107,16 @@ def filtered_motion(model, mean):
 
 
 @njit
-def observe_world(device, model, known, control, prior, scratch, row):
+def observe_world(
+    device: DeviceRecord, model: Jaw, known: Known, control: Control, prior: FilterSettings, scratch: Seeing, row
+):
     """Fill one row of the observation.
 
     Args:
         device: Record of dtype ``DEVICE``.
         model: The jaw as the filter knows it.
         known: Record of dtype ``known_dtype``.
-        control: Record of dtype ``CONTROL``.
+        control: Record of dtype ``Control``.
         prior: Record with ``prior_mean`` and ``prior_sd``: the filter's settings.
         scratch: Record of dtype ``seeing_dtype``.
         row: (size,) float32, filled.

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jawenv.device.comfort import COMFORT_LIMITS, OPENING
-from jawenv.device.linkage import excursions
+from jawenv.device.comfort import COMFORT_LIMITS, OPENING, excursions
 from jawenv.envs.info import WorldReader
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.plants import TICK

@@ -26,9 +26,9 @@ from jawenv.envs.world.belief_kernel import show_beliefs
 from jawenv.envs.world.bound_kernel import track_bound
 from jawenv.envs.world.kept_ticks import true_tick_dtype
 from jawenv.envs.world.plants import TICK
-from jawenv.envs.world.record import world_dtype
+from jawenv.envs.world.record import settings_dtype, world_dtype
 from jawenv.envs.world.reset_kernel import begin, beginning_dtype
-from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype, settings_dtype
+from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dtype
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype

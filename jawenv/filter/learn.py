@@ -2,30 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
+from typing import Annotated
+
+import numpy as np
 
 from jawenv.filter.alarm.misfit import move_block, set_misfit
 from jawenv.filter.belief.basis import N_NODES, set_coefficients
-from jawenv.filter.belief.posterior import posterior_dtype, update_belief
+from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.state import tension_columns
+from jawenv.filter.state import Belief, FilterSettings, Nuisances, tension_columns
 from jawenv.kernels.compiled import njit
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.unknowns import FARTHEST
 
 
-def belief_fields(n_muscles: int, n_nuisances: int = 0) -> list[Any]:
-    """Fields of the working memory of ``learn``."""
-    return [
-        ("posterior", posterior_dtype(n_muscles, n_nuisances)),
-        ("after", "f8", (n_muscles, N_NODES)),
-        ("row", "f8", (tension_columns(n_muscles, n_nuisances),)),
-        ("carried", "f8", (N_NODES, N_NODES)),
-    ]
+class LearnScratch:
+    """Working memory of ``learn``."""
+
+    posterior: PosteriorScratch
+    after: Annotated[Array, "muscles", N_NODES]
+    row: Annotated[Array, "columns"]
+    carried: Annotated[Array, N_NODES, N_NODES]
+
+
+@cache
+def learn_scratch_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
+    """Dtype of ``LearnScratch``."""
+    return record_dtype(
+        LearnScratch,
+        posterior=posterior_dtype(n_muscles, n_nuisances),
+        muscles=n_muscles,
+        columns=tension_columns(n_muscles, n_nuisances),
+    )
 
 
 @njit
-def recentre(belief, settings, scratch):
+def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """Move motion and score to the belief's mean."""
     nodes = belief.nominal.shape[1]
     set_coefficients(belief.basis, belief.mean, scratch.after)
@@ -46,7 +60,7 @@ def recentre(belief, settings, scratch):
 
 
 @njit
-def move_nuisances(belief, first, row, nuisances, scratch):
+def move_nuisances(belief: Belief, first, row, nuisances: Nuisances, scratch: PosteriorScratch):
     """The nuisances' mean moves to the most probable one at the new tensions, by ``row`` from ``first`` + 1 on.
 
     None goes beyond ``FARTHEST``, where a model is none any more. The gain error, at ``first``, is where it is: its
@@ -85,7 +99,7 @@ def solve_decomposed(factor, right):
 
 
 @njit
-def learn(belief, settings, scratch):
+def learn(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """The belief about the parameters from all information so far; motion and score move to its mean."""
     update_belief(belief, settings, scratch.posterior)
     recentre(belief, settings, scratch)

@@ -15,46 +15,62 @@ readings.
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf, isfinite
-from typing import Any
+from typing import Annotated
+
+import numpy as np
 
 from jawenv.filter.belief.basis import set_derivatives
 from jawenv.filter.motion.instrument import set_rows_of_past
-from jawenv.filter.nuisances.changes import add_nuisance_readings, nuisance_fields
+from jawenv.filter.nuisances.changes import NuisanceScratch, add_nuisance_readings, nuisance_scratch_dtype
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.filter.state import Belief, FilterSettings, lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_product, whiten
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
+from jawenv.mechanics.jaw import Jaw
 
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
 EXPECTED, SURPRISING, REFUSED = 0, 1, 2
 
 
-def measurement_update_fields(n_muscles: int, n_lines: int, n_motion: int, n_nuisances: int = 0) -> list[Any]:
-    """Fields of the working memory of the measurement update; ``n_motion`` counts motion and disturbance."""
+class UpdateScratch:
+    """Working memory of the measurement update."""
+
+    nuisances: NuisanceScratch
+    whitened_nuisances: Annotated[Array, "shared", N_MEASUREMENTS]
+    rows: Annotated[Array, N_MEASUREMENTS, "motion"]  # H
+    expected: Annotated[Array, N_MEASUREMENTS]
+    innovation: Annotated[Array, N_MEASUREMENTS]
+    variance: Annotated[Array, N_MEASUREMENTS]  # R
+    factor: Annotated[Array, N_MEASUREMENTS, N_MEASUREMENTS]  # L
+    whitened_innovation: Annotated[Array, N_MEASUREMENTS]
+    whitened_motion: Annotated[Array, N_MEASUREMENTS, "motion"]  # L^-1 H P
+    by_tension_rows: Annotated[Array, N_MEASUREMENTS, "columns"]  # H by_tension, then whitened
+    gain: Annotated[Array, "motion", N_MEASUREMENTS]  # transpose of ``whitened_motion``
+    by_log: Annotated[Array, "columns", "parameters"]  # derivative of the coefficients by the parameters
+    by_log_rows: Annotated[Array, N_MEASUREMENTS, "parameters"]
+    spread: Annotated[Array, N_MEASUREMENTS, "parameters"]
+
+
+@cache
+def update_scratch_dtype(n_muscles: int, n_lines: int, n_motion: int, n_nuisances: int = 0) -> np.dtype[np.void]:
+    """Dtype of ``UpdateScratch``."""
     columns, parameters = tension_columns(n_muscles, n_nuisances), 2 * n_muscles
-    return [
-        ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
-        ("whitened_nuisances", "f8", (n_nuisances + 1, N_MEASUREMENTS)),
-        ("rows", "f8", (N_MEASUREMENTS, n_motion)),  # H
-        ("expected", "f8", (N_MEASUREMENTS,)),
-        ("innovation", "f8", (N_MEASUREMENTS,)),
-        ("variance", "f8", (N_MEASUREMENTS,)),  # R
-        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L
-        ("whitened_innovation", "f8", (N_MEASUREMENTS,)),
-        ("whitened_motion", "f8", (N_MEASUREMENTS, n_motion)),  # L^-1 H P
-        ("by_tension_rows", "f8", (N_MEASUREMENTS, columns)),  # H by_tension, then whitened
-        ("gain", "f8", (n_motion, N_MEASUREMENTS)),  # transpose of ``whitened_motion``
-        ("by_log", "f8", (columns, parameters)),  # derivative of the coefficients by the parameters
-        ("by_log_rows", "f8", (N_MEASUREMENTS, parameters)),
-        ("spread", "f8", (N_MEASUREMENTS, parameters)),
-    ]
+    return record_dtype(
+        UpdateScratch,
+        nuisances=nuisance_scratch_dtype(n_lines, n_nuisances),
+        shared=n_nuisances + 1,
+        motion=n_motion,
+        columns=columns,
+        parameters=parameters,
+    )
 
 
 @njit
-def set_innovation(jaw, motion, measured, variances, used, scratch):
+def set_innovation(jaw: Jaw, motion, measured, variances, used, scratch: UpdateScratch):
     """Innovations, rows and variances of the readings in use."""
     expect(jaw, motion, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):
@@ -67,7 +83,7 @@ def set_innovation(jaw, motion, measured, variances, used, scratch):
 
 
 @njit
-def set_factor(covariance, scratch):
+def set_factor(covariance, scratch: UpdateScratch):
     """S = H P H^T + R into the lower half of ``factor``; H P into ``whitened_motion``, not whitened yet."""
     rows, factor, moved = scratch.rows, scratch.factor, scratch.whitened_motion
     multiply(rows, covariance, moved)
@@ -80,7 +96,7 @@ def set_factor(covariance, scratch):
 
 
 @njit
-def squared_length(scratch):
+def squared_length(scratch: UpdateScratch):
     """Innovation whitened by ``factor``, its squared length: NIS, the normalised innovation squared."""
     total = 0.0
     for i in range(N_MEASUREMENTS):
@@ -94,7 +110,7 @@ def squared_length(scratch):
 
 
 @njit
-def normalised_innovation(belief, scratch):
+def normalised_innovation(belief: Belief, scratch: UpdateScratch):
     """NIS given the parameters' mean; leaves ``factor``. Infinite if S is not positive definite."""
     set_factor(belief.motion_cov, scratch)
     if not decompose(scratch.factor):
@@ -104,7 +120,7 @@ def normalised_innovation(belief, scratch):
 
 
 @njit
-def add_muscles(belief, scratch):
+def add_muscles(belief: Belief, scratch: UpdateScratch):
     """Add to S, in the lower half of ``factor``, the innovation covariance due to the parameters' uncertainty."""
     set_derivatives(belief.basis, belief.mean, scratch.by_log)
     multiply(scratch.by_tension_rows, scratch.by_log, scratch.by_log_rows)
@@ -117,7 +133,7 @@ def add_muscles(belief, scratch):
 
 
 @njit
-def add_nuisances(belief, scratch):
+def add_nuisances(belief: Belief, scratch: UpdateScratch):
     """Add the same due to gain error and nuisances at given tensions."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1]
     rows, turned = scratch.by_tension_rows, scratch.whitened_nuisances
@@ -132,7 +148,7 @@ def add_nuisances(belief, scratch):
 
 
 @njit
-def judge_innovation(belief, start_sd, scratch):
+def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
     """The innovation's explanation, ``EXPECTED`` and so on; widens the motion if there is none. Leaves ``factor``."""
     nis = normalised_innovation(belief, scratch)
     if nis <= GATE:
@@ -153,7 +169,7 @@ def judge_innovation(belief, start_sd, scratch):
 
 
 @njit_within
-def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
+def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: FilterSettings, scratch: UpdateScratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
@@ -163,7 +179,7 @@ def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
         used: (12,).
         resolved: Whether something can be learnt from them, see ``readings.screening``.
         settings: Variances of the encoders, sds that the motion is reset to where S is not positive definite, and the
-            nuisances (``tick.filter_settings_dtype``).
+            nuisances (``FilterSettings``).
         scratch: Working memory.
     """
     set_innovation(jaw, belief.motion, measured, settings.measurement_variance, used, scratch)
@@ -182,7 +198,7 @@ def update_motion(jaw, belief, measured, used, resolved, settings, scratch):
 
 
 @njit
-def correct_motion(belief, scratch):
+def correct_motion(belief: Belief, scratch: UpdateScratch):
     """Kalman update of motion, covariance and derivative by the tensions, given ``factor``."""
     correct_state(belief, scratch)
     whiten(scratch.factor, scratch.by_tension_rows)
@@ -190,7 +206,7 @@ def correct_motion(belief, scratch):
 
 
 @njit
-def correct_state(belief, scratch):
+def correct_state(belief: Belief, scratch: UpdateScratch):
     """Kalman update of motion and covariance, given ``factor``; leaves ``gain``."""
     whitened, innovation, gain = scratch.whitened_motion, scratch.whitened_innovation, scratch.gain
     whiten(scratch.factor, whitened)
@@ -202,7 +218,7 @@ def correct_state(belief, scratch):
 
 
 @njit
-def add_information(belief, scratch):
+def add_information(belief: Belief, scratch: UpdateScratch):
     """Add the innovations' information and score about the tensions."""
     rows, score, innovation = scratch.by_tension_rows, belief.score, scratch.whitened_innovation
     for i in range(N_MEASUREMENTS):

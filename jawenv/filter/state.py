@@ -1,4 +1,4 @@
-"""State of the online filter, and its initialisation.
+"""State and settings of the online filter, and its initialisation.
 
 Three parts make the bias-separated form of the Kalman filter (Friedland 1969, IEEE Trans. Autom. Control 14:359):
 
@@ -15,18 +15,22 @@ data, and the constant parameters need no process noise. The belief about the na
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
-from jawenv.device.device import N_MOTORS
-from jawenv.filter.alarm.drift import begin_drift, drift_dtype
-from jawenv.filter.belief.basis import N_NODES, basis_dtype, set_coefficients
+from jawenv.device.device import N_MOTORS, Linkage
+from jawenv.device.force_sensor import N_ERRORS
+from jawenv.filter.belief.basis import N_NODES, Basis, basis_dtype, set_coefficients
 from jawenv.filter.motion.motion_step import padded
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.jaw import jaw_dtype
+from jawenv.mechanics.jaw import Jaw
+
+KEPT = 7  # beliefs, each after twice as many readings as the one before
 
 
 def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
@@ -34,68 +38,158 @@ def tension_columns(n_muscles: int, n_nuisances: int = 0) -> int:
     return padded(n_muscles * N_NODES + 1 + n_nuisances)
 
 
-@cache
-def block_dtype(columns: int) -> np.dtype[np.void]:
-    """Dtype of the sums of a block of ticks, see ``misfit``."""
-    fields = [
-        ("ticks", "i8"),
-        ("innovation", "f8", (N_MEASUREMENTS,)),  # whitened
-        ("rows", "f8", (N_MEASUREMENTS, columns)),  # whitened rows by tension
-        ("largest", "f8"),  # misfit of the blocks so far
-        ("second", "f8"),
-    ]
-    return record_dtype(fields)
+class Block:
+    """Sums of a block of ticks, see ``misfit``."""
+
+    ticks: int
+    innovation: Annotated[Array, N_MEASUREMENTS]  # whitened
+    rows: Annotated[Array, N_MEASUREMENTS, "columns"]  # whitened rows by tension
+    largest: float  # misfit of the blocks so far
+    second: float
+
+
+class Drift:
+    """The kept beliefs and the largest drift."""
+
+    kept: int
+    judged: int  # readings at the last judgement
+    means: Annotated[Array, KEPT, "parameters"]
+    factors: Annotated[Array, KEPT, "parameters", "parameters"]  # of the covariances, as ``decompose`` leaves them
+    step: Annotated[Array, "parameters"]
+    largest: float
+
+
+class Belief:
+    """The filter's state."""
+
+    motion: Annotated[Array, "motion"]  # and after it the disturbance, where it has memory
+    motion_cov: Annotated[Array, "motion", "motion"]
+    by_tension: Annotated[Array, "motion", "columns"]
+    information: Annotated[Array, "columns", "columns"]
+    score: Annotated[Array, "columns"]
+    basis: Basis
+    block: Block
+    drift: Drift
+    misfit: float  # the alarm, see ``misfit``
+    nominal: Annotated[Array, "muscles", N_NODES]  # c at ``mean``
+    nuisances: Annotated[Array, "nuisances"]  # their mean, in prior sds
+    nuisances_replayed_at: Annotated[Array, "nuisances"]
+    friction_share: Annotated[Array, "motors"]  # see ``device.force_sensor``
+    jaw: Jaw  # the filter's model at that mean, where there are nuisances
+    predicted: Annotated[Array, "predicted"]  # motion at the tick's end as the past alone has it
+    smoothed: Annotated[Array, N_WRENCH]  # the load cell's trend over a shorter time, corrected
+    # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
+    nuisance_factor: Annotated[Array, "shared", "shared"]
+    mean: Annotated[Array, "parameters"]  # natural logs
+    cov: Annotated[Array, "parameters", "parameters"]
+    replayed_at: Annotated[Array, "parameters"]  # mean at which the readings were last filtered from the first on
+    trend: Annotated[Array, N_WRENCH]  # of the load cell
+    readings: int  # ticks at the end of which an encoder was used
+    waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
+    gated: int  # ticks whose innovation the gate rejected when they were read
+    last_measured: Annotated[Array, N_MEASUREMENTS]
+    encoder_step: Annotated[Array, N_MEASUREMENTS]  # see ``readings.screening``; infinite before a change
+    repeats: Annotated[Array, N_MEASUREMENTS]  # how often in a row each encoder has shown the same; infinite if frozen
+    cell_step: Annotated[Array, N_WRENCH]
+    unchanged_at: Annotated[Array, 6]  # pose (q) when the load cell last changed
+    held_sample: Annotated[Array, N_WRENCH]
+    lost_for: Annotated[Array, N_WRENCH]  # s since the load cell's component was used
 
 
 @cache
 def belief_dtype(
     n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
 ) -> np.dtype[np.void]:
-    """Dtype of the filter's state."""
-    size, parameters, n_motion = tension_columns(n_muscles, n_nuisances), 2 * n_muscles, n_states + n_disturbance
-    fields = [
-        ("motion", "f8", (n_motion,)),  # and after it the disturbance, where it has memory
-        ("motion_cov", "f8", (n_motion, n_motion)),
-        ("by_tension", "f8", (n_motion, size)),
-        ("information", "f8", (size, size)),
-        ("score", "f8", (size,)),
-        ("basis", basis_dtype(n_muscles)),
-        ("block", block_dtype(size)),
-        ("drift", drift_dtype(parameters)),
-        ("misfit", "f8"),  # the alarm, see ``misfit``
-        ("nominal", "f8", (n_muscles, N_NODES)),  # c at ``mean``
-        ("nuisances", "f8", (n_nuisances,)),  # their mean, in prior sds
-        ("nuisances_replayed_at", "f8", (n_nuisances,)),
-        ("friction_share", "f8", (N_MOTORS if n_nuisances else 0,)),  # see ``device.force_sensor``
-        ("jaw", jaw_dtype(n_lines if n_nuisances else 1)),  # the filter's model at that mean, where there are nuisances
-        (
-            "predicted",
-            "f8",
-            (n_states if n_nuisances + n_disturbance else 0,),
-        ),  # motion at the tick's end as the past alone has it
-        ("smoothed", "f8", (N_WRENCH,)),  # the load cell's trend over a shorter time, corrected
-        # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions
-        ("nuisance_factor", "f8", (n_nuisances + 1, n_nuisances + 1)),
-        ("mean", "f8", (parameters,)),  # natural logs
-        ("cov", "f8", (parameters, parameters)),
-        ("replayed_at", "f8", (parameters,)),  # mean at which the readings were last filtered from the first on
-        ("trend", "f8", (N_WRENCH,)),  # of the load cell
-        ("readings", "i8"),  # ticks at the end of which an encoder was used
-        ("waits", "i8"),  # ticks of which nothing is learnt from here on, see ``readings.screening``
-        ("gated", "i8"),  # ticks whose innovation the gate rejected when they were read
-        ("last_measured", "f8", (N_MEASUREMENTS,)),
-        ("encoder_step", "f8", (N_MEASUREMENTS,)),  # see ``readings.screening``; infinite before a change
-        ("repeats", "f8", (N_MEASUREMENTS,)),  # how often in a row each encoder has shown the same; infinite if frozen
-        ("cell_step", "f8", (N_WRENCH,)),
-        ("unchanged_at", "f8", (6,)),  # pose (q) when the load cell last changed
-        ("held_sample", "f8", (N_WRENCH,)),
-        ("lost_for", "f8", (N_WRENCH,)),  # s since the load cell's component was used
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Belief``."""
+    return record_dtype(
+        Belief,
+        motion=n_states + n_disturbance,
+        columns=tension_columns(n_muscles, n_nuisances),
+        muscles=n_muscles,
+        parameters=2 * n_muscles,
+        nuisances=n_nuisances,
+        shared=n_nuisances + 1,
+        motors=N_MOTORS if n_nuisances else 0,
+        predicted=n_states if n_nuisances + n_disturbance else 0,
+        lines=n_lines if n_nuisances else 1,
+    )
+
+
+class Nuisances:
+    """The changes that one sd of each nuisance makes."""
+
+    mass: Annotated[Array, "nuisances"]
+    # Mass times centre of mass: the equations of motion are linear in these.
+    first_moment: Annotated[Array, "nuisances", 3]
+    inertia: Annotated[Array, "nuisances", 9]  # about the contact point
+    gravity: Annotated[Array, "nuisances", 3]  # head axes
+    tone: Annotated[Array, "nuisances"]
+    fossa_drop: Annotated[Array, "nuisances"]
+    fossa_frequency: Annotated[Array, "nuisances"]
+    damping_rotation: Annotated[Array, "nuisances"]
+    damping_sliding: Annotated[Array, "nuisances"]
+    mouthpiece: Annotated[Array, "nuisances", 3]
+    origin: Annotated[Array, "nuisances", "ends"]
+    insertion: Annotated[Array, "nuisances", "ends"]
+    l_o: Annotated[Array, "nuisances", "lines"]
+    offset: Annotated[Array, "nuisances", N_WRENCH]  # of the load cell's reading
+    turn: Annotated[Array, "nuisances", 3]  # of the mouthpiece about body axes, rad
+    cell_turn: Annotated[Array, "nuisances", 3]  # of the load cell, with the mouthpiece and by itself
+    line: Annotated[NDArray[np.int64], "nuisances"]  # whose ends it moves and nothing else, or -1
+    moves: Annotated[NDArray[np.uint8], "nuisances"]  # whether it is in the equations of motion elsewhere
+    in_cell: Annotated[NDArray[np.uint8], "nuisances"]  # whether the load cell reads it
+    turns: Annotated[NDArray[np.uint8], "nuisances"]  # whether it turns what the encoders read
+    reads: Annotated[NDArray[np.uint8], "nuisances"]  # whether the encoders read it at the same motion
+    # Whether it is one of a force that no load cell reads, and of nothing else.
+    of_motors: Annotated[NDArray[np.uint8], "nuisances"]
+    motor_errors: Annotated[Array, "nuisances", N_MOTORS, N_ERRORS]  # see ``device.force_sensor``
+    linkage: Linkage
+
+
+@cache
+def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
+    """Dtype of ``Nuisances``."""
+    return record_dtype(Nuisances, nuisances=n, ends=3 * n_lines, lines=n_lines)
+
+
+class FilterSettings:
+    """The filter's settings: device, prior and noise."""
+
+    dt: float
+    used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]
+    measurement_variance: Annotated[Array, N_MEASUREMENTS]
+    wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
+    lasting: float  # share of the force that the model may have wrong at a pose
+    gain_variance: float
+    cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
+    rough: Annotated[Array, 3]  # see ``screening.rough_change``
+    motion_only: bool  # whether the motion is filtered at the prior's mean, and nothing is learnt
+    start_sd: Annotated[Array, "motion"]  # of motion and disturbance before the first reading
+    disturbance_decay: float  # over a tick, of a disturbance with memory
+    disturbance_variance: Annotated[Array, "disturbance"]  # of its innovation in a tick
+    basis: Basis
+    prior_mean: Annotated[Array, "parameters"]
+    prior_sd: Annotated[Array, "parameters"]
+    nuisances: Nuisances
+
+
+@cache
+def filter_settings_dtype(
+    n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
+    """Dtype of ``FilterSettings``."""
+    return record_dtype(
+        FilterSettings,
+        motion=n_states + n_disturbance,
+        disturbance=n_disturbance,
+        basis=basis_dtype(n_muscles),
+        parameters=2 * n_muscles,
+        nuisances=nuisance_dtype(n_lines, n_nuisances),
+    )
 
 
 @njit
-def begin_motion(belief, motion, sd):
+def begin_motion(belief: Belief, motion, sd):
     """Set the mean of the motion (n) before the first reading, no disturbance, and the sds of both."""
     belief.motion[:] = 0.0
     for i in range(motion.shape[0]):
@@ -106,7 +200,7 @@ def begin_motion(belief, motion, sd):
 
 
 @njit
-def lose_motion(belief, sd):
+def lose_motion(belief: Belief, sd):
     """Reset the motion's covariance to ``sd`` (n), uncorrelated with the tensions; the mean stays."""
     belief.motion_cov[:, :] = 0.0
     for i in range(sd.shape[0]):
@@ -115,7 +209,7 @@ def lose_motion(belief, sd):
 
 
 @njit
-def begin_belief(basis, belief, log_parameters, prior_sd):
+def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
     """Initialise the parameters: mean ``log_parameters`` (p), the prior's sds.
 
     ``log_parameters`` are the prior's mean, or another linearisation point. The caller sets the motion.
@@ -137,7 +231,7 @@ def begin_belief(basis, belief, log_parameters, prior_sd):
 
 
 @njit
-def copy_basis(target, source):
+def copy_basis(target: Basis, source: Basis):
     """Target = source."""
     target.middle[:] = source.middle
     target.width[:] = source.width
@@ -148,7 +242,7 @@ def copy_basis(target, source):
 
 
 @njit
-def begin_block(block):
+def begin_block(block: Block):
     """Sums of no tick."""
     block.ticks = 0
     block.innovation[:] = 0.0
@@ -156,7 +250,13 @@ def begin_block(block):
 
 
 @njit
-def forget_readings(belief):
+def begin_drift(drift: Drift):
+    """Nothing is kept."""
+    drift.kept, drift.judged, drift.largest = 0, 0, 0.0
+
+
+@njit
+def forget_readings(belief: Belief):
     """Discard all information and sensor history; motion and belief stay."""
     belief.by_tension[:, :] = 0.0
     belief.information[:, :] = 0.0

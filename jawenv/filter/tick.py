@@ -4,34 +4,36 @@ from __future__ import annotations
 
 from functools import cache
 from math import sqrt
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jawenv.filter.alarm.misfit import add_to_block
-from jawenv.filter.belief.basis import basis_dtype, build_basis
-from jawenv.filter.learn import belief_fields, learn
+from jawenv.filter.belief.basis import build_basis
+from jawenv.filter.learn import LearnScratch, learn, learn_scratch_dtype
 from jawenv.filter.measurement_update import (
     EXPECTED,
     REFUSED,
     SURPRISING,
-    measurement_update_fields,
+    UpdateScratch,
     update_motion,
+    update_scratch_dtype,
 )
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.nuisances.changed_jaw import copy_jaw
-from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances, nuisance_dtype
+from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
-from jawenv.filter.state import begin_belief, begin_motion, forget_readings
-from jawenv.filter.time_update import predict_motion, time_update_fields
+from jawenv.filter.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
+from jawenv.filter.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import smooth_ramp
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.jaw import N_TEETH, Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
@@ -51,63 +53,45 @@ LIGHTEST_BITE = 0.2
 TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
 
-@cache
-def filter_settings_dtype(
-    n_muscles: int, n_states: int, n_lines: int = 1, n_nuisances: int = 0, n_disturbance: int = 0
-) -> np.dtype[np.void]:
-    """Dtype of the filter's settings: device, prior and noise."""
-    fields = [
-        ("dt", "f8"),
-        ("used", "u1", N_MEASUREMENTS),
-        ("measurement_variance", "f8", N_MEASUREMENTS),
-        ("wrench_variance", "f8", N_WRENCH),  # of the wrench not known
-        ("lasting", "f8"),  # share of the force that the model may have wrong at a pose
-        ("gain_variance", "f8"),
-        ("cell_repeats", "u1", N_WRENCH),  # whether a component of the load cell has no noise
-        ("rough", "f8", 3),  # see ``screening.rough_change``
-        ("motion_only", "u1"),  # whether the motion is filtered at the prior's mean, and nothing is learnt
-        ("start_sd", "f8", n_states + n_disturbance),  # of motion and disturbance before the first reading
-        ("disturbance_decay", "f8"),  # over a tick, of a disturbance with memory
-        ("disturbance_variance", "f8", (n_disturbance,)),  # of its innovation in a tick
-        ("basis", basis_dtype(n_muscles)),
-        ("prior_mean", "f8", (2 * n_muscles,)),
-        ("prior_sd", "f8", (2 * n_muscles,)),
-        ("nuisances", nuisance_dtype(n_lines, n_nuisances)),
-    ]
-    return record_dtype(fields)
+class Tick:
+    """One tick's readings for a replay of the filter: encoders at its end, load cell during it."""
+
+    measured: Annotated[Array, N_MEASUREMENTS]
+    samples: Annotated[Array, N_SAMPLES, N_WRENCH]
+    believed: Annotated[Array, "states"]  # motion before the first measurement; of row 0 alone
 
 
 @cache
 def tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of one tick's readings for a replay of the filter: encoders at its end, load cell during it."""
-    fields = [
-        ("measured", "f8", N_MEASUREMENTS),
-        ("samples", "f8", (N_SAMPLES, N_WRENCH)),
-        ("believed", "f8", (n_states,)),  # motion before the first measurement; of row 0 alone
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Tick``."""
+    return record_dtype(Tick, states=n_states)
+
+
+class FilterScratch:
+    """The filter's working memory, stage by stage."""
+
+    time: TimeScratch
+    update: UpdateScratch
+    belief: LearnScratch
+    samples: Annotated[Array, N_SAMPLES, N_WRENCH]  # of the load cell, screened
+    frozen: Annotated[NDArray[np.uint8], N_WRENCH]  # which components of it
+    wrench_variance: Annotated[Array, N_WRENCH]
+    used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]  # readings, screened
+    measured: Annotated[Array, N_MEASUREMENTS]  # corrected
+    verdict: int  # what explains them, see ``measurement_update``
 
 
 @cache
 def filter_scratch_dtype(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
 ) -> np.dtype[np.void]:
-    """Dtype of the filter's working memory, stage by stage."""
-    stages: dict[str, list[Any]] = {
-        "time": time_update_fields(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
-        "update": measurement_update_fields(n_muscles, n_lines, n_states + n_disturbance, n_nuisances),
-        "belief": belief_fields(n_muscles, n_nuisances),
-    }
-    fields: list[Any] = [(name, record_dtype(stage)) for name, stage in stages.items()]
-    fields += [
-        ("samples", "f8", (N_SAMPLES, N_WRENCH)),  # of the load cell, screened
-        ("frozen", "u1", N_WRENCH),  # which components of it
-        ("wrench_variance", "f8", N_WRENCH),
-        ("used", "u1", N_MEASUREMENTS),  # readings, screened
-        ("measured", "f8", (N_MEASUREMENTS,)),  # corrected
-        ("verdict", "i8"),  # what explains them, see ``measurement_update``
-    ]
-    return record_dtype(fields)
+    """Dtype of ``FilterScratch``."""
+    return record_dtype(
+        FilterScratch,
+        time=time_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
+        update=update_scratch_dtype(n_muscles, n_lines, n_states + n_disturbance, n_nuisances),
+        belief=learn_scratch_dtype(n_muscles, n_nuisances),
+    )
 
 
 def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
@@ -117,7 +101,7 @@ def set_prior(settings: Any, jaw: Any, prior: Any) -> None:
 
 
 @njit
-def begin_filter(jaw, belief, motion, settings):
+def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     """Initialise the filter with the prior and the mean ``motion`` (n) before the first reading."""
     if belief.nuisances.shape[0] > 0:
         copy_jaw(jaw, belief.jaw)
@@ -128,7 +112,7 @@ def begin_filter(jaw, belief, motion, settings):
 
 
 @njit
-def add_tooth_noise(jaw, motion, variance):
+def add_tooth_noise(jaw: Jaw, motion, variance):
     """Add to the process noise ``variance`` (6) what the force of the teeth may be off by; whether they press.
 
     Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
@@ -149,8 +133,8 @@ def add_tooth_noise(jaw, motion, variance):
 
 
 @njit
-def add_lasting_noise(jaw, belief, settings, variance):
-    """Add to the process noise ``variance`` (6) what the model may have wrong at a pose for as long as the jaw is there.
+def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
+    """Add to the process noise ``variance`` (6) what the model may have wrong at a pose while the jaw is there.
 
     An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
     ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
@@ -167,18 +151,18 @@ def add_lasting_noise(jaw, belief, settings, variance):
         variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM
 
 
-def _known_jaw(jaw, belief):
+def _known_jaw(jaw: Jaw, belief: Belief):
     return jaw
 
 
 @where(has_nuisances, otherwise=_known_jaw)
-def model_of(jaw, belief):
+def model_of(jaw: Jaw, belief: Belief):
     """The jaw for the filter: the nominal one, or with nuisances the one at their mean."""
     return belief.jaw
 
 
 @njit
-def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
+def take_readings(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSettings, scratch: FilterScratch):
     """Predict over the tick with the load cell's ``samples`` (3, 6), then update with ``measured`` (12) at its end.
 
     Tick 0 is the start, at which the encoders alone are read. Returns how many readings were left out.
@@ -187,7 +171,7 @@ def take_readings(jaw, belief, measured, samples, tick, settings, scratch):
 
 
 @njit
-def take(jaw, belief, measured, samples, tick, settings, scratch):
+def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSettings, scratch: FilterScratch):
     """``take_readings`` by the model ``jaw``."""
     left_out, resolved = 0, True
     if tick > 0:
@@ -220,7 +204,7 @@ def take(jaw, belief, measured, samples, tick, settings, scratch):
 
 
 @njit
-def ends_window(belief, scratch):
+def ends_window(belief: Belief, scratch: FilterScratch):
     """Whether a window of readings ends with this tick."""
     if not scratch.used.any() or belief.readings > LAST_WINDOW:
         return False
@@ -231,7 +215,7 @@ def ends_window(belief, scratch):
 
 
 @njit
-def has_moved(belief):
+def has_moved(belief: Belief):
     """Whether the mean is so far from where the readings were last filtered that they are to be filtered again."""
     furthest = 0.0
     for i in range(belief.mean.shape[0]):
@@ -242,7 +226,7 @@ def has_moved(belief):
 
 
 @njit
-def replay(jaw, belief, rows, tick, settings, scratch):
+def replay(jaw: Jaw, belief: Belief, rows, tick, settings: FilterSettings, scratch: FilterScratch):
     """Filter ``rows`` 0 to ``tick`` again, linearised at the current mean of the parameters.
 
     The first pass was linearised at earlier means. The information about the tensions hardly depends on them, but the
@@ -257,7 +241,9 @@ def replay(jaw, belief, rows, tick, settings, scratch):
 
 
 @njit_within
-def filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch):
+def filter_tick(
+    jaw: Jaw, belief: Belief, rows, tick, measured, samples, settings: FilterSettings, scratch: FilterScratch
+):
     """One tick of the filter. Returns how many readings were left out.
 
     The belief is renewed where a window of readings ends, and where the parameters' uncertainty alone explains what was

@@ -7,51 +7,79 @@ correlated with the errors of the filtered motion and would bias g.
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
+from typing import Annotated
+
+import numpy as np
 
 from jawenv.filter.motion.balance import set_balanced
 from jawenv.filter.motion.disturbance import add_disturbance, decay_disturbance, set_total
-from jawenv.filter.motion.instrument import all_finite, instrument_fields, jacobian_of_tick, predict_from_past
+from jawenv.filter.motion.instrument import (
+    Instrument,
+    all_finite,
+    instrument_dtype,
+    jacobian_of_tick,
+    predict_from_past,
+)
 from jawenv.filter.motion.joint_step import N_SAMPLES, set_muscles
-from jawenv.filter.motion.motion_step import move, step_dtype
+from jawenv.filter.motion.motion_step import Step, move, step_dtype
 from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
-from jawenv.filter.nuisances.changes import correct_samples, nuisance_fields, set_nuisance_wrenches
-from jawenv.filter.state import lose_motion, tension_columns
+from jawenv.filter.nuisances.changes import (
+    NuisanceScratch,
+    correct_samples,
+    nuisance_scratch_dtype,
+    set_nuisance_wrenches,
+)
+from jawenv.filter.state import Belief, FilterSettings, lose_motion, tension_columns
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 
 MISSED_CHANGE, MISSED_NOISE = 0.2, 0.05  # shares of a wrench's change and of its noise that three samples miss
 
 
-def time_update_fields(
+class TimeScratch:
+    """Working memory of the time update."""
+
+    step: Step
+    nuisances: NuisanceScratch
+    start_motion: Annotated[Array, "motion"]
+    instrument: Instrument
+    driven: Annotated[Array, N_SAMPLES, N_WRENCH]  # the samples and the disturbance
+    line_wrench: Annotated[Array, N_WRENCH, "columns"]  # of each coefficient of size 1, at the mouthpiece, body axes
+    trend: Annotated[Array, N_WRENCH]  # of the load cell, balanced
+    total: Annotated[Array, "motion", "inputs"]  # [A, G]
+    turned: Annotated[Array, "inputs", "motion"]  # its transpose
+    before: Annotated[Array, "inputs", "columns"]  # ``by_tension`` above ``line_wrench``
+    after: Annotated[Array, "motion", "columns"]
+    moved_cov: Annotated[Array, "motion", "motion"]  # A P
+    weighted: Annotated[Array, "motion", "inputs"]  # [A P, G W]
+    next_cov: Annotated[Array, "motion", "motion"]
+
+
+@cache
+def time_scratch_dtype(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
-) -> list[Any]:
-    """Fields of the working memory of the time update."""
+) -> np.dtype[np.void]:
+    """Dtype of ``TimeScratch``."""
     n_motion = n_states + n_disturbance
     columns, inputs = tension_columns(n_muscles, n_nuisances), n_motion + N_WRENCH
-    return [
-        ("step", step_dtype(n_lines, n_states)),
-        ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
-        ("start_motion", "f8", (n_motion,)),
-        ("instrument", record_dtype(instrument_fields(n_states))),
-        ("driven", "f8", (N_SAMPLES, N_WRENCH)),  # the samples and the disturbance
-        ("line_wrench", "f8", (N_WRENCH, columns)),  # of each coefficient of size 1, at the mouthpiece, body axes
-        ("total", "f8", (n_motion, inputs)),  # [A, G]
-        ("trend", "f8", (N_WRENCH,)),  # of the load cell, balanced
-        ("turned", "f8", (inputs, n_motion)),  # its transpose
-        ("before", "f8", (inputs, columns)),  # ``by_tension`` above ``line_wrench``
-        ("after", "f8", (n_motion, columns)),
-        ("moved_cov", "f8", (n_motion, n_motion)),  # A P
-        ("weighted", "f8", (n_motion, inputs)),  # [A P, G W]
-        ("next_cov", "f8", (n_motion, n_motion)),
-    ]
+    return record_dtype(
+        TimeScratch,
+        step=step_dtype(n_lines, n_states),
+        nuisances=nuisance_scratch_dtype(n_lines, n_nuisances),
+        motion=n_motion,
+        instrument=instrument_dtype(n_states),
+        columns=columns,
+        inputs=inputs,
+    )
 
 
 @njit_within
-def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
+def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: FilterSettings, scratch: TimeScratch):
     """Advance ``belief`` by one tick under the load cell's ``samples`` (3, 6) at its start, middle and end.
 
     The samples are corrected in place by what the belief knows of nuisances.
@@ -88,7 +116,7 @@ def predict_motion(jaw, belief, samples, noise_variance, settings, scratch):
 
 
 @njit
-def set_balanced_trend(jaw, belief, pose, scratch):
+def set_balanced_trend(jaw: Jaw, belief: Belief, pose, scratch: TimeScratch):
     """Into ``scratch.trend`` (6) the load cell's trend; with one reference point the one that the motion needs."""
     scratch.trend[:] = belief.trend
     if jaw.condyles == 2:
@@ -99,7 +127,7 @@ def set_balanced_trend(jaw, belief, pose, scratch):
 
 
 @njit
-def predict_cov(covariance, noise_variance, scratch):
+def predict_cov(covariance, noise_variance, scratch: TimeScratch):
     """P <- A P A^T + G W G^T."""
     total, weighted = scratch.total, scratch.weighted
     size, columns = total.shape
@@ -140,7 +168,7 @@ def add_impulse(covariance, samples, noise_variance, dt, by_wrench):
 
 
 @njit
-def predict_by_tension(by_tension, scratch):
+def predict_by_tension(by_tension, scratch: TimeScratch):
     """The motion's derivative by the tensions at the end of the tick: A times the last one, and G times the wrench."""
     size = by_tension.shape[0]
     scratch.before[:size, :] = by_tension

@@ -10,16 +10,16 @@ from math import log, pi
 
 import numpy as np
 
-from jawenv.filter.bound.joint_recursion import innovation_variance
+from jawenv.filter.bound.joint_recursion import JointScratch, innovation_variance
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
-from jawenv.laboratory.references.extended_kalman_kernel import predict_plain
+from jawenv.laboratory.references.extended_kalman_kernel import Problem, predict_plain
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
 @njit
-def take_readings(problem, tick, mean, covariance, scratch):
+def take_readings(problem: Problem, tick, mean, covariance, scratch: JointScratch):
     """Measurement update with the encoders' readings of a time; returns the log-density of their innovations."""
     size = mean.shape[0]
     expect(problem.jaw, mean, scratch.rows, scratch.expected)
@@ -46,7 +46,7 @@ def take_readings(problem, tick, mean, covariance, scratch):
 
 
 @njit
-def innovations_log_density(problem, mean, covariance, scratch):
+def innovations_log_density(problem: Problem, mean, covariance, scratch: JointScratch):
     """Log-density of all readings of the encoders.
 
     Args:

@@ -114,7 +114,8 @@ def where(
 
     def decorate(function: Function) -> Function:
         names = tuple(inspect.signature(function).parameters)
-        elsewhere = otherwise or eval(f"lambda {', '.join(names)}: None")  # Numba compares the arguments' names
+        elsewhere = otherwise or eval(f"lambda {', '.join(names)}: None")
+        elsewhere.__annotations__ = function.__annotations__  # Numba compares the arguments' names and annotations
 
         def part(*arguments: Any) -> Any:
             raise NotImplementedError("only called by compiled kernels")

@@ -13,7 +13,7 @@ from jawenv.envs.configuration import Configuration
 from jawenv.envs.world.plants import TICK
 from jawenv.filter.motion.initial_motion import start_sd
 from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
-from jawenv.filter.tick import filter_settings_dtype
+from jawenv.filter.state import filter_settings_dtype
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record

@@ -20,12 +20,12 @@ from jawenv.files import Source
 from jawenv.filter.learn import learn
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import belief_dtype
+from jawenv.filter.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.tick import (
     LAST_WINDOW,
+    FilterScratch,
     begin_filter,
     filter_scratch_dtype,
-    filter_settings_dtype,
     filter_tick,
     tick_dtype,
 )
@@ -35,6 +35,7 @@ from jawenv.laboratory.filter_settings import settings_of_configuration, setting
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -312,7 +313,9 @@ def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 @njit
-def take_tick(jaw, belief, rows, clock, measured, samples, settings, scratch):
+def take_tick(
+    jaw: Jaw, belief: Belief, rows, clock, measured, samples, settings: FilterSettings, scratch: FilterScratch
+):
     """One tick as in an environment; ``clock`` is its number and the ticks from one belief to the next."""
     tick, every = clock
     keep_reading(tick, measured, samples, settings.used, rows)

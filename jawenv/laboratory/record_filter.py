@@ -107,7 +107,7 @@ class FilterRun:
 
 
 @njit
-def filter_record(run, every, means, covs):
+def filter_record(run: Arguments, every, means, covs):
     """Run the filter over all rows of ``Arguments``; after every ``every`` ticks the belief goes to the arrays."""
     belief, rows, settings, scratch = run.belief, run.rows, run.settings, run.scratch
     begin_filter(run.jaw, belief, rows[0].believed, settings)

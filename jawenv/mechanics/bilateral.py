@@ -36,6 +36,7 @@ from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, 
 from jawenv.mechanics.dynamics import inertia_times
 from jawenv.mechanics.equilibrium import TOLERANCE
 from jawenv.mechanics.forces import capsule_force, carried_forces, smooth_ramp
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 
 Six: TypeAlias = tuple[float, float, float, float, float, float]
@@ -66,7 +67,7 @@ def midline_pose(q):
 
 
 @njit
-def midline_motion(jaw, q, u):
+def midline_motion(jaw: Jaw, q, u):
     """The motion in the midline model's coordinates, and the lift, which that model lacks.
 
     Returns (x, y, theta, psi, alpha), (x', y', omega), the lift of the midpoint above the path of the fossa (m) and its
@@ -84,7 +85,7 @@ def point_motion(q, u, body_to_head, arm):
 
 
 @njit
-def disc_pressure(jaw, point, velocity):
+def disc_pressure(jaw: Jaw, point, velocity):
     """Compression N (N, never negative, 0 while lifted) of the disc over a condyle, and grad(depth), head axes."""
     height, slope, curvature, _ = fossa(jaw, point[0])
     above = point[2] - height
@@ -96,7 +97,7 @@ def disc_pressure(jaw, point, velocity):
 
 
 @njit
-def condyle_force(jaw, point, velocity):
+def condyle_force(jaw: Jaw, point, velocity):
     """Force (N, head axes) on one condyle whose centre is at ``point``: disc, half the capsule, half the sliding."""
     pressure, gradient = disc_pressure(jaw, point, velocity)
     capsule, _ = capsule_force(jaw, point[0])
@@ -105,7 +106,7 @@ def condyle_force(jaw, point, velocity):
 
 
 @njit
-def condyle_pressures(jaw, q, u):
+def condyle_pressures(jaw: Jaw, q, u):
     """Compression (N) of the left and of the right disc; 0 exactly where the condyle has lifted off."""
     body_to_head = rotation(midline_pose(q))
     left, left_velocity = point_motion(q, u, body_to_head, (0.0, jaw.condyle_half_width, 0.0))
@@ -114,7 +115,7 @@ def condyle_pressures(jaw, q, u):
 
 
 @njit
-def body_acceleration(jaw, muscles, q, u, wrench):
+def body_acceleration(jaw: Jaw, muscles, q, u, wrench):
     """U' (six numbers) for coordinates q, speeds u and the device's wrench on the mouthpiece (six, body axes)."""
     body_to_head = rotation(midline_pose(q))
     midpoint, omega = (q[0], q[1], q[2]), (u[3], u[4], u[5])
@@ -139,7 +140,7 @@ def body_acceleration(jaw, muscles, q, u, wrench):
 
 
 @njit
-def bilateral_rate(jaw, muscles, q, u, wrench):
+def bilateral_rate(jaw: Jaw, muscles, q, u, wrench):
     """(q', u') as two tuples of six; arguments as in ``body_acceleration``."""
     rates = angle_rates(midline_pose(q), (u[3], u[4], u[5]))
     q_rate = (u[0], u[1], u[2], rates[0], rates[1], rates[2])
@@ -147,7 +148,7 @@ def bilateral_rate(jaw, muscles, q, u, wrench):
 
 
 @njit
-def put_on_fossa(jaw, pose, state):
+def put_on_fossa(jaw: Jaw, pose, state):
     """Set ``state`` (12) to the midline model's ``pose`` (x, y, theta, psi, alpha), at rest, discs just touched."""
     state[0], state[1] = pose[0], pose[1]
     state[2], _, _, _ = fossa(jaw, pose[0])
@@ -166,7 +167,7 @@ def largest_of(six, linear, angular):
 
 
 @njit
-def fill_flow_matrix(jaw, muscles, q, wrench, step, matrix):
+def fill_flow_matrix(jaw: Jaw, muscles, q, wrench, step, matrix):
     """Matrix (6, 6) of an implicit Euler step along q' = u': turning axes over ``step`` less the derivative of u'."""
     still = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(6):
@@ -191,7 +192,7 @@ def fill_flow_matrix(jaw, muscles, q, wrench, step, matrix):
 
 
 @njit
-def settle_bilateral(jaw, muscles, wrench, state, matrix, right):
+def settle_bilateral(jaw: Jaw, muscles, wrench, state, matrix, right):
     """Move ``state`` (12) to rest under a constant wrench (six, body axes); returns whether it converged.
 
     Pseudo-transient continuation as in ``equilibrium.settle``, from the midline model's pose (``put_on_fossa``). A disc

@@ -11,8 +11,9 @@ from __future__ import annotations
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, row3, scale, subtract, vector3
 from jawenv.mechanics.bilateral import midline_pose, point_motion
-from jawenv.mechanics.dynamics import N_WRENCH, inertia_times, set_column
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, inertia_times, set_column
 from jawenv.mechanics.forces import capsule_force, carried_with_stiffness, smooth_ramp
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import fossa, rotation, turning_axes
 
 UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -20,7 +21,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @njit
-def disc_derivative(jaw, point, velocity):
+def disc_derivative(jaw: Jaw, point, velocity):
     """Force of a disc (head axes), and its derivatives by place and velocity as (xx, xz, zx, zz) each."""
     height, slope, curvature, third = fossa(jaw, point[0])
     above = point[2] - height
@@ -55,7 +56,7 @@ def disc_derivative(jaw, point, velocity):
 
 
 @njit
-def condyle_derivative(jaw, point, velocity):
+def condyle_derivative(jaw: Jaw, point, velocity):
     """Force on one condyle (as ``bilateral.condyle_force``) and its derivatives by place and velocity, 3 x 3."""
     disc, by_place, by_velocity = disc_derivative(jaw, point, velocity)
     capsule, capsule_slope = capsule_force(jaw, point[0])
@@ -88,10 +89,10 @@ def condyle_change(arm, spin, force, stiffness, damping, spin_change, change):
 
 
 @njit
-def linearise_body(jaw, muscles, q, u, wrench, linear):
+def linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' (six numbers) and its exact derivatives.
 
-    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``
+    Fills of ``linear`` (``Linear``) ``by_state`` (6, 12) with d u'/d(q, u) and ``by_input``
     (6, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench).
     """
     stiffness = linear.stiffness
@@ -160,7 +161,7 @@ def solve_body(body, d_force, d_turn, d_swing, d_shift):
 
 
 @njit_within
-def fill_body_inputs(jaw, muscles, body, pulls, by_input):
+def fill_body_inputs(jaw: Jaw, muscles, body, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (6, 2 m + 6)."""
     body_to_head = body[2]
     wrench_column = by_input.shape[1] - N_WRENCH

@@ -13,17 +13,47 @@ given in body axes, as the load cell in the mouthpiece feels it.
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Annotated
+
+import numpy as np
+
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, row3, scale, subtract, vector3
 from jawenv.mechanics.forces import resultant, resultant_with_stiffness
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation, turning_axes
 
 N_STATES = 10
 N_WRENCH = 6
 
 
+class Linear:
+    """A linearisation's results."""
+
+    by_state: Annotated[Array, "half", "states"]  # d u'/d(q, u)
+    by_input: Annotated[Array, "half", "inputs"]  # d u'/d(log F_o, log b of each muscle; wrench)
+    by_angle: Annotated[Array, 3, 5]  # d(theta', psi', alpha')/d(psi, alpha, omega)
+    stiffness: Annotated[Array, 3, 3, 3]  # K, L and N of all forces (``forces``)
+    pulls: Annotated[Array, "lines", 7]  # force, moment and strain of each line
+
+
+@cache
+def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> np.dtype[np.void]:
+    """Dtype of ``Linear``.
+
+    Args:
+        n_lines: of the jaw.
+        n_states: 10, or 12 for two condyles.
+        n_muscles: by whose parameters is differentiated; 0 for none.
+    """
+    half = n_states // 2
+    return record_dtype(Linear, half=half, states=n_states, inputs=2 * n_muscles + N_WRENCH, lines=n_lines)
+
+
 @njit_inlined
-def inertial_coupling(jaw, slope, body_to_head):
+def inertial_coupling(jaw: Jaw, slope, body_to_head):
     """Schur form of the 5 x 5 mass matrix: W = M_tr M_rr^-1 (two rows) and the inverse of M_tt - W M_rt (2 x 2)."""
     m = jaw.mass
     x, y, z = jaw.centre_of_mass[0], jaw.centre_of_mass[1], jaw.centre_of_mass[2]
@@ -48,7 +78,7 @@ def inertial_coupling(jaw, slope, body_to_head):
 
 
 @njit_inlined
-def free_inverse(jaw, a, b, d):
+def free_inverse(jaw: Jaw, a, b, d):
     """Inverse (xx, xy, yy) of the 2 x 2 block of sliding, of its free coordinates only."""
     if jaw.free_x and jaw.free_y:
         determinant = a * d - b * b
@@ -79,13 +109,13 @@ def solve_mass(coupling, right_x, right_y, right_turn):
 
 
 @njit_inlined
-def inertia_times(jaw, a):
+def inertia_times(jaw: Jaw, a):
     """Inertia about the centre of mass times a body vector."""
     return apply((row3(jaw.inertia, 0), row3(jaw.inertia, 1), row3(jaw.inertia, 2)), a)
 
 
 @njit_inlined
-def body_moment(jaw, body_to_head, moment, omega, wrench):
+def body_moment(jaw: Jaw, body_to_head, moment, omega, wrench):
     """Moment about the contact point in body axes: forces, device wrench, damping of rotation."""
     pull = (wrench[0], wrench[1], wrench[2])
     turn = add((wrench[3], wrench[4], wrench[5]), cross(vector3(jaw.mouthpiece), pull))
@@ -93,7 +123,7 @@ def body_moment(jaw, body_to_head, moment, omega, wrench):
 
 
 @njit_inlined
-def acceleration_kernel(jaw, muscles, q, u, wrench):
+def acceleration_kernel(jaw: Jaw, muscles, q, u, wrench):
     """U' (five numbers) for coordinates q, speeds u and the device's wrench (six numbers, body axes)."""
     body_to_head = rotation(q)
     force, moment = resultant(jaw, muscles, q, u, body_to_head)
@@ -111,17 +141,17 @@ def acceleration_kernel(jaw, muscles, q, u, wrench):
 
 
 @njit_inlined
-def state_rate(jaw, muscles, q, u, wrench):
+def state_rate(jaw: Jaw, muscles, q, u, wrench):
     """(q', u') as two tuples of five."""
     rates = angle_rates(q, (u[2], u[3], u[4]))
     return (u[0], u[1], rates[0], rates[1], rates[2]), acceleration_kernel(jaw, muscles, q, u, wrench)
 
 
 @njit
-def linearise_acceleration(jaw, muscles, q, u, wrench, linear):
+def linearise_acceleration(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """U' and its exact derivatives.
 
-    Fills of ``linear`` (``linearisation.linear_dtype``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``
+    Fills of ``linear`` (``Linear``) ``by_state`` (5, 10) with d u'/d(q, u) and ``by_input``
     (5, 2 m + 6) with d u'/d(log F_o, log b of each of m muscles; wrench). The residual of the equations of motion is
     differentiated at fixed u' and solved with the mass matrix, so no derivative of that is formed.
     """
@@ -195,7 +225,7 @@ def solve_residual(coupling, slope, residual, torque):
 
 
 @njit_within
-def fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_state):
+def fill_speed_columns(jaw: Jaw, u, slope, curvature, body_to_head, coupling, by_state):
     """Derivatives of u' by x', y' and omega, into columns 5 to 9 of ``by_state``."""
     m, c = jaw.mass, jaw.damping_sliding
     omega = (u[2], u[3], u[4])
@@ -217,7 +247,7 @@ def fill_speed_columns(jaw, u, slope, curvature, body_to_head, coupling, by_stat
 
 
 @njit_within
-def fill_input_columns(jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
+def fill_input_columns(jaw: Jaw, muscles, body_to_head, slope, coupling, pulls, by_input):
     """Derivatives of u' by log F_o and log b of each muscle and by the wrench, into ``by_input`` (5, 2 m + 6).
 
     Those of the wrench alone where ``by_input`` has six columns.

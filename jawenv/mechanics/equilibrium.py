@@ -13,7 +13,8 @@ import numpy as np
 from jawenv.kernels.cholesky import solve_in_place
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, vector3
-from jawenv.mechanics.dynamics import N_WRENCH, linearise_acceleration
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, linearise_acceleration
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation, turning_axes
 
 TOLERANCE = 1e-9  # rad/s2 or m/s2, left over at equilibrium
@@ -22,11 +23,11 @@ HOLD_STIFFNESS = 20e3  # N/m
 
 
 @njit
-def settle(jaw, muscles, pose, opening, on_spring, linear, matrix, right):
+def settle(jaw: Jaw, muscles, pose, opening, on_spring, linear: Linear, matrix, right):
     """Move ``pose`` (5) to equilibrium; returns the downward force (N) on the mouthpiece and whether it converged.
 
     With ``on_spring`` the mouthpiece hangs on a vertical spring whose end is ``opening`` (m) below the closed jaw;
-    otherwise it is free. ``linear`` (``linearisation.linear_dtype``), ``matrix`` (5, 5) and ``right`` (5) are working
+    otherwise it is free. ``linear`` (``Linear``), ``matrix`` (5, 5) and ``right`` (5) are working
     memory.
     """
     step = 1e-4
@@ -74,7 +75,7 @@ def settle(jaw, muscles, pose, opening, on_spring, linear, matrix, right):
 
 
 @njit
-def fill_flow_matrix(jaw, q, body_to_head, down, spring_stiffness, force, linear, matrix):
+def fill_flow_matrix(jaw: Jaw, q, body_to_head, down, spring_stiffness, force, linear: Linear, matrix):
     """Derivative of u' by q (5 x 5) with the spring's force following the motion."""
     arm = vector3(jaw.mouthpiece)
     slope = -jaw.fossa_drop * jaw.fossa_frequency * np.sin(jaw.fossa_frequency * q[0])

@@ -17,7 +17,7 @@ from math import exp
 from jawenv.kernels.compiled import njit, njit_inlined
 from jawenv.kernels.lanes import all_lines, total
 from jawenv.kernels.vec3 import add, apply, cross, dot, norm, row3, scale, subtract, vector3
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.jaw import N_TEETH, Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa
 
 
@@ -32,7 +32,7 @@ def smooth_ramp(depth, width):
 
 
 @njit_inlined
-def muscle_pull(jaw, muscles, i, contact, body_to_head):
+def muscle_pull(jaw: Jaw, muscles, i, contact, body_to_head):
     """Line i: arm of its insertion, unit direction of its pull, length, tension F_o exp(b (l - l_o)/l_o).
 
     Of all lines at once where ``i`` is ``all_lines`` of the jaw's (``kernels.lanes``).
@@ -53,7 +53,7 @@ def totals(vectors):
 
 
 @njit_inlined
-def carried_forces(jaw, muscles, contact, body_to_head):
+def carried_forces(jaw: Jaw, muscles, contact, body_to_head):
     """Resultant force and moment about ``contact``, head axes, of muscles, gravity and teeth.
 
     ``contact`` is where the body's reference point, midway between the condyles' centres, is in head axes (m).
@@ -76,7 +76,7 @@ def carried_forces(jaw, muscles, contact, body_to_head):
 
 
 @njit_inlined
-def resultant(jaw, muscles, q, u, body_to_head):
+def resultant(jaw: Jaw, muscles, q, u, body_to_head):
     """Resultant force and moment about the contact point, head axes, of everything but the device."""
     force, moment = carried_forces(jaw, muscles, contact_point(jaw, q), body_to_head)
     capsule, _ = capsule_force(jaw, q[0])
@@ -87,7 +87,7 @@ def resultant(jaw, muscles, q, u, body_to_head):
 
 
 @njit_inlined
-def capsule_force(jaw, x):
+def capsule_force(jaw: Jaw, x):
     """Forward force of the stops behind the fossa's roof (x < 0) and past the crest, and its derivative by x."""
     back, back_slope = smooth_ramp(-x, jaw.stop_width)
     front, front_slope = smooth_ramp(x - jaw.crest, jaw.stop_width)
@@ -146,7 +146,7 @@ def add_isotropic(stiffness, arm, k):
 
 
 @njit
-def carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls):
+def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, pulls):
     """As ``carried_forces``, and set ``stiffness`` (3, 3, 3) and ``pulls``.
 
     ``pulls`` (lines, 7) receives per line its force, its moment about ``contact`` and its strain (l - l_o)/l_o.
@@ -184,7 +184,7 @@ def carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls
 
 
 @njit
-def resultant_with_stiffness(jaw, muscles, q, u, body_to_head, stiffness, pulls):
+def resultant_with_stiffness(jaw: Jaw, muscles, q, u, body_to_head, stiffness, pulls):
     """As ``resultant``, with ``stiffness`` and ``pulls`` as in ``carried_with_stiffness``."""
     contact = contact_point(jaw, q)
     force, moment = carried_with_stiffness(jaw, muscles, contact, body_to_head, stiffness, pulls)

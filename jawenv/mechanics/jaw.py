@@ -9,59 +9,62 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from math import cos, radians, sin
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, default_fossa, default_mandible, muscle_set
 from jawenv.errors import InputError
-from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.kernels.records import Array, record_dtype, record_zeros
 
 N_TEETH = 3
 ALL_FREE = (True, True, True, True, True)
 
 
+class Jaw:
+    """One jaw, as kernels read it."""
+
+    mass: float
+    centre_of_mass: Annotated[Array, 3]
+    inertia: Annotated[Array, 3, 3]  # about the centre of mass
+    inertia_inverse: Annotated[Array, 3, 3]
+    # About the contact point, I - m [rho_c]x [rho_c]x: inverse of the block of the free rotations, zeros elsewhere.
+    inertia_contact_inverse: Annotated[Array, 3, 3]
+    condyles: np.uint8  # 1: their midpoint slides on the path; 2: each presses on its own disc
+    free_x: bool
+    free_y: bool
+    gravity: Annotated[Array, 3]  # acceleration in head axes
+    fossa_drop: float
+    fossa_frequency: float
+    damping_rotation: float
+    damping_sliding: float
+    tooth_stiffness: float
+    condyle_stiffness: float
+    condyle_half_width: float  # the condyles' centres lie at (0, +-it, 0) in body axes
+    disc_stiffness: float  # of each condyle's disc
+    disc_damping: float
+    disc_onset: float
+    stop_width: float
+    crest: float  # x of the eminence's crest, where the anterior stop begins
+    teeth: Annotated[Array, N_TEETH, 3]
+    mouthpiece: Annotated[Array, 3]
+    zero: Annotated[Array, 3]  # what the encoders' place is off by, head axes
+    origin: Annotated[Array, "lines", 3]
+    insertion: Annotated[Array, "lines", 3]
+    l_o: Annotated[Array, "lines"]
+    tone: float  # N, constant active tension of every line, beside the passive one
+    mobility: Annotated[Array, "lines"]  # 1/kg, of the free mandible along a line, jaw closed
+    tooth_mobility: Annotated[Array, N_TEETH]  # 1/kg, of the same, straight down at a tooth
+    condyle_mobility: float  # 1/kg, of the same, forward at the condyles
+    mouthpiece_mobility: float  # 1/kg, of the same, at the mouthpiece in the direction that gives way most
+    muscle: Annotated[NDArray[np.int64], "lines"]  # whose F_o and b a line has
+
+
 @cache
 def jaw_dtype(n_lines: int) -> np.dtype[np.void]:
     """Dtype of a jaw with so many muscle lines."""
-    fields = [
-        ("mass", "f8"),
-        ("centre_of_mass", "f8", 3),
-        ("inertia", "f8", (3, 3)),  # about the centre of mass
-        ("inertia_inverse", "f8", (3, 3)),
-        # About the contact point, I - m [rho_c]x [rho_c]x: inverse of the block of the free rotations, zeros elsewhere.
-        ("inertia_contact_inverse", "f8", (3, 3)),
-        ("condyles", "u1"),  # 1: their midpoint slides on the path; 2: each presses on its own disc
-        ("free_x", "u1"),
-        ("free_y", "u1"),
-        ("gravity", "f8", 3),  # acceleration in head axes
-        ("fossa_drop", "f8"),
-        ("fossa_frequency", "f8"),
-        ("damping_rotation", "f8"),
-        ("damping_sliding", "f8"),
-        ("tooth_stiffness", "f8"),
-        ("condyle_stiffness", "f8"),
-        ("condyle_half_width", "f8"),  # the condyles' centres lie at (0, +-it, 0) in body axes
-        ("disc_stiffness", "f8"),  # of each condyle's disc
-        ("disc_damping", "f8"),
-        ("disc_onset", "f8"),
-        ("stop_width", "f8"),
-        ("crest", "f8"),  # x of the eminence's crest, where the anterior stop begins
-        ("teeth", "f8", (N_TEETH, 3)),
-        ("mouthpiece", "f8", 3),
-        ("zero", "f8", 3),  # what the encoders' place is off by, head axes
-        ("origin", "f8", (n_lines, 3)),
-        ("insertion", "f8", (n_lines, 3)),
-        ("l_o", "f8", (n_lines,)),
-        ("tone", "f8"),  # N, constant active tension of every line, beside the passive one
-        ("mobility", "f8", (n_lines,)),  # 1/kg, of the free mandible along a line, jaw closed
-        ("tooth_mobility", "f8", (N_TEETH,)),  # 1/kg, of the same, straight down at a tooth
-        ("condyle_mobility", "f8"),  # 1/kg, of the same, forward at the condyles
-        ("mouthpiece_mobility", "f8"),  # 1/kg, of the same, at the mouthpiece in the direction that gives way most
-        ("muscle", "i8", (n_lines,)),  # whose F_o and b a line has
-    ]
-    return record_dtype(fields)
+    return record_dtype(Jaw, lines=n_lines)
 
 
 # Grade G: the capsule that keeps the condyle on its path, soft enough for the integration step.

@@ -13,6 +13,7 @@ from typing import TypeAlias
 from jawenv.kernels.compiled import njit_inlined
 from jawenv.kernels.functions import sin_cos
 from jawenv.kernels.vec3 import Matrix, Vector
+from jawenv.mechanics.jaw import Jaw
 
 Five: TypeAlias = tuple[float, float, float, float, float]
 
@@ -48,7 +49,7 @@ def angle_rates(q: Five, omega: Vector) -> Vector:
 
 
 @njit_inlined
-def fossa(jaw, x):
+def fossa(jaw: Jaw, x):
     """Height z of the condyle's path at x and its first three derivatives."""
     d, f = jaw.fossa_drop, jaw.fossa_frequency
     s, c = sin_cos(f * x)
@@ -56,7 +57,7 @@ def fossa(jaw, x):
 
 
 @njit_inlined
-def contact_point(jaw, q):
+def contact_point(jaw: Jaw, q):
     """Contact point r_* in head axes."""
     _, c = sin_cos(jaw.fossa_frequency * q[0])
     return (q[0], q[1], jaw.fossa_drop * (c - 1.0))

@@ -5,38 +5,13 @@ Which model it is of follows from the number of coordinates, which is known from
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
-
-import numpy as np
-
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.functions import sin_cos
-from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.bilateral import N_BODY, split_body
 from jawenv.mechanics.bilateral_linear import linearise_body
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linearise_acceleration
+from jawenv.mechanics.dynamics import Linear, linearise_acceleration
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, split
-
-
-@cache
-def linear_dtype(n_lines: int, n_states: int = N_STATES, n_muscles: int = 0) -> np.dtype[np.void]:
-    """Dtype of a linearisation's results.
-
-    Args:
-        n_lines: of the jaw.
-        n_states: 10, or 12 for two condyles.
-        n_muscles: by whose parameters is differentiated; 0 for none.
-    """
-    half = n_states // 2
-    fields: list[Any] = [
-        ("by_state", "f8", (half, n_states)),  # d u'/d(q, u)
-        ("by_input", "f8", (half, 2 * n_muscles + N_WRENCH)),  # d u'/d(log F_o, log b of each muscle; wrench)
-        ("by_angle", "f8", (3, 5)),  # d(theta', psi', alpha')/d(psi, alpha, omega)
-        ("stiffness", "f8", (3, 3, 3)),  # K, L and N of all forces (``forces``)
-        ("pulls", "f8", (n_lines, 7)),  # force, moment and strain of each line
-    ]
-    return record_dtype(fields)
 
 
 @njit
@@ -55,18 +30,18 @@ def fill_angle_rate_derivatives(q, omega, by_angle):
     by_angle[2, 2], by_angle[2, 3], by_angle[2, 4] = 1.0, -ca * tangent, sa * tangent
 
 
-def _linearise_body(jaw, muscles, q, u, wrench, linear):
+def _linearise_body(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     return linearise_body(jaw, muscles, q, u, wrench, linear)
 
 
 @where(lambda q: len(q) < N_BODY // 2, otherwise=_linearise_body)
-def linearise(jaw, muscles, q, u, wrench, linear):
+def linearise(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """``linearise_acceleration`` or ``linearise_body``, whichever is for as many coordinates."""
     return linearise_acceleration(jaw, muscles, q, u, wrench, linear)
 
 
 @njit_within
-def linearised_rate(jaw, muscles, q, u, wrench, linear):
+def linearised_rate(jaw: Jaw, muscles, q, u, wrench, linear: Linear):
     """(q', u') as two tuples, and into ``linear`` (``linear_dtype``) its derivatives."""
     acceleration = linearise(jaw, muscles, q, u, wrench, linear)
     pose, omega = (q[0], q[1], q[-3], q[-2], q[-1]), (u[-3], u[-2], u[-1])
@@ -74,11 +49,11 @@ def linearised_rate(jaw, muscles, q, u, wrench, linear):
     return u[:-3] + angle_rates(pose, omega), acceleration
 
 
-def _split_body(state, linear):
+def _split_body(state, linear: Linear):
     return split_body(state)
 
 
 @where(lambda linear: linear.typeof("by_state").shape[1] < N_BODY, otherwise=_split_body)
-def motion_of(state, linear):
+def motion_of(state, linear: Linear):
     """``state`` (10 or 12 numbers) as the tuples q and u of the model that ``linear`` is made for."""
     return split(state)

@@ -14,7 +14,7 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.lanes import all_lines, total
 from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.forces import muscle_pull, smooth_ramp
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.jaw import N_TEETH, Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Longest phase (rad) of the bound in one step of the classical Runge-Kutta method. Stability would bear 2.78. A phase
@@ -24,7 +24,7 @@ MOST_PARTS = 16
 
 
 @njit
-def touched_stiffness(jaw, contact, body_to_head):
+def touched_stiffness(jaw: Jaw, contact, body_to_head):
     """Sum of stiffness times mobility (1/s2) of the teeth and of the condyles' stops, as far as they are touched."""
     total = 0.0
     for i in range(N_TEETH):
@@ -37,7 +37,7 @@ def touched_stiffness(jaw, contact, body_to_head):
 
 
 @njit
-def fastest_rate(jaw, muscles, q):
+def fastest_rate(jaw: Jaw, muscles, q):
     """Bound on the angular frequency (rad/s) of the jaw's free motion at the pose q (five coordinates)."""
     contact, body_to_head = contact_point(jaw, q), rotation(q)
     lines = all_lines(jaw.l_o)

@@ -6,13 +6,15 @@ import numpy as np
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.noise import fill_normals
+from jawenv.reality.options import RealityRecord
+from jawenv.reality.state import RealityState
 
 N_CHANNELS = 18  # 12 encoders, 6 components of the load cell
 FAULT_TICKS = 2**40  # the faults' random numbers are those of ticks that no episode reaches
 
 
 @njit
-def fail(reality, state, key, tick, measured, samples, faults):
+def fail(reality: RealityRecord, state: RealityState, key, tick, measured, samples, faults):
     """Let encoders (12) and load cell (3, 6) fail, in place; ``faults`` (20) is working memory.
 
     Each channel has one standard normal per tick: its lower tail loses the reading, its upper tail repeats the last. A

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from jawenv.device.linkage import excursions
+from jawenv.device.comfort import Limits, excursions
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, vector3
 from jawenv.mechanics.forces import smooth_ramp
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.reality.options import RealityRecord
 
 
 @njit
-def articular_force(reality, limits, jaw, point):
+def articular_force(reality: RealityRecord, limits: Limits, jaw: Jaw, point):
     """Force (N, head axes, upwards) on the mouthpiece at ``point`` (m, head axes).
 
     It begins at ``articular_onset`` of the painless range of opening, grows quadratically to its end, where the
@@ -23,7 +25,7 @@ def articular_force(reality, limits, jaw, point):
 
 
 @njit
-def articular_push(reality, limits, jaw, q, lift):
+def articular_push(reality: RealityRecord, limits: Limits, jaw: Jaw, q, lift):
     """``articular_force`` in body axes, as a device's wrench is, without moment; ``lift`` as in ``update_tissue``."""
     body_to_head = rotation(q)
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))

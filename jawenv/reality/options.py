@@ -13,24 +13,27 @@ from jawenv.files import instance_of
 from jawenv.kernels.records import record_dtype, record_zeros
 from jawenv.numeric_fields import NumericFields, number
 
-REALITY = record_dtype(
-    [
-        ("reflex_gain", "f8"),
-        ("reflex_latency", "f8"),
-        ("reflex_lag", "f8"),
-        ("creep_share", "f8"),
-        ("creep_time", "f8"),
-        ("articular_stiffness", "f8"),
-        ("articular_onset", "f8"),
-        ("cell_bias_force", "f8"),
-        ("cell_bias_moment", "f8"),
-        ("play_position", "f8"),  # whole width of the dead band
-        ("play_angle", "f8"),
-        ("unmodelled_time", "f8"),
-        ("lost_below", "f8"),  # standard normals below it lose a reading
-        ("frozen_above", "f8"),  # above it repeat the last one
-    ],
-)
+
+class RealityRecord:
+    """The effects, SI units."""
+
+    reflex_gain: float
+    reflex_latency: float
+    reflex_lag: float
+    creep_share: float
+    creep_time: float
+    articular_stiffness: float
+    articular_onset: float
+    cell_bias_force: float
+    cell_bias_moment: float
+    play_position: float  # whole width of the dead band
+    play_angle: float
+    unmodelled_time: float
+    lost_below: float  # standard normals below it lose a reading
+    frozen_above: float  # above it repeat the last one
+
+
+REALITY = record_dtype(RealityRecord)
 
 
 @dataclass(frozen=True)

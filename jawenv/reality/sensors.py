@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from jawenv.kernels.compiled import njit
+from jawenv.reality.options import RealityRecord
+from jawenv.reality.state import RealityState
 
 
 @njit
-def biased(state, samples):
+def biased(state: RealityState, samples):
     """Add the load cell's offset of this episode to each of its ``samples`` (n, 6), in place."""
     for k in range(6):
         if state.bias[k] != 0.0:
@@ -15,7 +17,7 @@ def biased(state, samples):
 
 
 @njit
-def play(reality, state, measured):
+def play(reality: RealityRecord, state: RealityState, measured):
     """Let the first six of ``measured``, place (m) and angles (rad), follow the motion with a dead band, in place.
 
     The play operator (Krasnosel'skii & Pokrovskii 1989): what is shown stays until it differs by half the band from

@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.reality.options import RealityRecord
 
 # With the tick that sampling and holding take of themselves, the longest latency is one tick more.
 DELAY_TICKS = 7
 
 
+class RealityState:
+    """The effects' state for a jaw with so many muscle lines, SI units."""
+
+    delay: Annotated[Array, DELAY_TICKS, "lines"]  # the reflex's excitation of past ticks, the last one first
+    activation: Annotated[Array, "lines"]  # the reflex's tension
+    creep: Annotated[Array, "lines"]  # lengthening over creep_share, relative to l_o
+    rest_length: Annotated[Array, "lines"]
+    bias: Annotated[Array, 6]  # of the load cell, body axes
+    play: Annotated[Array, 6]  # what the encoders show of the mouthpiece's place and angles
+    shown: Annotated[Array, 18]  # the last reading of each encoder and each component of the load cell
+
+
 @cache
 def reality_state_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of the effects' state for a jaw with so many muscle lines, SI units."""
-    fields = [
-        ("delay", "f8", (DELAY_TICKS, n_lines)),  # the reflex's excitation of past ticks, the last one first
-        ("activation", "f8", (n_lines,)),  # the reflex's tension
-        ("creep", "f8", (n_lines,)),  # lengthening over creep_share, relative to l_o
-        ("rest_length", "f8", (n_lines,)),
-        ("bias", "f8", 6),  # of the load cell, body axes
-        ("play", "f8", 6),  # what the encoders show of the mouthpiece's place and angles
-        ("shown", "f8", 18),  # the last reading of each encoder and each component of the load cell
-    ]
-    return record_dtype(fields)
+    """Dtype of ``RealityState``."""
+    return record_dtype(RealityState, lines=n_lines)
 
 
 @njit
-def reset_reality(reality, state, jaw, muscles, q, lift, measured, normals):
+def reset_reality(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles, q, lift, measured, normals):
     """Begin an episode at rest: tissue without creep or reflex, play centred, a load-cell bias drawn.
 
     Args:

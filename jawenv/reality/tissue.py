@@ -29,11 +29,14 @@ from math import exp
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, dot, row3
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
+from jawenv.reality.options import RealityRecord
+from jawenv.reality.state import RealityState
 
 
 @njit
-def update_tissue(reality, state, jaw, muscles, motion, dt, effective):
+def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles, motion, dt, effective):
     """(F_o, b) of each line for the coming ``dt`` seconds, into ``effective`` (lines, 2); advances ``state`` by dt.
 
     Args:
@@ -76,7 +79,7 @@ def update_tissue(reality, state, jaw, muscles, motion, dt, effective):
 
 
 @njit
-def excite(reality, state, i, rise, dt):
+def excite(reality: RealityRecord, state: RealityState, i, rise, dt):
     """Advance the active tension of line i by ``dt``, the passive tension rising by ``rise`` N/s; shifts its delay."""
     last = state.delay.shape[0]
     late = min(max(round(reality.reflex_latency / dt) - 1, 0), last)

@@ -16,6 +16,7 @@ from jawenv.ladder import MODELS
 from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import maneuver_names
+from tests.recorded import BODY
 
 
 @pytest.mark.parametrize(("what", "names"), [("maneuvers", maneuver_names()), ("cohorts", COHORTS), ("models", MODELS)])
@@ -65,16 +66,17 @@ def test_score_prints_every_parameter_and_whether_it_can_be_believed(capsys, kno
 def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):
     (tmp_path / "strict.toml").write_text("force_N = 0.5\n")
     (tmp_path / "jaw.toml").write_text("mandible = {mass_kg = 0.4}\n")
+    (tmp_path / "body.toml").write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
     own = [
         ("--comfort", str(tmp_path / "strict.toml")),
         ("--anatomy", str(tmp_path / "jaw.toml")),
-        ("--force-sensor", "straps"),
+        *(("--force-sensor", sensor, "--knowledge", str(tmp_path / "body.toml")) for sensor in ("motors", "straps")),
     ]
     said = []
     for each in [(), *own]:
         assert main(["score", "refined", "--patients", "2", "--episode-s", "1", *each]) == 0
         said.append(capsys.readouterr().out)
-    assert len(set(said)) == 4
+    assert len(set(said)) == 5
     costs = [float(line.split()[1]) for out in said for line in out.splitlines() if line.startswith("discomfort")]
     assert costs[1] > costs[0], "less is comfortable"
 

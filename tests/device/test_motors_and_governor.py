@@ -16,10 +16,11 @@ from jawenv.device.motors import (
     ON_PATH,
     STOPPED,
     STOPPED_AND_BRAKED,
+    Motors,
     command_motors,
     device_wrench,
 )
-from jawenv.envs.world.record import MOTORS
+from jawenv.kernels.records import record_dtype
 
 TICK = 0.01
 FORCE_CONTROL, TRAJECTORY = np.uint8(0), np.uint8(1)
@@ -34,7 +35,7 @@ def device_record(**fields):
 
 @pytest.fixture
 def motors():
-    record = np.zeros(1, dtype=MOTORS)[0]
+    record = np.zeros(1, dtype=record_dtype(Motors))[0]
     record["cap"] = 57.5
     return record
 

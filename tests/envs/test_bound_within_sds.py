@@ -17,8 +17,8 @@ MEMORY = {"device": {"unmodelled_time_s": 0.5}}
 
 
 def swings(**kwargs):
-    """A world after one control period of 40 ticks, of which the bound has all rows."""
-    env = gym.make("jawenv/Jaw-v3", control="targets", control_hz=2.5, track_bound=True, **kwargs)
+    """A world after one control period of 25 ticks, of which the bound has all rows."""
+    env = gym.make("jawenv/Jaw-v3", control="targets", control_hz=4.0, track_bound=True, **kwargs)
     env.reset(seed=6022)
     _, _, _, _, info = env.step(np.array([0.6, 0.4, 0.3, -0.3], dtype=np.float32))
     return env.unwrapped.simulation, info
@@ -30,11 +30,15 @@ def drawn(simulation):
     return [sum(value * each[k] for value, each in zip(truth, sds, strict=True)) for k in range(len(sds[0]))]
 
 
-def changed(simulation, direction, share):
-    """The true jaw moved by so many sds, and how its device is off against the true one."""
-    values = Unknowns(*(base + share * way for base, way in zip(drawn(simulation), direction, strict=True)))
-    jaw = changed_jaw(simulation.models[0], IMAGED, simulation.cohort.muscles, values)
-    return jaw, share * turn_of(IMAGED, direction), share * offset_of(IMAGED, direction)
+def changed(simulation):
+    """For each nuisance the true jaw moved by ``EPS`` sds both ways, and how its device is off against the true one."""
+
+    def moved(direction, share):
+        values = Unknowns(*(base + share * way for base, way in zip(drawn(simulation), direction, strict=True)))
+        jaw = changed_jaw(simulation.models[0], IMAGED, simulation.cohort.muscles, values)
+        return jaw, share * turn_of(IMAGED, direction), share * offset_of(IMAGED, direction)
+
+    return [(moved(direction, EPS), moved(direction, -EPS)) for direction in simulation.nuisance_sds]
 
 
 def as_read(wrench, about, offset):
@@ -43,33 +47,31 @@ def as_read(wrench, about, offset):
     return wrench + turned - offset
 
 
-def columns_of_step(simulation, mean, wrench, trend, dt):
+def columns_of_step(worlds, mean, wrench, trend, dt):
     """(10, q) the motion after a tick by each nuisance, by central differences."""
 
-    def after(direction, share):
-        jaw, about, offset = changed(simulation, direction, share)
+    def after(jaw, about, offset):
         return step(jaw, mean, as_read(wrench, about, offset), trend, dt)
 
-    return np.array([(after(d, EPS) - after(d, -EPS)) / (2.0 * EPS) for d in simulation.nuisance_sds]).T
+    return np.array([(after(*more) - after(*less)) / (2.0 * EPS) for more, less in worlds]).reshape(-1, N).T
 
 
-def columns_of_readings(simulation, state):
+def columns_of_readings(worlds, state):
     """(12, q) the readings by each nuisance."""
 
-    def read(direction, share):
-        jaw, about, _ = changed(simulation, direction, share)
+    def read(jaw, about, _):
         measured = np.array(newton_euler.measurement(jaw, state))
         measured[:3] -= jaw["zero"]
         for places in ([5, 3, 4], [9, 10, 11]):  # roll, pitch, yaw are about x, y, z
             measured[places] -= np.cross(about, measured[places])
         return measured
 
-    return np.array([(read(d, EPS) - read(d, -EPS)) / (2.0 * EPS) for d in simulation.nuisance_sds]).T
+    return np.array([(read(*more) - read(*less)) / (2.0 * EPS) for more, less in worlds]).reshape(-1, 12).T
 
 
 def dense_bound(simulation):
     """Covariance of the parameters by the Kalman filter in dense matrices, the gain error considered."""
-    world, settings = simulation.worlds[0], simulation.settings[0]
+    world, settings, worlds = simulation.worlds[0], simulation.settings[0], changed(simulation)
     known, rows, truth = settings["filter"], simulation.paths[0], world["truth"]
     theta, jaw, dt = truth["log_parameters"], truth["jaw"], simulation.tick_s
     q, d = len(simulation.nuisance_sds), len(known["disturbance_variance"])
@@ -89,13 +91,13 @@ def dense_bound(simulation):
             F[:N, :N], F[:N, first:] = by_all[:, :N], by_all[:, N : N + P + 1]
             F[:N, N : N + d] = by_all[:, N + P + 1 :][:, :d]
             F[N : N + d, N : N + d] *= known["disturbance_decay"]
-            F[:N, N + d : first] = columns_of_step(simulation, mean, wrench, trend, dt)
+            F[:N, N + d : first] = columns_of_step(worlds, mean, wrench, trend, dt)
             G[:N] = by_all[:, N + P + 1 :]
             covariance = F @ covariance @ F.T + G @ W @ G.T
             covariance[N : N + d, N : N + d] += np.diag(known["disturbance_variance"])
         H = np.zeros((12, size))
         H[:, :N] = measurement_with_derivative(jaw, state)[1]
-        H[:, N + d : first] = columns_of_readings(simulation, state)
+        H[:, N + d : first] = columns_of_readings(worlds, state)
         K = covariance @ H.T @ np.linalg.inv(H @ covariance @ H.T + R)
         K[-1] = 0.0
         rest = np.eye(size) - K @ H

@@ -18,8 +18,8 @@ from jawenv.filter.measurement_update import (
     add_information,
     correct_motion,
     judge_innovation,
-    measurement_update_fields,
     normalised_innovation,
+    update_scratch_dtype,
 )
 from jawenv.filter.state import begin_belief, belief_dtype
 from jawenv.mechanics import build_jaw
@@ -43,7 +43,7 @@ class Linear:
         root = rng.normal(size=(N, 2 * N)) * 10.0 ** rng.uniform(-2.0, 0.0, N)[:, None]
         self.belief["motion"], self.belief["motion_cov"] = rng.normal(size=N), root @ root.T
         self.belief["by_tension"][:, :31] = by_tension * rng.normal(size=(N, 31))
-        self.scratch = np.zeros(1, dtype=np.dtype(measurement_update_fields(6, 6, N), align=True))[0]
+        self.scratch = np.zeros(1, dtype=update_scratch_dtype(6, 6, N))[0]
         self.rows, self.variance = rng.normal(size=(12, N)), 10.0 ** rng.uniform(-3.0, 0.0, 12)
         self.start = self.belief.copy()
 

@@ -17,8 +17,7 @@ from jawenv.filter.belief.posterior import (
     set_precision,
     update_belief,
 )
-from jawenv.filter.state import begin_belief, belief_dtype
-from jawenv.filter.tick import filter_settings_dtype
+from jawenv.filter.state import begin_belief, belief_dtype, filter_settings_dtype
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.mechanics import build_jaw
 

@@ -18,8 +18,8 @@ from jawenv.filter.readings.screening import (
     repair_samples,
     rough_change,
 )
-from jawenv.filter.state import belief_dtype, forget_readings
-from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype
+from jawenv.filter.state import belief_dtype, filter_settings_dtype, forget_readings
+from jawenv.filter.tick import filter_scratch_dtype
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.jaw import build_jaw
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from recorded import recording
 from running import Running, coasted, half_way, line_wrenches
 
-from jawenv.filter.time_update import all_finite, predict_by_tension, predict_cov, time_update_fields
+from jawenv.filter.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
 from jawenv.kernels.compiled import njit
 
 N, COLUMNS = 10, 32
@@ -14,7 +14,7 @@ N, COLUMNS = 10, 32
 
 def memory(total):
     """The time update's, with [A, G] in it."""
-    scratch = np.zeros(1, dtype=np.dtype(time_update_fields(6, 6, N), align=True))[0]
+    scratch = np.zeros(1, dtype=time_scratch_dtype(6, 6, N))[0]
     scratch["total"] = total
     return scratch
 

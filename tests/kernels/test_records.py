@@ -1,11 +1,17 @@
 """Where the fields of records lie in memory."""
 
+import ast
+from pathlib import Path
+from typing import Annotated
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+import jawenv
 from jawenv.envs.world.record import world_dtype
 from jawenv.envs.world.step_kernel import scratch_dtype
-from jawenv.kernels.records import LINE, record_dtype, record_zeros
+from jawenv.kernels.records import LINE, Array, record_dtype, record_zeros
 
 FIELDS = [("flag", "u1"), ("number", "f8"), ("wide", "f8", (3, 5)), ("bytes", "u1", (70,)), ("last", "f4")]
 
@@ -48,3 +54,65 @@ def test_nested_records_keep_their_alignment(dtype):
                 check(field, start + offset)
 
     check(dtype, 0)
+
+
+class Part:
+    count: int
+    flags: Annotated[NDArray[np.uint8], "columns"]
+
+
+class Whole:
+    flag: bool
+    kind: np.uint8
+    number: float
+    wide: Annotated[Array, 3, "columns"]
+    part: Part
+    other: Part
+
+
+class Longer(Whole):
+    last: Annotated[Array, "rows"]
+
+
+def test_a_record_of_a_class_is_that_of_its_fields():
+    part, other = ([("count", "i8"), ("flags", "u1", (size,))] for size in (5, 2))
+    fields = [("flag", "u1"), ("kind", "u1"), ("number", "f8"), ("wide", "f8", (3, 5))]
+    fields += [("part", record_dtype(part)), ("other", record_dtype(other))]
+    given = record_dtype(Part, columns=2)
+    assert record_dtype(Whole, columns=5, other=given) == record_dtype(fields)
+    assert record_dtype(Longer, columns=5, rows=0, other=given) == record_dtype([*fields, ("last", "f8", (0,))])
+
+
+DECORATORS = ("njit", "where", "world_kernel")
+# The modules of these records import the kernels.
+UNNAMED = {
+    "force_sensor.py": "truth",
+    "condyles.py": "scratch",
+    "refocus.py": "scratch",
+    "instrument.py": "scratch",
+    "changes.py": "scratch",
+    "without_cell.py": "scratch",
+    "screening.py": "scratch",
+    "reset_kernel.py": "first_row",  # mypy takes a number beside it for an array
+}
+ON_ARRAYS = {"any", "all", "copy", "shape", "size"}
+
+
+def test_kernels_name_the_records_whose_fields_they_use():
+    """So that mypy sees a misspelt field."""
+    named = 0
+    for path in Path(jawenv.__file__).parent.rglob("*.py"):
+        for kernel in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(kernel, ast.FunctionDef) or "njit" not in str(
+                [ast.dump(d) for d in kernel.decorator_list]
+            ):
+                continue
+            annotations = {argument.arg: argument.annotation for argument in kernel.args.args}
+            for use in ast.walk(kernel):
+                if not isinstance(use, ast.Attribute) or not isinstance(use.value, ast.Name) or use.attr in ON_ARRAYS:
+                    continue
+                name = use.value.id
+                if name in annotations and UNNAMED.get(path.name) != name:
+                    assert annotations[name] is not None, f"{path}:{use.lineno}: {name}.{use.attr}"
+                    named += 1
+    assert named > 1000

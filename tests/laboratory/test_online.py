@@ -9,7 +9,7 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 import pytest
-from recorded import SWINGS, Waves
+from recorded import BODY, SWINGS, Waves
 from scipy.stats import lognorm
 
 import jawenv
@@ -64,7 +64,8 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
 
 
 @pytest.mark.parametrize(
-    "told", [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps"}]
+    "told",
+    [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps", "knowledge": BODY}],
 )
 def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the_bit(told):
     env = gym.make("jawenv/Jaw-v3", **told, episode_s=2.0).unwrapped

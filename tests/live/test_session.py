@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from eval.entries import load_entries
-from jawenv.anatomy.knowledge import LEVELS
+from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.live.drive_file import maneuver_of_drive
@@ -13,6 +13,7 @@ from jawenv.live.playback import Playback
 from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from jawenv.playing.maneuvers import Maneuver, Player
+from tests.recorded import BODY
 
 SHORT = Setup.of(seed=500, episode_s=3.0)
 
@@ -137,14 +138,14 @@ def test_the_same_patient_begins_again(driven):
     np.testing.assert_array_equal(session.drive([0.4, 0.0, 0.0, 0.0]).scene.belief_mean, first.scene.belief_mean)
 
 
-@pytest.mark.parametrize(("knowledge", "force_sensor"), [("imaged", "cell"), ("exact", "straps")])
+@pytest.mark.parametrize(("knowledge", "force_sensor"), [(IMAGED, "cell"), (Knowledge(**BODY), "straps")])
 def test_the_recording_of_a_drive_says_what_was_known(tmp_path, knowledge, force_sensor):
     session = DriveSession(Setup.of(seed=500, episode_s=3.0, knowledge=knowledge, force_sensor=force_sensor))
     session.drive([0.4, 0.0, 0.0, 0.0])
     paths = session.save(tmp_path)
     assert [path.suffix for path in paths] == [".yaml", ".csv"]
     record = load_record(paths[1])
-    assert (record.knowledge, record.force_sensor) == (LEVELS[knowledge], force_sensor)
+    assert (record.knowledge, record.force_sensor) == (knowledge, force_sensor)
 
 
 def test_samples_on_a_line_are_left_out():

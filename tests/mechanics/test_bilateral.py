@@ -19,8 +19,8 @@ from jawenv.mechanics.bilateral import (
     settle_bilateral,
     split_body,
 )
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.linearisation import linear_dtype
 
 NOTHING = (0.0,) * 6
 FLIP_Q, FLIP_U, FLIP_WRENCH = [1, 4, 5], [1, 3, 5], [1, 3, 5]

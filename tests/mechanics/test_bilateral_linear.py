@@ -11,7 +11,7 @@ from jawenv.filter.motion.joint_step import BODY_PARTS, propagate
 from jawenv.filter.readings.encoders import measure_body
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
-from jawenv.mechanics.linearisation import linear_dtype
+from jawenv.mechanics.dynamics import linear_dtype
 
 DT = 0.01
 

@@ -7,9 +7,8 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_fossa
-from jawenv.mechanics.dynamics import linearise_acceleration, state_rate
+from jawenv.mechanics.dynamics import linear_dtype, linearise_acceleration, state_rate
 from jawenv.mechanics.kinematics import angle_rates, fossa, rotation
-from jawenv.mechanics.linearisation import linear_dtype
 
 FREE, PRESSED = "off the stops", "on the stops"
 

@@ -6,8 +6,8 @@ import pytest
 from scipy.optimize import brentq
 
 import jawenv
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.linearisation import linear_dtype
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
 

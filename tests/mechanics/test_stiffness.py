@@ -5,8 +5,7 @@ import pytest
 
 import jawenv
 from jawenv.mechanics import build_jaw
-from jawenv.mechanics.dynamics import linearise_acceleration
-from jawenv.mechanics.linearisation import linear_dtype
+from jawenv.mechanics.dynamics import linear_dtype, linearise_acceleration
 from jawenv.mechanics.stiffness import LARGEST_PHASE, MOST_PARTS, fastest_rate, parts_needed
 
 STILL, NOTHING = (0.0,) * 5, (0.0,) * 6

@@ -5,9 +5,9 @@ import pytest
 from reality_states import ON_PATH, REST, STILL, TICK, Tissue, drawn_muscles, tensions
 
 from jawenv.device.motors import mouthpiece_motion
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.kinematics import rotation
-from jawenv.mechanics.linearisation import linear_dtype
 
 OPEN = (6e-3, 0.2e-3, 0.3, 0.01, -0.02)
 SHARE, TIME = 0.3, 2.0

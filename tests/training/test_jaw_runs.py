@@ -16,6 +16,7 @@ from agents.residual import ResidualPolicy
 from eval.entries import load_entries
 from eval.settings import Settings
 from jawenv.playing.maneuvers import Maneuver, Player
+from tests.recorded import BODY
 from training.cli import main
 from training.run.config import BASE_FILE
 from training.run.export import config_sha256
@@ -25,13 +26,18 @@ CONFIG = """
 algorithm: sac
 steps: 60
 n_envs: 2
-env: {kwargs: {control: targets, reward: mixed, episode_s: 2.0}}
+env: {kwargs: {control: targets, reward: mixed, episode_s: 2.0, knowledge: BODY}}
 residual: {maneuver: opening_with_swings, scale: 0.5}
 comfort: {target_discomfort_s: 0.05, initial_multiplier: 20.0, rate: 0.1, episodes: 2}
 sac: {learning_starts: 20, batch_size: 16, gradient_steps: 1, network: {units: [8], initial_action_scale: 1.0e-6}}
 evaluation: {every_steps: 1000, patients: 2}
-"""
-WORLD = {"comfort": {"force_N": 8.0}, "anatomy": {"mandible": {"mass_kg": 0.25}}, "force_sensor": "straps"}
+""".replace("BODY", json.dumps(BODY))
+WORLD = {
+    "comfort": {"force_N": 8.0},
+    "anatomy": {"mandible": {"mass_kg": 0.25}},
+    "force_sensor": "straps",
+    "knowledge": BODY,
+}
 ENV = {"control": "targets", "episode_s": 2.0, "reward": "mixed", **WORLD}
 
 

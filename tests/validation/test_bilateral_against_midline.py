@@ -16,9 +16,8 @@ from jawenv.mechanics.bilateral import (
     settle_bilateral,
     split_body,
 )
-from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.dynamics import linear_dtype, state_rate
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.linearisation import linear_dtype
 
 MUSCLES = np.tile([1.2, 7.0], (6, 1))
 NOTHING = (0.0,) * 6

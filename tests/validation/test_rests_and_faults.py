@@ -13,8 +13,8 @@ from jawenv.filter.readings.encoders import measure
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
+from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.linearisation import linear_dtype
 
 
 def rest_of(jaw, log_parameters):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from jawenv.envs.observation import observe_world
 from jawenv.envs.world.information import refresh_information
+from jawenv.envs.world.step_kernel import Shared
 from jawenv.kernels.compiled import world_kernel
 
 
 @world_kernel(position=2)
-def show_beliefs(shared, models, worlds, active, observation, part):
+def show_beliefs(shared: Shared, models, worlds, active, observation, part):
     """Information and observation of every active world by the belief that its record holds now.
 
     Args:

@@ -7,12 +7,14 @@ at its first use.
 from __future__ import annotations
 
 from jawenv.envs.world.information import decompose_parameters
-from jawenv.filter.bound.bound_recursion import begin_bound, first_parameter, move_bound, read_bound
+from jawenv.envs.world.record import Settings, World
+from jawenv.filter.bound.bound_recursion import BoundScratch, begin_bound, first_parameter, move_bound, read_bound
 from jawenv.kernels.compiled import njit_within, world_kernel
+from jawenv.mechanics.jaw import Jaw
 
 
 @njit_within
-def follow_bound(model, world, settings, scratch, path):
+def follow_bound(model: Jaw, world: World, settings: Settings, scratch: BoundScratch, path):
     """The bound of one world after its last control period, or after its first reading.
 
     It is linearised at the true jaw, unless that is of another kind than the filter's ``model``.

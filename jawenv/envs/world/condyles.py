@@ -6,8 +6,11 @@ compiled either.
 
 from __future__ import annotations
 
+from jawenv.device.comfort import Limits
+from jawenv.device.device import DeviceRecord
 from jawenv.device.motors import mouthpiece_motion
 from jawenv.envs.world.plants import bilateral_tick, end_motion, lift_of, midline_tick, take_body
+from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, where
 from jawenv.mechanics.bilateral import put_on_fossa, settle_bilateral
 from jawenv.mechanics.kinematics import rotation, split
@@ -17,12 +20,12 @@ REST_OPENING_MAX = 0.035
 REST_SIDE_MAX = 0.005
 
 
-def _midline(device, world, scratch, settings):
+def _midline(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     return midline_tick(device, world, scratch, settings)
 
 
 @where(lambda world: world.typeof("truth").typeof("body").shape[0], otherwise=_midline)
-def plant_tick(device, world, scratch, settings):
+def plant_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """One tick: of a world that has a body, whose jaw may all the same be believed to have one point (planners)."""
     if world.truth.jaw.condyles == 2:
         return bilateral_tick(device, world, scratch, settings)
@@ -30,18 +33,18 @@ def plant_tick(device, world, scratch, settings):
 
 
 @njit
-def true_motion(device, world, scratch, settings):
+def true_motion(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """Move the jaw through one tick; samples the device's wrench, returns what of the governor acted."""
     acted = plant_tick(device, world, scratch, settings)
     return max(acted, end_motion(device, world, scratch, settings.control.servo))
 
 
-def _rest_on_one_point(truth, limits, scratch):
+def _rest_on_one_point(truth: Truth, limits: Limits, scratch):
     return True  # the midline model's rest is the plant's own
 
 
 @where(lambda truth: truth.typeof("body").shape[0], otherwise=_rest_on_one_point)
-def rest_on_condyles(truth, limits, scratch):
+def rest_on_condyles(truth: Truth, limits: Limits, scratch):
     """Where a world has a body: move the jaw to its rest on two condyles; False when that is not in reach.
 
     The limits keep their widths, and are counted from the new pose of rest.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from jawenv.device.motors import device_wrench
 from jawenv.envs.world.load_cell import add_moments, clear_moments
 from jawenv.envs.world.plants import TICK, end_motion, lift_of, plus_wrench
+from jawenv.envs.world.record import Truth
 from jawenv.envs.world.step_kernel import (
     StepRows,
     begin_first_tick,
@@ -33,7 +34,7 @@ from jawenv.reality.joint import articular_push
 
 
 @njit
-def take_planar(truth, x, z, theta, x_rate, z_rate, theta_rate):
+def take_planar(truth: Truth, x, z, theta, x_rate, z_rate, theta_rate):
     """Set the midline coordinates and the lift of ``truth`` from a motion in the sagittal plane."""
     height, slope, _, _ = fossa(truth.jaw, x)
     for i in range(10):
@@ -86,7 +87,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
 
 
 @njit
-def contact_end(devices, models, worlds, i, all_settings, scratches, rows, motion):
+def contact_end(devices, models, worlds, i, all_settings, scratches, rows: StepRows, motion):
     """Sensors, filter and comfort of one tick of world i, whose jaw has come to ``motion``; or its first reading."""
     device, world, settings, scratch = devices[0], worlds[i], all_settings[0], scratches[i]
     if world.known.tick < 0:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jawenv.envs.world.record import World
 from jawenv.kernels.cholesky import log_det, solve_lower
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
@@ -25,7 +26,7 @@ def decompose_parameters(covariance, first, factor):
 
 
 @njit
-def refresh_information(world, factor, whitened):
+def refresh_information(world: World, factor, whitened):
     """Set log-determinant, NEES and log score of ``world`` from its belief and truth."""
     truth, known = world.truth, world.known
     known.log_det = decompose_parameters(known.belief.cov, 0, factor)

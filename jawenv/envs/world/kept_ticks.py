@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.device.device import N_MOTORS
 from jawenv.envs.world.plants import true_state
+from jawenv.envs.world.record import Truth
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
+
+
+class TrueTick:
+    """The truth of one tick, beside the filter's ``tick_dtype``."""
+
+    wrench: Annotated[Array, N_SAMPLES, N_WRENCH]  # during it
+    trend: Annotated[Array, N_WRENCH]  # of the load cell, at its start
+    friction_share: Annotated[Array, N_MOTORS]  # of the motors at its end, where no load cell reads the force
+    state: Annotated[Array, "states"]  # the motion at its end
 
 
 @cache
 def true_tick_dtype(n_states: int) -> np.dtype[np.void]:
-    """Dtype of the truth of one tick, beside the filter's ``tick_dtype``."""
-    fields = [
-        ("wrench", "f8", (N_SAMPLES, N_WRENCH)),  # during it
-        ("trend", "f8", N_WRENCH),  # of the load cell, at its start
-        ("friction_share", "f8", N_MOTORS),  # of the motors at its end, where no load cell reads the force
-        ("state", "f8", (n_states,)),  # the motion at its end
-    ]
-    return record_dtype(fields)
+    """Dtype of ``TrueTick``."""
+    return record_dtype(TrueTick, states=n_states)
 
 
 @njit
@@ -40,7 +46,7 @@ def keep_reading(tick, measured, samples, used, ticks):
 
 
 @njit
-def keep_truth(model, truth, tick, wrench, trend, path):
+def keep_truth(model: Jaw, truth: Truth, tick, wrench, trend, path):
     """Write what was true into row ``tick`` of ``path``, which begins anew where it has fewer rows than ticks."""
     row = path[tick % path.shape[0]]
     for i in range(row.wrench.shape[0]):

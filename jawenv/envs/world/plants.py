@@ -7,14 +7,16 @@ zero. The plant of pymunk is moved from Python (``contact``).
 
 from __future__ import annotations
 
-from jawenv.device.device import N_MOTORS
+from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import BRAKED, IDLE, device_wrench
 from jawenv.device.stiffness import held_rate
 from jawenv.envs.world.load_cell import add_moments, clear_moments, take_samples
+from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state, stage_place, stage_weight
 from jawenv.mechanics.bilateral import BODY_STEP, bilateral_rate, midline_motion, split_body
 from jawenv.mechanics.dynamics import state_rate
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 from jawenv.reality.joint import articular_push
@@ -25,13 +27,13 @@ BODY_SUBSTEPS = round(TICK / BODY_STEP)  # of the plant with two condyles
 
 
 @njit_inlined
-def lift_of(truth):
+def lift_of(truth: Truth):
     """The lift as a tuple."""
     return truth.lift[0], truth.lift[1]
 
 
 @njit_inlined
-def true_state(model, truth, i):
+def true_state(model: Jaw, truth: Truth, i):
     """Number i of the true motion, in the coordinates of the filter's model."""
     return truth.body[i] if model.condyles == 2 else truth.state[i]
 
@@ -50,7 +52,7 @@ def plus_wrench(wrench, extra, push):
 
 
 @njit_within
-def wrench_at_stage(device, world, scratch, settings, step, stage, h, motion):
+def wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, step, stage, h, motion):
     """The wrench on the jaw at a stage of a Runge-Kutta step, with what the load cell and the governor have of it."""
     since = step * h + stage_place(stage) * h
     wrench, governed = device_wrench(
@@ -83,7 +85,7 @@ def body_rate(q, u, stage, h, arguments):
 
 
 @njit
-def midline_tick(device, world, scratch, settings):
+def midline_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """Move the midline plant through one tick; returns what of the governor acted (``device_wrench``).
 
     Stops and brake are so stiff that the usual steps are unstable, and work seldom: the steps are as short as what
@@ -104,7 +106,7 @@ def midline_tick(device, world, scratch, settings):
 
 
 @njit
-def parts_of_tick(device, jaw, settings, rate, acted):
+def parts_of_tick(device: DeviceRecord, jaw: Jaw, settings: Settings, rate, acted):
     """Runge-Kutta steps in a tick of a jaw with this free ``rate`` (1/s), where this of the governor ``acted``."""
     if acted >= BRAKED:
         rate = held_rate(device, jaw, settings.control.servo, acted, rate)
@@ -112,7 +114,7 @@ def parts_of_tick(device, jaw, settings, rate, acted):
 
 
 @njit
-def midline_steps(device, world, scratch, settings, parts):
+def midline_steps(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings, parts):
     """One tick of the midline plant in so many Runge-Kutta steps; returns what of the governor acted."""
     h = TICK / parts
     scratch.acted = IDLE
@@ -125,7 +127,7 @@ def midline_steps(device, world, scratch, settings, parts):
 
 
 @njit
-def bilateral_tick(device, world, scratch, settings):
+def bilateral_tick(device: DeviceRecord, world: World, scratch: Scratch, settings: Settings):
     """Move the plant with two condyles through one tick; returns what of the governor acted."""
     h = TICK / BODY_SUBSTEPS
     scratch.acted = IDLE
@@ -139,7 +141,7 @@ def bilateral_tick(device, world, scratch, settings):
 
 
 @njit
-def take_body(truth):
+def take_body(truth: Truth):
     """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
     body_q, body_u = split_body(truth.body)
     q, u, lift, lift_rate = midline_motion(truth.jaw, body_q, body_u)
@@ -148,7 +150,7 @@ def take_body(truth):
 
 
 @njit
-def end_motion(device, world, scratch, trajectory):
+def end_motion(device: DeviceRecord, world: World, scratch: Scratch, trajectory):
     """The load cell's samples of the tick that has passed, and the motors' targets where they have moved to."""
     truth, known = world.truth, world.known
     q, u = split(truth.state)

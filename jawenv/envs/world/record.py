@@ -3,85 +3,110 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
-from jawenv.device.channels import TRACKER
-from jawenv.device.comfort import N_LIMITS, limits_dtype
+from jawenv.device.channels import Tracker
+from jawenv.device.comfort import N_LIMITS, ComfortRecord, Limits, limits_dtype
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
+from jawenv.device.motors import Motors
 from jawenv.filter.bound.bound_recursion import bound_size
-from jawenv.filter.state import belief_dtype
-from jawenv.kernels.records import record_dtype
+from jawenv.filter.motion.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
+from jawenv.filter.tick import FilterScratch
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_STATES
-from jawenv.mechanics.jaw import jaw_dtype
+from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.reality import reality_state_dtype
+from jawenv.reality.options import RealityRecord
+from jawenv.reality.state import RealityState
 
-MOTORS = record_dtype(
-    [
-        ("thrust", "f8", N_MOTORS),
-        ("command", "f8", N_MOTORS),
-        ("target", "f8", N_MOTORS),
-        ("rate", "f8", N_MOTORS),
-        ("cap", "f8", N_MOTORS),
-        ("heat", "f8", N_MOTORS),
-    ],
-)
+N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
+
+
+class Truth:
+    """What only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
+
+    jaw: Jaw
+    log_parameters: Annotated[Array, "parameters"]
+    muscles: Annotated[Array, "lines", 2]
+    cell_gain: float
+    nuisances: Annotated[Array, "nuisances"]  # drawn, in prior sds, as ``belief.nuisances`` has them
+    cell_offset: Annotated[Array, 6]
+    turn: Annotated[Array, 3]  # of the mouthpiece about body axes: what the encoders show is turned by it
+    cell_turn: Annotated[Array, 3]  # what the load cell shows is turned by this
+    no_cell: bool  # whether the force is read without a load cell (``device.force_sensor``)
+    motor_errors: Annotated[Array, N_MOTORS, N_ERRORS]  # of that
+    slack_below: float  # force of a motor, N
+    friction_share: Annotated[Array, N_MOTORS]  # of Coulomb's friction that acts
+    motor_rate: Annotated[Array, N_MOTORS]  # at the end of the last tick, m/s
+    state: Annotated[Array, N_STATES]
+    lift: Annotated[Array, 2]  # of the condyles' midpoint above its path (m), and its rate (m/s)
+    body: Annotated[Array, "body"]  # of the plant with two condyles
+    unmodelled: Annotated[Array, 6]  # the wrench that no model explains, in this tick
+    reality: RealityState
+    key: Annotated[NDArray[np.uint64], 2]
+    acted: float  # what of the governor acted in the last tick (``device.motors``)
+    fractions: Annotated[Array, N_LIMITS]  # largest used fraction of each limit during the last step
+    costs: Annotated[Array, N_LIMITS]  # mean cost of each limit during the last step
+    governor: float  # share of the last step's ticks in which the governor acted
+    violated: bool
+    bound: Annotated[Array, "bound", "bound"]
+    log_det_bound: float
+    log_score_prior: float
+    log_score: float
+    nees: float
 
 
 @cache
 def truth_dtype(n_muscles: int, n_lines: int, n_body: int, n_nuisances: int, n_bound: int) -> np.dtype[np.void]:
-    """Dtype of what only the simulation knows: the patient, the motion, what sensors add, and judgements by these."""
-    fields = [
-        ("jaw", jaw_dtype(n_lines)),
-        ("log_parameters", "f8", (2 * n_muscles,)),
-        ("muscles", "f8", (n_lines, 2)),
-        ("cell_gain", "f8"),
-        ("nuisances", "f8", (n_nuisances,)),  # drawn, in prior sds, as ``belief.nuisances`` has them
-        ("cell_offset", "f8", 6),
-        ("turn", "f8", 3),  # of the mouthpiece about body axes: what the encoders show is turned by it
-        ("cell_turn", "f8", 3),  # what the load cell shows is turned by this
-        ("no_cell", "u1"),  # whether the force is read without a load cell (``device.force_sensor``)
-        ("motor_errors", "f8", (N_MOTORS, N_ERRORS)),  # of that
-        ("slack_below", "f8"),  # force of a motor, N
-        ("friction_share", "f8", N_MOTORS),  # of Coulomb's friction that acts
-        ("motor_rate", "f8", N_MOTORS),  # at the end of the last tick, m/s
-        ("state", "f8", N_STATES),
-        ("lift", "f8", 2),  # of the condyles' midpoint above its path (m), and its rate (m/s)
-        ("body", "f8", (n_body,)),  # of the plant with two condyles
-        ("unmodelled", "f8", 6),  # the wrench that no model explains, in this tick
-        ("reality", reality_state_dtype(n_lines)),
-        ("key", "u8", 2),
-        ("acted", "f8"),  # what of the governor acted in the last tick (``device.motors``)
-        ("fractions", "f8", N_LIMITS),  # largest used fraction of each limit during the last step
-        ("costs", "f8", N_LIMITS),  # mean cost of each limit during the last step
-        ("governor", "f8"),  # share of the last step's ticks in which the governor acted
-        ("violated", "u1"),
-        ("bound", "f8", (n_bound, n_bound)),
-        ("log_det_bound", "f8"),
-        ("log_score_prior", "f8"),
-        ("log_score", "f8"),
-        ("nees", "f8"),
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Truth``."""
+    return record_dtype(
+        Truth,
+        jaw=jaw_dtype(n_lines),
+        parameters=2 * n_muscles,
+        lines=n_lines,
+        nuisances=n_nuisances,
+        body=n_body,
+        reality=reality_state_dtype(n_lines),
+        bound=n_bound,
+    )
+
+
+class Known:
+    """What the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
+
+    tick: int
+    limits: Limits
+    motors: Motors
+    tracker: Tracker  # of targets control
+    reading: Annotated[Array, 6]  # load cell, body axes
+    belief: Belief
+    left_out: float  # share of the last step's readings that were not used
+    gated: float  # share of the last step's ticks whose innovation the gate rejected
+    log_det_prior: float
+    log_det: float
 
 
 @cache
 def known_dtype(n_muscles: int, n_lines: int, n_states: int, n_nuisances: int, n_disturbance: int) -> np.dtype[np.void]:
-    """Dtype of what the device knows: its clock and motors, the clinician's limits, its readings and its belief."""
-    fields = [
-        ("tick", "i8"),
-        ("limits", limits_dtype(n_lines)),
-        ("motors", MOTORS),
-        ("tracker", TRACKER),  # of targets control
-        ("reading", "f8", 6),  # load cell, body axes
-        ("belief", belief_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)),
-        ("left_out", "f8"),  # share of the last step's readings that were not used
-        ("gated", "f8"),  # share of the last step's ticks whose innovation the gate rejected
-        ("log_det_prior", "f8"),
-        ("log_det", "f8"),
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Known``."""
+    return record_dtype(
+        Known,
+        limits=limits_dtype(n_lines),
+        belief=belief_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance),
+    )
+
+
+class World:
+    """One world."""
+
+    truth: Truth
+    known: Known
 
 
 @cache
@@ -102,4 +127,68 @@ def world_dtype(
         n_muscles, n_lines, n_body, n_nuisances, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
     )
     known = known_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)
-    return record_dtype([("truth", truth), ("known", known)])
+    return record_dtype(World, truth=truth, known=known)
+
+
+class Control:
+    """How the device is commanded, for all worlds of an environment."""
+
+    servo: bool  # whether servos hold the motors
+    targets: bool  # whether the action is the channels' targets
+    steps: int  # in an episode
+    ticks_per_step: int
+
+
+class Settings:
+    """What all worlds of an environment share."""
+
+    filter: FilterSettings
+    control: Control
+    comfort: ComfortRecord
+    noise_variance: Annotated[Array, N_NOISE]  # of the wrench not known, as the bound's recursion has it
+    reality: RealityRecord
+    unmodelled_decay: float  # of the true unmodelled wrench over a tick
+    channels: int  # readings in a tick
+
+
+@cache
+def settings_dtype(
+    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
+) -> np.dtype[np.void]:
+    """Dtype of ``Settings``."""
+    return record_dtype(
+        Settings, filter=filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)
+    )
+
+
+class Seeing:
+    """Working memory of ``observe_world``."""
+
+    muscles: Annotated[Array, "lines", 2]
+    fractions: Annotated[Array, N_LIMITS]
+
+
+@cache
+def seeing_dtype(n_lines: int) -> np.dtype[np.void]:
+    """Dtype of ``Seeing``."""
+    return record_dtype(Seeing, lines=n_lines)
+
+
+class Scratch:
+    """One thread's working memory."""
+
+    rows: Annotated[Array, N_MEASUREMENTS, N_STATES]  # of ``measure``
+    filter: FilterScratch
+    seeing: Seeing
+    observation: Annotated[NDArray[np.float32], "observation"]  # for the law of targets control
+    action: Annotated[Array, N_MOTORS]  # of the motors
+    normals: Annotated[Array, N_NORMALS]
+    measured: Annotated[Array, N_MEASUREMENTS]
+    effective: Annotated[Array, "lines", 2]  # F_o and b of the truth's lines during the tick
+    acted: float  # what of the governor has acted in this tick
+    wrench: Annotated[Array, N_SAMPLES, 6]  # the device's, as the load cell averages it (``load_cell``)
+    samples: Annotated[Array, N_SAMPLES, 6]  # what the load cell makes of them
+    faults: Annotated[Array, 20]
+    fractions: Annotated[Array, N_LIMITS]
+    matrix: Annotated[Array, "parameters", "parameters"]
+    right: Annotated[Array, "parameters"]

@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
-from jawenv.device.comfort import set_general_limits
+from jawenv.device.comfort import ComfortRecord, Limits, set_general_limits
 from jawenv.device.comfort_settings import SMALLEST_RANGE_MM
-from jawenv.device.device import N_MOTORS
-from jawenv.device.motors import IDLE, ON_PATH, motor_point, mouthpiece_motion
+from jawenv.device.device import N_MOTORS, DeviceRecord
+from jawenv.device.motors import IDLE, ON_PATH, Motors, motor_point, mouthpiece_motion
 from jawenv.envs.world.condyles import REST_OPENING_MAX, REST_SIDE_MAX, rest_on_condyles
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.plants import lift_of, true_state
-from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, clear_step
+from jawenv.envs.world.record import Scratch, Settings, Truth, World
+from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, Shared, clear_step
 from jawenv.filter.motion.joint_step import set_muscles
 from jawenv.filter.readings.encoders import measure
 from jawenv.filter.tick import begin_filter
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
+from jawenv.mechanics.dynamics import Linear, linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.forces import muscle_pull
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation, split
-from jawenv.mechanics.linearisation import linear_dtype
+from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import reset_reality
 
 FULL_RANGE = 0.048  # m, mean maximal opening of healthy adults (Zawawi 2003)
@@ -32,23 +36,26 @@ RANGE_STEPS = 10
 CREST_SHARE = 0.92  # of the way to the crest: the soft limit of the condyle's travel
 
 
+class Beginning:
+    """One thread's working memory of ``begin``."""
+
+    linear: Linear
+    matrix: Annotated[Array, 5, 5]
+    right: Annotated[Array, 5]
+    poses: Annotated[Array, RANGE_STEPS + 1, 5]
+    places: Annotated[Array, RANGE_STEPS + 1, 3]
+    body_matrix: Annotated[Array, 6, 6]
+    body_right: Annotated[Array, 6]
+
+
 @cache
 def beginning_dtype(n_lines: int) -> np.dtype[np.void]:
-    """Dtype of one thread's working memory of ``begin``."""
-    fields = [
-        ("linear", linear_dtype(n_lines)),
-        ("matrix", "f8", (5, 5)),
-        ("right", "f8", 5),
-        ("poses", "f8", (RANGE_STEPS + 1, 5)),
-        ("places", "f8", (RANGE_STEPS + 1, 3)),
-        ("body_matrix", "f8", (6, 6)),
-        ("body_right", "f8", 6),
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Beginning``."""
+    return record_dtype(Beginning, linear=linear_dtype(n_lines))
 
 
 @njit
-def write_position(jaw, pose, positions, i):
+def write_position(jaw: Jaw, pose, positions, i):
     """Write where the mouthpiece is at ``pose`` (5) into row i of ``places``."""
     q = (pose[0], pose[1], pose[2], pose[3], pose[4])
     point, _ = mouthpiece_motion(jaw, q, (0.0, 0.0, 0.0, 0.0, 0.0), ON_PATH, rotation(q))
@@ -57,7 +64,7 @@ def write_position(jaw, pose, positions, i):
 
 
 @njit
-def open_slowly(jaw, muscles, comfort, pose, scratch):
+def open_slowly(jaw: Jaw, muscles, comfort: ComfortRecord, pose, scratch: Beginning):
     """Poses from rest to the end of the painless range, in ``scratch``; returns the last one's number, -1 if none.
 
     ``pose`` (5 or more) is near the rest, and becomes it.
@@ -85,7 +92,7 @@ def open_slowly(jaw, muscles, comfort, pose, scratch):
 
 
 @njit
-def set_limits(jaw, muscles, comfort, limits, last, scratch):
+def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, scratch: Beginning):
     """Comfort limits from the jaw's path of ``last`` + 1 poses; False when the painless range is too small."""
     poses, positions = scratch.poses, scratch.places
     set_general_limits(comfort, limits)
@@ -114,7 +121,7 @@ def set_limits(jaw, muscles, comfort, limits, last, scratch):
 
 
 @njit
-def reset_motors(device, truth, motors):
+def reset_motors(device: DeviceRecord, truth: Truth, motors: Motors):
     """Motors without thrust, their targets where the resting jaw has put them."""
     q, u = split(truth.state)
     body_to_head = rotation(q)
@@ -127,7 +134,7 @@ def reset_motors(device, truth, motors):
 
 
 @njit
-def reset_belief(device, model, world, settings, scratch, first_row):
+def reset_belief(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, first_row):
     """Prior belief over motion, parameters and load-cell gain, before the first reading."""
     truth, known, normals = world.truth, world.known, scratch.normals
     fill_normals((truth.key[0], truth.key[1]), START_TICK, normals)
@@ -145,7 +152,7 @@ def reset_belief(device, model, world, settings, scratch, first_row):
 
 
 @njit
-def begin_reality(truth, reality, scratch):
+def begin_reality(truth: Truth, reality: RealityRecord, scratch: Scratch):
     """Tissue, load-cell bias and play of the encoders as the episode begins, at rest."""
     q, _ = split(truth.state)
     lift = lift_of(truth)
@@ -156,7 +163,7 @@ def begin_reality(truth, reality, scratch):
 
 
 @njit
-def begin_device(device, model, world):
+def begin_device(device: DeviceRecord, model: Jaw, world: World):
     """Clock, motors, targets and load cell as an episode begins, of the jaw at rest; nothing has been read."""
     known = world.known
     known.tick = -1
@@ -166,12 +173,14 @@ def begin_device(device, model, world):
     known.tracker.target[:] = 0.0
     known.tracker.rate[:] = 0.0
     known.tracker.size[:] = 1.0
-    known.tracker.begun = 0
+    known.tracker.begun = False
     known.tracker.crest, known.tracker.full_force = model.crest, known.limits.force
 
 
 @njit_within
-def begin_world(device, model, world, settings, scratch, beginning, first_row):
+def begin_world(
+    device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, beginning, first_row
+):
     """Put one world at rest; False when the device cannot treat its patient."""
     truth, limits = world.truth, world.known.limits
     set_muscles(truth.jaw, truth.log_parameters, 0, truth.muscles)
@@ -184,7 +193,7 @@ def begin_world(device, model, world, settings, scratch, beginning, first_row):
         return False
     if not rest_on_condyles(truth, limits, beginning):
         return False
-    truth.violated = 0
+    truth.violated = False
     truth.acted = IDLE
     begin_device(device, model, world)
     begin_reality(truth, settings.reality, scratch)
@@ -193,7 +202,7 @@ def begin_world(device, model, world, settings, scratch, beginning, first_row):
 
 
 @world_kernel(position=2)
-def begin(shared, models, worlds, chosen, beginnings, accepted, all_ticks, part):
+def begin(shared: Shared, models, worlds, chosen, beginnings, accepted, all_ticks, part):
     """Put every chosen world at rest with its ``jaw``, ``log_parameters`` and ``key`` as they stand.
 
     Its sensors are read for the first time by the next call of ``advance``.

@@ -14,34 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.comfort import N_LIMITS, cost_of, used_fractions
-from jawenv.device.comfort_settings import COMFORT
-from jawenv.device.device import N_MOTORS
+from jawenv.device.device import DeviceRecord
 from jawenv.device.force_sensor import read_force
 from jawenv.device.motors import command_motors
-from jawenv.envs.observation import CONTROL, observation_size, observe_world, seeing_dtype
+from jawenv.envs.observation import observation_size, observe_world
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.world.plants import TICK, lift_of
+from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, seeing_dtype
 from jawenv.envs.world.tracking import LAW_TICKS, aim, follow, move_targets
 from jawenv.filter.learn import learn
-from jawenv.filter.motion.joint_step import N_NOISE, N_SAMPLES
+from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.readings.cell_trend import mean_force, mean_reading
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, measure
-from jawenv.filter.tick import filter_scratch_dtype, filter_settings_dtype, filter_tick
+from jawenv.filter.readings.encoders import measure
+from jawenv.filter.tick import filter_scratch_dtype, filter_tick
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import record_dtype
 from jawenv.kernels.vec3 import norm
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
-from jawenv.reality import REALITY
 from jawenv.reality.faults import fail
+from jawenv.reality.options import RealityRecord
 from jawenv.reality.sensors import biased, play
 from jawenv.reality.tissue import update_tissue
 
-N_NORMALS = 36  # 6 unmodelled wrench, 18 load cell, 12 encoders
 _CELL, _ENCODERS = 6, 24
 # Ticks to which the random numbers of an episode's beginning belong.
 START_TICK, FIRST_READING_TICK, REALITY_TICK = -1, -2, -3
@@ -70,49 +70,22 @@ class StepRows(NamedTuple):
 
 
 @cache
-def settings_dtype(
-    n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
-) -> np.dtype[np.void]:
-    """Dtype of what all worlds of an environment share."""
-    fields = [
-        ("filter", filter_settings_dtype(n_muscles, n_states, n_lines, n_nuisances, n_disturbance)),
-        ("control", CONTROL),
-        ("comfort", COMFORT),
-        ("noise_variance", "f8", N_NOISE),  # of the wrench not known, as the bound's recursion has it
-        ("reality", REALITY),
-        ("unmodelled_decay", "f8"),  # of the true unmodelled wrench over a tick
-        ("channels", "i8"),  # readings in a tick
-    ]
-    return record_dtype(fields)
-
-
-@cache
 def scratch_dtype(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
 ) -> np.dtype[np.void]:
-    """Dtype of one thread's working memory."""
-    fields = [
-        ("rows", "f8", (N_MEASUREMENTS, N_STATES)),  # of ``measure``
-        ("filter", filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance)),
-        ("seeing", seeing_dtype(n_lines)),
-        ("observation", "f4", observation_size(2 * n_muscles)),  # for the law of targets control
-        ("action", "f8", N_MOTORS),  # of the motors
-        ("normals", "f8", N_NORMALS),
-        ("measured", "f8", N_MEASUREMENTS),
-        ("effective", "f8", (n_lines, 2)),  # F_o and b of the truth's lines during the tick
-        ("acted", "f8"),  # what of the governor has acted in this tick
-        ("wrench", "f8", (N_SAMPLES, 6)),  # the device's, as the load cell averages it (``load_cell``)
-        ("samples", "f8", (N_SAMPLES, 6)),  # what the load cell makes of them
-        ("faults", "f8", 20),
-        ("fractions", "f8", N_LIMITS),
-        ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
-        ("right", "f8", (2 * n_muscles,)),
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Scratch``."""
+    return record_dtype(
+        Scratch,
+        filter=filter_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
+        seeing=seeing_dtype(n_lines),
+        observation=observation_size(2 * n_muscles),
+        lines=n_lines,
+        parameters=2 * n_muscles,
+    )
 
 
 @njit
-def read_load_cell(device, truth, scratch):
+def read_load_cell(device: DeviceRecord, truth: Truth, scratch: Scratch):
     """Samples of the load cell or its substitute: errors of the episode, fresh noise for each sample."""
     for i in range(N_SAMPLES):
         for k in range(6):
@@ -126,7 +99,7 @@ def read_load_cell(device, truth, scratch):
 
 
 @njit
-def turn_samples(truth, samples):
+def turn_samples(truth: Truth, samples):
     """Turn the load cell's ``samples`` (3, 6) by the mouthpiece's seat, and add the cell's offset."""
     for i in range(N_SAMPLES):
         turn_wrench(truth.cell_turn, -1.0, samples[i])
@@ -135,7 +108,7 @@ def turn_samples(truth, samples):
 
 
 @njit
-def sense(device, truth, scratch, reality):
+def sense(device: DeviceRecord, truth: Truth, scratch: Scratch, reality: RealityRecord):
     """Encoder readings of the true motion, with the noise in ``scratch.normals``, into ``scratch.measured``."""
     normals = scratch.normals
     measure(truth.jaw, truth.state, scratch.rows, scratch.measured)
@@ -151,7 +124,7 @@ def sense(device, truth, scratch, reality):
 
 
 @njit_within
-def command(device, model, known, action, settings, scratch):
+def command(device: DeviceRecord, model: Jaw, known: Known, action, settings: Settings, scratch: Scratch):
     """The motors' command of the next tick, into ``scratch.action``: the action, or the law that follows targets."""
     control, tracker = settings.control, known.tracker
     if not control.targets:
@@ -167,7 +140,7 @@ def command(device, model, known, action, settings, scratch):
 
 
 @njit
-def draw_unmodelled(device, truth, tick, decay, normals):
+def draw_unmodelled(device: DeviceRecord, truth: Truth, tick, decay, normals):
     """The unmodelled wrench of the tick: anew, or with memory, and as large in the mean from the first tick on."""
     memory = decay if tick > 0 else 0.0
     share = sqrt(1.0 - memory * memory)
@@ -177,7 +150,7 @@ def draw_unmodelled(device, truth, tick, decay, normals):
 
 
 @njit
-def begin_tick(device, model, world, action, settings, scratch):
+def begin_tick(device: DeviceRecord, model: Jaw, world: World, action, settings: Settings, scratch: Scratch):
     """Draw the tick's noise and let the motors take their command."""
     truth, known = world.truth, world.known
     command(device, model, known, action, settings, scratch)
@@ -191,7 +164,7 @@ def begin_tick(device, model, world, action, settings, scratch):
 
 
 @njit_within
-def begin_first_tick(truth, scratch):
+def begin_first_tick(truth: Truth, scratch: Scratch):
     """Noise of the first reading, at which the encoders alone are read: nothing has moved, and no wrench has acted."""
     fill_normals((truth.key[0], truth.key[1]), FIRST_READING_TICK, scratch.normals)
     scratch.wrench[:, :] = 0.0
@@ -199,7 +172,7 @@ def begin_first_tick(truth, scratch):
 
 
 @njit_within
-def end_tick(device, model, world, settings, scratch, ticks, path):
+def end_tick(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, ticks, path):
     """Encoders and filter after the motion of a tick, or at the start; what was read is kept in ``ticks``."""
     truth, known = world.truth, world.known
     sense(device, truth, scratch, settings.reality)
@@ -211,7 +184,7 @@ def end_tick(device, model, world, settings, scratch, ticks, path):
 
 
 @njit_within
-def read(model, known, settings, scratch, ticks):
+def read(model: Jaw, known: Known, settings: Settings, scratch: Scratch, ticks):
     """The filter takes the readings in ``scratch``, which are kept in ``ticks``."""
     measured, samples = scratch.measured, scratch.samples
     belief, gated = known.belief, known.belief.gated
@@ -226,7 +199,7 @@ def read(model, known, settings, scratch, ticks):
 
 
 @njit_within
-def end_step(device, model, world, settings, scratch, row):
+def end_step(device: DeviceRecord, model: Jaw, world: World, settings: Settings, scratch: Scratch, row):
     """Belief at the end of a control period, its information, and the observation, into ``row``."""
     known = world.known
     if known.tick > 0 and not settings.filter.motion_only:
@@ -236,7 +209,7 @@ def end_step(device, model, world, settings, scratch, row):
 
 
 @njit
-def take_motion(device, world, scratch, share, acted):
+def take_motion(device: DeviceRecord, world: World, scratch: Scratch, share, acted):
     """Load cell, discomfort and governor of a tick that has passed; ``share`` is its share of the step."""
     read_load_cell(device, world.truth, scratch)
     take_comfort(world, scratch, share)
@@ -244,7 +217,7 @@ def take_motion(device, world, scratch, share, acted):
 
 
 @njit
-def take_comfort(world, scratch, share):
+def take_comfort(world: World, scratch: Scratch, share):
     """Add one tick's discomfort to the step's record."""
     truth, limits = world.truth, world.known.limits
     q, u = split(truth.state)
@@ -255,11 +228,11 @@ def take_comfort(world, scratch, share):
         truth.fractions[i] = max(truth.fractions[i], fraction)
         truth.costs[i] += share * cost_of(fraction, limits.hard[i])
         if not fraction <= limits.hard[i]:
-            truth.violated = 1
+            truth.violated = True
 
 
 @njit
-def clear_step(world):
+def clear_step(world: World):
     """Reset the discomfort and governor record of the last step."""
     truth, known = world.truth, world.known
     truth.fractions[:] = 0.0
@@ -270,7 +243,7 @@ def clear_step(world):
 
 
 @njit_within
-def advance_world(shared, model, world, action, scratch, rows, i):
+def advance_world(shared: Shared, model: Jaw, world: World, action, scratch: Scratch, rows: StepRows, i):
     """Advance one world by one control period, or read its sensors for the first time; its rows are number ``i``."""
     device, settings = shared.devices[0], shared.settings[0]
     begins, number = world.known.tick < 0, settings.control.ticks_per_step
@@ -287,7 +260,7 @@ def advance_world(shared, model, world, action, scratch, rows, i):
 
 
 @world_kernel(position=2)
-def advance(shared, models, worlds, actions, active, rows, part):
+def advance(shared: Shared, models, worlds, actions, active, rows: StepRows, part):
     """Advance every active world by one control period; one that has just begun gets its first reading alone.
 
     Args:

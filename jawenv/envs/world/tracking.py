@@ -19,8 +19,10 @@ from jawenv.device.channels import (
     ROLL,
     ROLL_FULL_SCALE_RAD,
     SIDE,
+    Tracker,
 )
 from jawenv.device.comfort_settings import Comfort
+from jawenv.device.device import DeviceRecord
 from jawenv.device.guard import CREST_SHARE, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
 from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
@@ -52,7 +54,7 @@ def felt_by(sensed, rest_roll):
 
 
 @njit
-def wanted_by(sensed, tracker):
+def wanted_by(sensed, tracker: Tracker):
     """``Wanted`` from the targets of ``tracker``, each times its size."""
     opening, side = sensed[_RANGE] * RANGE_SCALE[0] * 1e3, sensed[_RANGE + 1] * RANGE_SCALE[1] * 1e3
     target, rate, size = tracker.target, tracker.rate, tracker.size
@@ -68,7 +70,7 @@ def wanted_by(sensed, tracker):
 
 
 @njit
-def follow(device, observation, parameters, tracker, with_servo, holds_roll, dt, action):
+def follow(device: DeviceRecord, observation, parameters, tracker: Tracker, with_servo, holds_roll, dt, action):
     """One decision of the law.
 
     Args:
@@ -86,7 +88,7 @@ def follow(device, observation, parameters, tracker, with_servo, holds_roll, dt,
         tracker.size[:] = 1.0
         tracker.integral[:] = 0.0
         tracker.rest_roll = sensed[_POSE + 4] * POSE_SCALE[4]
-        tracker.begun = 1
+        tracker.begun = True
         if tracker.crest == 0.0:
             tracker.crest, tracker.full_force = _CREST_M, _FORCE_N
     shrink(tracker.size, sensed[_MARGIN:_END], 1.0 - sensed[_POSE] * POSE_SCALE[0] / tracker.crest / CREST_SHARE, dt)
@@ -105,7 +107,7 @@ def follow_all(devices, observations, parameters, trackers, with_servo, holds_ro
 
 
 @njit
-def aim(tracker, action, period):
+def aim(tracker: Tracker, action, period):
     """Set the rates with which the targets reach ``action`` (4, in [-1, 1]) after ``period`` s, or as far as they may.
 
     An action of -1 to 1 is the whole of a channel: 0 to 1 for the opening, -1 to 1 for the others.
@@ -117,7 +119,7 @@ def aim(tracker, action, period):
 
 
 @njit
-def move_targets(tracker, dt):
+def move_targets(tracker: Tracker, dt):
     """The targets ``dt`` s later."""
     for k in range(N_CHANNELS):
         tracker.target[k] += tracker.rate[k] * dt

@@ -11,32 +11,14 @@ the largest statistic so far over ``threshold``.
 
 from __future__ import annotations
 
-from functools import cache
 from math import sqrt
 
-import numpy as np
-
+from jawenv.filter.state import KEPT, Belief, Drift
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
-from jawenv.kernels.records import record_dtype
 
 EVERY = 100  # readings between two judgements; the first belief is kept after as many
-KEPT = 7  # beliefs, each after twice as many readings as the one before
 MARGIN = 10.0  # sds of chi-squared above its mean: linearisation and a prior that is not the patients' take their share
-
-
-@cache
-def drift_dtype(parameters: int) -> np.dtype[np.void]:
-    """Dtype of the kept beliefs and of the largest drift."""
-    fields = [
-        ("kept", "i8"),
-        ("judged", "i8"),  # readings at the last judgement
-        ("means", "f8", (KEPT, parameters)),
-        ("factors", "f8", (KEPT, parameters, parameters)),  # of the covariances, as ``decompose`` leaves them
-        ("step", "f8", (parameters,)),
-        ("largest", "f8"),
-    ]
-    return record_dtype(fields)
 
 
 @njit
@@ -46,13 +28,7 @@ def threshold(parameters):
 
 
 @njit
-def begin_drift(drift):
-    """Nothing is kept."""
-    drift.kept, drift.judged, drift.largest = 0, 0, 0.0
-
-
-@njit
-def squared_distance(drift, k, mean):
+def squared_distance(drift: Drift, k, mean):
     """(m - m_k)^T P_k^-1 (m - m_k)."""
     total = 0.0
     for i in range(mean.shape[0]):
@@ -65,7 +41,7 @@ def squared_distance(drift, k, mean):
 
 
 @njit
-def judge_drift(belief):
+def judge_drift(belief: Belief):
     """Judge the belief by those that are kept, where enough was read since the last time, and keep it in its turn."""
     drift = belief.drift
     if belief.readings < drift.judged + EVERY:

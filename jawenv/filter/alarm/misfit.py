@@ -18,9 +18,9 @@ from __future__ import annotations
 from math import sqrt
 
 from jawenv.filter.alarm.drift import judge_drift
-from jawenv.filter.measurement_update import add_muscles, squared_length
+from jawenv.filter.measurement_update import UpdateScratch, add_muscles, squared_length
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import begin_block
+from jawenv.filter.state import Belief, Block, begin_block
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 
@@ -29,7 +29,7 @@ ALARM = 50.0  # chi-squared of 12 has a chance of 1e-6 to be above: linearisatio
 
 
 @njit
-def add_to_block(belief, scratch):
+def add_to_block(belief: Belief, scratch: UpdateScratch):
     """Add a tick's whitened innovation and rows; judge the block where it is full."""
     block = belief.block
     for i in range(N_MEASUREMENTS):
@@ -42,7 +42,7 @@ def add_to_block(belief, scratch):
 
 
 @njit
-def move_block(block, steps):
+def move_block(block: Block, steps):
     """The sums at coefficients and nuisances that are larger by ``steps`` (columns)."""
     for i in range(N_MEASUREMENTS):
         for j in range(steps.shape[0]):
@@ -50,7 +50,7 @@ def move_block(block, steps):
 
 
 @njit
-def judge_block(belief, scratch):
+def judge_block(belief: Belief, scratch: UpdateScratch):
     """Keep the two largest misfits of blocks."""
     block, share = belief.block, 1.0 / sqrt(BLOCK)
     for i in range(N_MEASUREMENTS):
@@ -67,7 +67,7 @@ def judge_block(belief, scratch):
 
 
 @njit
-def set_misfit(belief):
+def set_misfit(belief: Belief):
     """Let ``misfit`` be that of the blocks, or of the drift where that is larger."""
     judge_drift(belief)
     belief.misfit = max(belief.block.second, belief.drift.largest)

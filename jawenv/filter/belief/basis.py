@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import exp
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from scipy.special import roots_hermitenorm
 
 from jawenv.anatomy import Prior
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype, record_zeros
+from jawenv.kernels.records import Array, record_dtype, record_zeros
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 # Reference pose of the strains, mid-range: 4 mm of sliding, 8 degrees of opening.
@@ -31,18 +31,21 @@ MIDDLE_POSE = (4e-3, 0.0, 0.13, 0.0, 0.0)
 N_NODES = 5  # per muscle: the remainder is 5e-5 of a tension for exponents of 7 that are known within 30 %
 
 
+class Basis:
+    """The basis of each muscle's tension."""
+
+    middle: Annotated[Array, "muscles"]  # exponent about which the nodes lie
+    width: Annotated[Array, "muscles"]  # sd of log b that they span
+    abscissae: Annotated[Array, N_NODES]  # of log b, in such sds
+    nodes: Annotated[Array, "muscles", N_NODES]
+    centre: Annotated[Array, "muscles"]
+    polynomials: Annotated[Array, "muscles", N_NODES, N_NODES]  # L_k's coefficients, lowest power of b first
+
+
 @cache
 def basis_dtype(n_muscles: int) -> np.dtype[np.void]:
-    """Dtype of the basis of each muscle's tension."""
-    fields = [
-        ("middle", "f8", (n_muscles,)),  # exponent about which the nodes lie
-        ("width", "f8", (n_muscles,)),  # sd of log b that they span
-        ("abscissae", "f8", (N_NODES,)),  # of log b, in such sds
-        ("nodes", "f8", (n_muscles, N_NODES)),
-        ("centre", "f8", (n_muscles,)),
-        ("polynomials", "f8", (n_muscles, N_NODES, N_NODES)),  # L_k's coefficients, lowest power of b first
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Basis``."""
+    return record_dtype(Basis, muscles=n_muscles)
 
 
 def build_basis(jaw: Any, prior: Prior) -> NDArray[np.void]:
@@ -102,7 +105,7 @@ def polynomial_value(coefficients, b):
 
 
 @njit
-def set_coefficients(basis, log_parameters, coefficients):
+def set_coefficients(basis: Basis, log_parameters, coefficients):
     """C of every muscle, (muscles, K), from the natural-log parameters (2 per muscle)."""
     for i in range(coefficients.shape[0]):
         b = exp(log_parameters[2 * i + 1])
@@ -113,7 +116,7 @@ def set_coefficients(basis, log_parameters, coefficients):
 
 
 @njit
-def set_derivatives(basis, log_parameters, by_log):
+def set_derivatives(basis: Basis, log_parameters, by_log):
     """Into ``by_log`` (columns, p) the derivative of c by the natural-log parameters; zero where there is no c."""
     nodes = basis.nodes.shape[1]
     by_log[:, :] = 0.0
@@ -127,7 +130,7 @@ def set_derivatives(basis, log_parameters, by_log):
 
 
 @njit
-def expand_coefficients(basis, log_parameters, covariance, coefficients, by_log_twice):
+def expand_coefficients(basis: Basis, log_parameters, covariance, coefficients, by_log_twice):
     """Means of c and of its second derivatives by (log F_o, log b), over a normal belief.
 
     ``coefficients`` (muscles, K) and ``by_log_twice`` (muscles, K, 3; by log F_o twice, by both, by log b twice)

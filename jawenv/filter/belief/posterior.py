@@ -17,52 +17,65 @@ from __future__ import annotations
 
 from functools import cache
 from math import isfinite
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.filter.belief.basis import N_NODES, expand_coefficients
 from jawenv.filter.motion.motion_step import padded
+from jawenv.filter.state import Belief, FilterSettings
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import add_squares, decompose, mirror, whiten
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 
 LONGEST_STEP = 1.0  # prior sds, largest step of the mean at once: the trust region of the expansion
 NEGLIGIBLE = 0.05  # relative loss of information by Omega below which Omega is neglected
 
 
+class PosteriorScratch:
+    """Working memory of ``update_belief``."""
+
+    shared: Annotated[Array, "shared", "wide"]  # information of gain error and nuisances with c; score; zeros
+    explained: Annotated[Array, "wide", "wide"]  # upper half
+    pulled_nuisances: Annotated[Array, "shared"]
+    coefficients: Annotated[Array, "muscles", N_NODES]
+    by_log_twice: Annotated[Array, "muscles", N_NODES, 3]
+    known: Annotated[Array, "size", "size"]
+    unexplained: Annotated[Array, "size"]
+    residual: Annotated[Array, "size"]
+    spread: Annotated[Array, "size", "bends"]
+    bent: Annotated[Array, "bends", "bends"]
+    root: Annotated[Array, "bends", "bends"]
+    omega: Annotated[Array, "bends", "bends"]
+    system: Annotated[Array, "bends", "bends"]
+    pulled: Annotated[Array, "bends"]
+    reached: Annotated[Array, "bends", "pulls"]
+    precision: Annotated[Array, "parameters", "parameters"]
+    right: Annotated[Array, "parameters"]
+    last_mean: Annotated[Array, "parameters"]
+    last_cov: Annotated[Array, "parameters", "parameters"]
+
+
 @cache
 def posterior_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.void]:
-    """Working memory of ``update_belief``."""
+    """Dtype of ``PosteriorScratch``."""
     size, parameters, bends = n_muscles * N_NODES, 2 * n_muscles, 3 * n_muscles
     wide = padded(size + 1)
-    fields: list[Any] = [
-        ("shared", "f8", (n_nuisances + 1, wide)),  # information of gain error and nuisances with c; score; zeros
-        ("explained", "f8", (wide, wide)),  # upper half
-        ("pulled_nuisances", "f8", (n_nuisances + 1,)),
-        ("coefficients", "f8", (n_muscles, N_NODES)),
-        ("by_log_twice", "f8", (n_muscles, N_NODES, 3)),
-        ("known", "f8", (size, size)),
-        ("unexplained", "f8", (size,)),
-        ("residual", "f8", (size,)),
-        ("spread", "f8", (size, bends)),
-        ("bent", "f8", (bends, bends)),
-        ("root", "f8", (bends, bends)),
-        ("omega", "f8", (bends, bends)),
-        ("system", "f8", (bends, bends)),
-        ("pulled", "f8", (bends,)),
-        ("reached", "f8", (bends, parameters + 1)),
-        ("precision", "f8", (parameters, parameters)),
-        ("right", "f8", (parameters,)),
-        ("last_mean", "f8", (parameters,)),
-        ("last_cov", "f8", (parameters, parameters)),
-    ]
-    return record_dtype(fields)
+    return record_dtype(
+        PosteriorScratch,
+        shared=n_nuisances + 1,
+        wide=wide,
+        muscles=n_muscles,
+        size=size,
+        bends=bends,
+        pulls=parameters + 1,
+        parameters=parameters,
+    )
 
 
 @njit
-def without_nuisances(belief, gain_variance, scratch):
+def without_nuisances(belief: Belief, gain_variance, scratch: PosteriorScratch):
     """Information and score about c alone: gain error and nuisances integrated out, with their priors.
 
     Leaves the factor of their information at given c in ``nuisance_factor``. False if that has none.
@@ -96,7 +109,7 @@ def without_nuisances(belief, gain_variance, scratch):
 
 
 @njit
-def set_bent(nominal, scratch):
+def set_bent(nominal, scratch: PosteriorScratch):
     """N = T^T Lambda T into ``bent`` (3 m, 3 m), and T^T (score - Lambda (mean c - nominal)) into ``pulled`` (3 m).
 
     T (m K, 3 m) holds the second derivatives of each muscle's c: by log F_o twice, by both, by log b twice. The first
@@ -148,7 +161,7 @@ def set_omega(covariance, omega):
 
 
 @njit
-def set_reached(scratch):
+def set_reached(scratch: PosteriorScratch):
     """Y with Y^T Y = E^T (N^-1 + G)^-1 E into ``reached`` (3 m, p), where E picks the first derivatives of T.
 
     With N = C C^T and 1 + C^T G C = M M^T: Y = M^-1 C^T E, positive semidefinite whatever rounding does. The last
@@ -186,7 +199,7 @@ def set_reached(scratch):
 
 
 @njit
-def set_precision(mean, prior_mean, prior_sd, scratch):
+def set_precision(mean, prior_mean, prior_sd, scratch: PosteriorScratch):
     """Precision of the linearised posterior, and in ``right`` the gradient of its logarithm at ``mean``.
 
     False where rounding leaves no answer.
@@ -228,7 +241,7 @@ def set_precision(mean, prior_mean, prior_sd, scratch):
 
 
 @njit
-def update_belief(belief, settings, scratch):
+def update_belief(belief: Belief, settings: FilterSettings, scratch: PosteriorScratch):
     """Refine the belief about the parameters by one step of the iteration; False where there is no answer.
 
     Information and score are those gathered so far, the score at ``belief.nominal``. One step is enough, since there is
@@ -237,7 +250,7 @@ def update_belief(belief, settings, scratch):
 
     Args:
         belief: See ``state.belief_dtype``; its mean (p) and cov (p, p) change.
-        settings: See ``tick.filter_settings_dtype``.
+        settings: See ``FilterSettings``.
         scratch: Record of dtype ``posterior_dtype``.
     """
     mean, covariance = belief.mean, belief.cov
@@ -252,7 +265,7 @@ def update_belief(belief, settings, scratch):
 
 
 @njit
-def refine(belief, settings, scratch):
+def refine(belief: Belief, settings: FilterSettings, scratch: PosteriorScratch):
     """One step of the iteration, within the trust region; False where there is none."""
     mean, covariance, prior_sd = belief.mean, belief.cov, settings.prior_sd
     parameters = mean.shape[0]

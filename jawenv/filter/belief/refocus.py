@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from math import exp, log, sqrt
 
-from jawenv.filter.belief.basis import interpolate, polynomial_value, set_coefficients
-from jawenv.filter.state import begin_block
+from jawenv.filter.belief.basis import Basis, interpolate, polynomial_value, set_coefficients
+from jawenv.filter.state import Belief, begin_block
 from jawenv.kernels.compiled import njit
 
 NARROWEST = 0.1  # least sd of log b that the nodes span: below, the basis functions are collinear to rounding
@@ -22,7 +22,7 @@ STRAYS = 1.0  # distance of the mean from the middle, in spanned sds, at which t
 
 
 @njit
-def refocus(belief, scratch):
+def refocus(belief: Belief, scratch):
     """Move and narrow the nodes of each muscle where the posterior of its exponent has become narrower or moved."""
     basis, mean, covariance = belief.basis, belief.mean, belief.cov
     moved = False
@@ -40,7 +40,7 @@ def refocus(belief, scratch):
 
 
 @njit
-def place_nodes(basis, i, middle, width, carried):
+def place_nodes(basis: Basis, i, middle, width, carried):
     """New nodes for muscle i about exp(``middle``); into ``carried`` (K, K) the matrix L."""
     nodes = basis.nodes.shape[1]
     basis.middle[i], basis.width[i] = exp(middle), width
@@ -53,7 +53,7 @@ def place_nodes(basis, i, middle, width, carried):
 
 
 @njit
-def carry_over(belief, i, scratch):
+def carry_over(belief: Belief, i, scratch):
     """Information, score and ``by_tension`` about muscle i's old coefficients become those about its new ones."""
     carried, row = scratch.carried, scratch.row
     first = i * carried.shape[0]

@@ -11,24 +11,35 @@ the mouthpiece half way through the tick, and changes what the encoders read.
 from __future__ import annotations
 
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.filter.bound.joint_recursion import (
+    JointScratch,
+    Recursion,
     filter_size,
     joint_scratch_dtype,
     predict_covariance,
-    recursion_fields,
+    recursion_dtype,
     take_rows,
 )
 from jawenv.filter.motion.joint_step import propagate
 from jawenv.filter.motion.regressors import middle_of
-from jawenv.filter.nuisances.changes import add_readings, middle_rates, nuisance_fields, set_wrenches
+from jawenv.filter.nuisances.changes import (
+    NuisanceScratch,
+    add_readings,
+    middle_rates,
+    nuisance_scratch_dtype,
+    set_wrenches,
+)
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.filter.readings.encoders import expect
+from jawenv.filter.state import FilterSettings
 from jawenv.kernels.compiled import njit, where
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 
 def bound_size(n_muscles: int, n_states: int, n_nuisances: int, n_disturbance: int) -> int:
@@ -36,31 +47,40 @@ def bound_size(n_muscles: int, n_states: int, n_nuisances: int, n_disturbance: i
     return filter_size(n_muscles, n_states) + n_nuisances + n_disturbance
 
 
+class BoundScratch:
+    """One thread's working memory."""
+
+    joint: JointScratch
+    recursion: Recursion
+    nuisances: NuisanceScratch
+    wrench: Annotated[Array, N_WRENCH, "unknown"]  # of one sd of each nuisance
+    matrix: Annotated[Array, "parameters", "parameters"]
+
+
 @cache
 def bound_scratch_dtype(
     n_muscles: int, n_lines: int, n_states: int, n_nuisances: int = 0, n_disturbance: int = 0
 ) -> np.dtype[np.void]:
-    """Dtype of one thread's working memory."""
+    """Dtype of ``BoundScratch``."""
     moving, size = n_states + n_disturbance, bound_size(n_muscles, n_states, n_nuisances, n_disturbance)
     return record_dtype(
-        [
-            ("joint", joint_scratch_dtype(n_muscles, n_lines, n_states)),
-            ("recursion", record_dtype(recursion_fields(moving, moving + n_nuisances, size))),
-            ("nuisances", record_dtype(nuisance_fields(n_lines, n_nuisances))),
-            ("wrench", "f8", (N_WRENCH, n_nuisances)),  # of one sd of each nuisance
-            ("matrix", "f8", (2 * n_muscles, 2 * n_muscles)),
-        ]
+        BoundScratch,
+        joint=joint_scratch_dtype(n_muscles, n_lines, n_states),
+        recursion=recursion_dtype(moving, moving + n_nuisances, size),
+        nuisances=nuisance_scratch_dtype(n_lines, n_nuisances),
+        unknown=n_nuisances,
+        parameters=2 * n_muscles,
     )
 
 
 @njit
-def first_parameter(covariance, settings):
+def first_parameter(covariance, settings: FilterSettings):
     """Number of the first log-parameter among the states."""
     return covariance.shape[0] - 1 - settings.prior_sd.shape[0]
 
 
 @njit
-def begin_bound(settings, covariance):
+def begin_bound(settings: FilterSettings, covariance):
     """The joint prior, from the filter's ``settings``."""
     first, moving = first_parameter(covariance, settings), settings.start_sd.shape[0]
     covariance[:, :] = 0.0
@@ -74,7 +94,7 @@ def begin_bound(settings, covariance):
 
 
 @njit
-def move_bound(jaw, covariance, tick, settings, noise_variance, scratch):
+def move_bound(jaw: Jaw, covariance, tick, settings: FilterSettings, noise_variance, scratch: BoundScratch):
     """Through a tick; ``tick`` is (muscles, motion before and after, wrench, cell's trend, friction), all true."""
     muscles, before, after, wrench, trend, friction = tick
     joint, recursion = scratch.joint, scratch.recursion
@@ -107,7 +127,7 @@ def extend_total(motion_total, decay, parameters, total):
 
 
 @njit
-def read_bound(jaw, motion, covariance, used, settings, scratch):
+def read_bound(jaw: Jaw, motion, covariance, used, settings: FilterSettings, scratch: BoundScratch):
     """At the readings of the end of a tick, of the true ``motion``."""
     joint, recursion = scratch.joint, scratch.recursion
     expect(jaw, motion, joint.rows, joint.expected)
@@ -120,13 +140,13 @@ def read_bound(jaw, motion, covariance, used, settings, scratch):
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def move_by_nuisances(jaw, muscles, tick, settings, scratch):
+def move_by_nuisances(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the motion at the tick's end, into its columns of the derivative."""
     add_columns(jaw, muscles, tick, settings, scratch)
 
 
 @njit
-def add_columns(jaw, muscles, tick, settings, scratch):
+def add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: BoundScratch):
     """``move_by_nuisances`` where there are some."""
     before, after, wrench, friction = tick
     scratch.nuisances.friction_share[:] = friction
@@ -150,7 +170,7 @@ def add_columns(jaw, muscles, tick, settings, scratch):
 
 
 @where(lambda scratch: scratch.typeof("wrench").shape[1])
-def read_by_nuisances(jaw, motion, used, settings, scratch):
+def read_by_nuisances(jaw: Jaw, motion, used, settings: FilterSettings, scratch: BoundScratch):
     """The effect of one sd of each nuisance on the readings, into its columns of their derivative."""
     first = scratch.recursion.total.shape[0]
     add_readings(jaw, motion, settings.nuisances, used, first, scratch.recursion.rows, scratch.nuisances)

@@ -19,17 +19,18 @@ mean. The environments' own filter does not carry the parameters in its state (`
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.motion.joint_step import N_NOISE, copy_matrix, sensitivity_fields
+from jawenv.filter.motion.joint_step import N_NOISE, Sensitivity, copy_matrix
 from jawenv.filter.readings.cell_trend import mean_reading
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
-from jawenv.kernels.records import record_dtype
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.kernels.records import Array, record_dtype
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, linear_dtype
+from jawenv.mechanics.jaw import Jaw
 
 
 def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
@@ -37,8 +38,26 @@ def filter_size(n_muscles: int, n_states: int = N_STATES) -> int:
     return n_states + 2 * n_muscles + 1
 
 
-def recursion_fields(n_moving: int, n_read: int, size: int) -> list[Any]:
-    """Working memory of the covariance's recursion, as fields of a dtype.
+class Recursion:
+    """Working memory of the covariance's recursion."""
+
+    total: Annotated[Array, "moving", "columns"]  # [F, G]
+    covariance: Annotated[Array, "size", "size"]
+    moved_cov: Annotated[Array, "moving", "size"]  # F P
+    weighted: Annotated[Array, "moving", "columns"]  # [F P, G W]
+    turned: Annotated[Array, "columns", "moving"]
+    next_cov: Annotated[Array, "moving", "moving"]
+    rows: Annotated[Array, N_MEASUREMENTS, "read"]  # H
+    turned_rows: Annotated[Array, "read", N_MEASUREMENTS]  # H^T
+    read_cov: Annotated[Array, "read", "size"]
+    factor: Annotated[Array, N_MEASUREMENTS, N_MEASUREMENTS]  # L of the innovations' covariance
+    whitened: Annotated[Array, N_MEASUREMENTS, "size"]  # L^-1 H P
+    gains: Annotated[Array, "size", N_MEASUREMENTS]  # its transpose
+
+
+@cache
+def recursion_dtype(n_moving: int, n_read: int, size: int) -> np.dtype[np.void]:
+    """Dtype of ``Recursion``.
 
     Args:
         n_moving: states that a tick moves, the first ones.
@@ -46,42 +65,39 @@ def recursion_fields(n_moving: int, n_read: int, size: int) -> list[Any]:
         size: all states.
     """
     n_columns = size + N_NOISE
-    return [
-        ("total", "f8", (n_moving, n_columns)),  # [F, G]
-        ("covariance", "f8", (size, size)),
-        ("moved_cov", "f8", (n_moving, size)),  # F P
-        ("weighted", "f8", (n_moving, n_columns)),  # [F P, G W]
-        ("turned", "f8", (n_columns, n_moving)),
-        ("next_cov", "f8", (n_moving, n_moving)),
-        ("rows", "f8", (N_MEASUREMENTS, n_read)),  # H
-        ("turned_rows", "f8", (n_read, N_MEASUREMENTS)),  # H^T
-        ("read_cov", "f8", (n_read, size)),
-        ("factor", "f8", (N_MEASUREMENTS, N_MEASUREMENTS)),  # L of the innovations' covariance
-        ("whitened", "f8", (N_MEASUREMENTS, size)),  # L^-1 H P
-        ("gains", "f8", (size, N_MEASUREMENTS)),  # its transpose
-    ]
+    return record_dtype(Recursion, moving=n_moving, columns=n_columns, size=size, read=n_read)
+
+
+class JointScratch(Recursion, Sensitivity):
+    """The filter's working memory."""
+
+    muscles: Annotated[Array, "lines", 2]
+    state: Annotated[Array, "states"]
+    row: Annotated[Array, "states"]
+    expected: Annotated[Array, N_MEASUREMENTS]
+    noise_variance: Annotated[Array, N_NOISE]
+    shift: Annotated[Array, "size"]
+    gain: Annotated[Array, "size"]
 
 
 @cache
 def joint_scratch_dtype(n_muscles: int = 6, n_lines: int = 6, n_states: int = N_STATES) -> np.dtype[np.void]:
-    """Dtype of the filter's working memory."""
+    """Dtype of ``JointScratch``."""
     n_filter = filter_size(n_muscles, n_states)
-    fields = [
-        *sensitivity_fields(n_muscles, n_lines, n_states),
-        *(field for field in recursion_fields(n_states, n_states, n_filter) if field[0] != "total"),
-        ("muscles", "f8", (n_lines, 2)),
-        ("state", "f8", (n_states,)),
-        ("row", "f8", (n_states,)),
-        ("expected", "f8", (N_MEASUREMENTS,)),
-        ("noise_variance", "f8", (N_NOISE,)),
-        ("shift", "f8", (n_filter,)),
-        ("gain", "f8", (n_filter,)),
-    ]
-    return record_dtype(fields)
+    return record_dtype(
+        JointScratch,
+        linear=linear_dtype(n_lines, n_states, n_muscles),
+        states=n_states,
+        moving=n_states,
+        read=n_states,
+        columns=n_filter + N_NOISE,
+        size=n_filter,
+        lines=n_lines,
+    )
 
 
 @njit
-def predict_covariance(covariance, noise_variance, scratch):
+def predict_covariance(covariance, noise_variance, scratch: Recursion):
     """P <- F P F^T + G W G^T, with F and G from ``scratch.total`` as left by ``propagate``.
 
     ``noise_variance`` (12) is W's diagonal. The motion's block is one product: [F P, G W] times [F, G]^T.
@@ -108,7 +124,7 @@ def predict_covariance(covariance, noise_variance, scratch):
 
 
 @njit
-def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch):
+def set_noise_variance(wrench_variance, gain_variance, samples, trend, scratch: JointScratch):
     """Process noise: ``wrench_variance`` (12), and the gain error times what departs from the trend."""
     for k in range(N_WRENCH):
         fast = mean_reading(samples, k) - trend[k]
@@ -146,7 +162,7 @@ def reduce_covariance(covariance, gain, variance):
 
 
 @njit
-def update_covariance(jaw, state, covariance, variances, used, scratch):
+def update_covariance(jaw: Jaw, state, covariance, variances, used, scratch: JointScratch):
     """Measurement update of the covariance alone, linearised at ``state``: the recursion of the bound.
 
     All readings at once: with S = H P H^T + R = L L^T and W = L^-1 H P, P <- P - W^T W. NaN where S has no factor.
@@ -156,7 +172,7 @@ def update_covariance(jaw, state, covariance, variances, used, scratch):
 
 
 @njit
-def take_rows(covariance, variances, used, scratch):
+def take_rows(covariance, variances, used, scratch: Recursion):
     """As ``update_covariance``, for the derivative of the readings in ``scratch.rows``."""
     rows, factor, whitened, gains = scratch.rows, scratch.factor, scratch.whitened, scratch.gains
     size, n_read = covariance.shape[0], rows.shape[1]

@@ -6,11 +6,12 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, scale, subtract, vector3
 from jawenv.mechanics.dynamics import body_moment, inertia_times
 from jawenv.mechanics.forces import resultant
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import fossa, rotation
 
 
 @njit
-def left_over(jaw, muscles, q, u, wrench, rate):
+def left_over(jaw: Jaw, muscles, q, u, wrench, rate):
     """Force on the two ways of sliding (two numbers) and moment about the contact point (body axes) left over by u'."""
     body_to_head = rotation(q)
     force, moment = resultant(jaw, muscles, q, u, body_to_head)
@@ -29,7 +30,7 @@ def left_over(jaw, muscles, q, u, wrench, rate):
 
 
 @njit
-def at_mouthpiece(jaw, q, x, y, turn):
+def at_mouthpiece(jaw: Jaw, q, x, y, turn):
     """Force and moment at the mouthpiece (body axes) that act as ``left_over`` has it."""
     _, slope, _, _ = fossa(jaw, q[0])
     along = x / (1.0 + slope * slope)
@@ -38,7 +39,7 @@ def at_mouthpiece(jaw, q, x, y, turn):
 
 
 @njit
-def set_balanced(jaw, muscles, at, reading, balanced):
+def set_balanced(jaw: Jaw, muscles, at, reading, balanced):
     """Into ``balanced`` (6) the ``reading`` (6) less what it leaves over of a motion ``at``: pose, rates, their rate.
 
     A load cell reads within milliseconds what servo, brake or stop answer to the true motion, so that even a reading of

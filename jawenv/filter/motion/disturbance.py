@@ -7,12 +7,13 @@ times. Without memory there are no such states, and the wrench is process noise,
 
 from __future__ import annotations
 
+from jawenv.filter.state import Belief, FilterSettings
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 
 
 @njit
-def add_disturbance(belief, size, samples, driven):
+def add_disturbance(belief: Belief, size, samples, driven):
     """``driven`` (3, 6) = the load cell's ``samples`` and the disturbance as it is believed, behind ``size`` states."""
     for i in range(samples.shape[0]):
         for k in range(N_WRENCH):
@@ -39,7 +40,7 @@ def set_total(motion_total, decay, total):
 
 
 @njit
-def decay_disturbance(belief, settings):
+def decay_disturbance(belief: Belief, settings: FilterSettings):
     """The disturbance after the tick, and what is new in it."""
     n_disturbance = settings.disturbance_variance.shape[0]
     first = belief.motion.shape[0] - n_disturbance

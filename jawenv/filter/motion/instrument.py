@@ -13,25 +13,36 @@ of the ticks before, and all is linearised along it.
 
 from __future__ import annotations
 
+from functools import cache
 from math import isfinite
-from typing import Any
+from typing import Annotated
+
+import numpy as np
 
 from jawenv.filter.motion.disturbance import add_disturbance
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.motion.motion_step import move
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit, where
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates
 
 
-def instrument_fields(n_states: int) -> list[Any]:
-    """Fields of the working memory."""
-    return [
-        ("motion", "f8", (n_states,)),  # at the end of the tick
-        ("total", "f8", (n_states, n_states + N_WRENCH)),  # its derivative by state and wrench, [A, G]
-        ("held", "f8", (N_SAMPLES, N_WRENCH)),  # the smoothed reading as samples of this tick
-    ]
+class Instrument:
+    """What the past alone predicts."""
+
+    motion: Annotated[Array, "states"]  # at the end of the tick
+    total: Annotated[Array, "states", "wide"]  # its derivative by state and wrench, [A, G]
+    held: Annotated[Array, N_SAMPLES, N_WRENCH]  # the smoothed reading as samples of this tick
+
+
+@cache
+def instrument_dtype(n_states: int) -> np.dtype[np.void]:
+    """Dtype of ``Instrument``."""
+    return record_dtype(Instrument, states=n_states, wide=n_states + N_WRENCH)
 
 
 @njit
@@ -57,7 +68,7 @@ def coast(start, dt, after):
 
 
 @njit
-def hold_reading(jaw, belief, dt, scratch):
+def hold_reading(jaw: Jaw, belief: Belief, dt, scratch):
     """The motion at the end of the tick under the smoothed reading, finite or not, and its derivative."""
     instrument = scratch.instrument
     for i in range(N_SAMPLES):
@@ -75,28 +86,28 @@ def _has_nuisances(belief):
     return belief.typeof("predicted").shape[0]
 
 
-def _coast(jaw, belief, dt, scratch):
+def _coast(jaw: Jaw, belief: Belief, dt, scratch):
     coast(scratch.start_motion, dt, scratch.instrument.motion)
 
 
 @where(_has_nuisances, otherwise=_coast)
-def predict_from_past(jaw, belief, dt, scratch):
+def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
     """Into ``scratch.instrument`` what the past alone predicts of the tick: of the motion, or of the pose alone."""
     hold_reading(jaw, belief, dt, scratch)
 
 
-def _along_the_motion(belief, scratch):
+def _along_the_motion(belief: Belief, scratch):
     return scratch.step.total
 
 
 @where(_has_nuisances, otherwise=_along_the_motion)
-def jacobian_of_tick(belief, scratch):
+def jacobian_of_tick(belief: Belief, scratch):
     """[A, G] of the tick, along the predicted motion where more than the muscles is unknown."""
     return scratch.instrument.total
 
 
 @where(_has_nuisances)
-def set_rows_of_past(jaw, belief, used, scratch):
+def set_rows_of_past(jaw: Jaw, belief: Belief, used, scratch):
     """Where more than the muscles is unknown, the rows of the used readings at the predicted motion."""
     expect(jaw, belief.predicted, scratch.rows, scratch.expected)
     for i in range(N_MEASUREMENTS):

@@ -14,13 +14,15 @@ leave a tenth of that variance, and the constant one alone leaves up to four fif
 from __future__ import annotations
 
 from math import exp
-from typing import Any
+from typing import Annotated
 
 from jawenv.kernels.compiled import njit, njit_inlined, njit_within
 from jawenv.kernels.linalg import add_scaled, multiply
+from jawenv.kernels.records import Array
 from jawenv.kernels.runge_kutta import STAGES, runge_kutta_step, set_state, stage_place, stage_reach, stage_weight
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
-from jawenv.mechanics.linearisation import linear_dtype, linearised_rate, motion_of
+from jawenv.mechanics.dynamics import N_STATES, N_WRENCH, Linear
+from jawenv.mechanics.jaw import Jaw
+from jawenv.mechanics.linearisation import linearised_rate, motion_of
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
 
 N_SAMPLES = 3  # of the load cell per step
@@ -28,25 +30,23 @@ N_NOISE = 2 * N_WRENCH  # columns of the wrench not known: constant over a step,
 BODY_PARTS = 5  # of a 10 ms step: 2 ms, where the bounce on the discs, about 1000 rad/s, is stable and damped
 
 
-def sensitivity_fields(n_muscles: int, n_lines: int, n_states: int = N_STATES) -> list[Any]:
-    """Working memory of ``propagate``, as fields of a dtype.
+class Sensitivity:
+    """Working memory of ``propagate``.
 
     Columns of the derivative: the states of motion, log F_o and log b of each muscle, the load cell's gain, the
     wrench not known.
     """
-    n_columns = n_states + 2 * n_muscles + 1 + N_NOISE
-    return [
-        ("linear", linear_dtype(n_lines, n_states, n_muscles)),
-        ("jacobian", "f8", (n_states, n_states)),
-        ("start", "f8", (n_states, n_columns)),
-        ("stage", "f8", (n_states, n_columns)),
-        ("slope", "f8", (n_states, n_columns)),
-        ("total", "f8", (n_states, n_columns)),
-    ]
+
+    linear: Linear
+    jacobian: Annotated[Array, "states", "states"]
+    start: Annotated[Array, "states", "columns"]
+    stage: Annotated[Array, "states", "columns"]
+    slope: Annotated[Array, "states", "columns"]
+    total: Annotated[Array, "states", "columns"]
 
 
 @njit
-def set_muscles(jaw, log_parameters, offset, muscles):
+def set_muscles(jaw: Jaw, log_parameters, offset, muscles):
     """(F_o, b) per line from an array that holds the muscles' log-parameters from ``offset`` on."""
     for line in range(muscles.shape[0]):
         index = offset + 2 * jaw.muscle[line]
@@ -55,7 +55,7 @@ def set_muscles(jaw, log_parameters, offset, muscles):
 
 
 @njit
-def set_jacobian(h, linear, jacobian):
+def set_jacobian(h, linear: Linear, jacobian):
     """Into the first n columns of ``jacobian`` (n rows) ``h`` times the derivative of the state's rate by the state.
 
     ``linear`` is as ``linearised_rate`` fills it.
@@ -144,7 +144,7 @@ def stage_share(part, stage, parts):
 
 
 @njit
-def step_parts(jaw, muscles, state, dt, linear):
+def step_parts(jaw: Jaw, muscles, state, dt, linear: Linear):
     """Into how many parts the step from ``state`` (n) is divided, of the model that ``linear`` is made for."""
     q, _ = motion_of(state, linear)
     pose = (q[0], q[1], q[-3], q[-2], q[-1])
@@ -152,7 +152,7 @@ def step_parts(jaw, muscles, state, dt, linear):
 
 
 @njit
-def propagate(jaw, muscles, state, samples, trend, gain, dt, scratch):
+def propagate(jaw: Jaw, muscles, state, samples, trend, gain, dt, scratch: Sensitivity):
     """Advance ``state`` (n) in place by one step and fill ``scratch.total`` with its derivative, (10, 35) by default.
 
     The number of states is that of the model that ``scratch`` is made for. ``samples`` (3, 6) are the load cell's
@@ -178,14 +178,14 @@ def joint_rate(q, u, stage, h, arguments):
 
 
 @njit
-def begin_derivative(scratch):
+def begin_derivative(scratch: Sensitivity):
     """The derivative at the start of a Runge-Kutta step is what the parts before have left."""
     copy_matrix(scratch.start, scratch.total)
     copy_matrix(scratch.stage, scratch.total)
 
 
 @njit_inlined
-def move_derivative(stage, h, scratch):
+def move_derivative(stage, h, scratch: Sensitivity):
     """The derivative through a stage, whose rate is ``slope``: as the state in ``runge_kutta_step``."""
     add_scaled(scratch.total, scratch.total, stage_weight(stage, h), scratch.slope)
     if stage < STAGES - 1:
@@ -193,7 +193,7 @@ def move_derivative(stage, h, scratch):
 
 
 @njit
-def propagate_in(jaw, muscles, state, cell, dt, parts, scratch):
+def propagate_in(jaw: Jaw, muscles, state, cell, dt, parts, scratch: Sensitivity):
     """As ``propagate``, with the step divided into ``parts``, whatever the state; ``cell``: (samples, trend, gain)."""
     set_identity(scratch.total)
     h = dt / parts

@@ -14,19 +14,20 @@ the step, and composed to the whole. It needs one Jacobian where the derivative 
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from jawenv.filter.motion.joint_step import between_samples, set_jacobian, stage_share, step_parts
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.linalg import multiply
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.runge_kutta import runge_kutta_step, set_state
 from jawenv.mechanics.bilateral import N_BODY, bilateral_rate, split_body
-from jawenv.mechanics.dynamics import N_WRENCH, state_rate
+from jawenv.mechanics.dynamics import N_WRENCH, Linear, linear_dtype, state_rate
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
-from jawenv.mechanics.linearisation import linear_dtype, linearised_rate
+from jawenv.mechanics.linearisation import linearised_rate
 
 ORDER = 4  # of the series
 VECTOR = 8  # numbers that the compiler's loops take at once
@@ -37,24 +38,28 @@ def padded(size: int) -> int:
     return -(-size // VECTOR) * VECTOR
 
 
+class Step:
+    """Working memory of ``move``."""
+
+    muscles: Annotated[Array, "lines", 2]  # F_o and b of each line
+    linear: Linear
+    rates: Annotated[Array, "states", "wide"]  # [J, B] times the length of a part
+    power: Annotated[Array, "states", "wide"]
+    product: Annotated[Array, "states", "wide"]
+    part: Annotated[Array, "states", "wide"]  # derivative of the motion after a part by state and wrench at its start
+    total: Annotated[Array, "states", "wide"]  # the same of the whole step
+
+
 @cache
 def step_dtype(n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Working memory of ``move``."""
-    wide = (n_states, n_states + N_WRENCH)
-    fields: list[Any] = [
-        ("muscles", "f8", (n_lines, 2)),  # F_o and b of each line
-        ("linear", linear_dtype(n_lines, n_states)),
-        ("rates", "f8", wide),  # [J, B] times the length of a part
-        ("power", "f8", wide),
-        ("product", "f8", wide),
-        ("part", "f8", wide),  # derivative of the motion after a part by state and wrench at its start
-        ("total", "f8", wide),  # the same of the whole step
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Step``."""
+    return record_dtype(
+        Step, lines=n_lines, linear=linear_dtype(n_lines, n_states), states=n_states, wide=n_states + N_WRENCH
+    )
 
 
 @njit
-def set_rates(h, scratch):
+def set_rates(h, scratch: Step):
     """Into ``rates`` (n, n + 6) h times the derivative of the state's rate by state and wrench."""
     rates, by_wrench = scratch.rates, scratch.linear.by_input
     set_jacobian(h, scratch.linear, rates)
@@ -67,7 +72,7 @@ def set_rates(h, scratch):
 
 
 @njit
-def set_part(h, scratch):
+def set_part(h, scratch: Step):
     """Into ``part`` (n, n + 6) both series of a part of ``h`` seconds."""
     rates, power, product, part = scratch.rates, scratch.power, scratch.product, scratch.part
     size, columns = part.shape
@@ -86,7 +91,7 @@ def set_part(h, scratch):
 
 
 @njit
-def append_part(first, scratch):
+def append_part(first, scratch: Step):
     """``total`` (n, n + 6) becomes the derivative of all parts up to this one, which may be the first."""
     part, total, product = scratch.part, scratch.total, scratch.product
     size, columns = part.shape
@@ -118,7 +123,7 @@ def midline_rate(q, u, stage, h, arguments):
 
 
 @njit_within
-def midline_step(jaw, motion, samples, dt, scratch):
+def midline_step(jaw: Jaw, motion, samples, dt, scratch: Step):
     """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
     parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
@@ -142,7 +147,7 @@ def body_rate(q, u, stage, h, arguments):
 
 
 @njit_within
-def body_step(jaw, motion, samples, dt, scratch):
+def body_step(jaw: Jaw, motion, samples, dt, scratch: Step):
     """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``.
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
@@ -157,11 +162,11 @@ def body_step(jaw, motion, samples, dt, scratch):
         append_part(part == 0, scratch)
 
 
-def _body_step(jaw, motion, samples, dt, scratch):
+def _body_step(jaw: Jaw, motion, samples, dt, scratch: Step):
     body_step(jaw, motion, samples, dt, scratch)
 
 
 @where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise=_body_step)
-def move(jaw, motion, samples, dt, scratch):
+def move(jaw: Jaw, motion, samples, dt, scratch: Step):
     """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
     midline_step(jaw, motion, samples, dt, scratch)

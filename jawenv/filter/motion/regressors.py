@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from math import exp
 
+from jawenv.filter.belief.basis import Basis
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 
 @njit
-def middle_of(jaw, before, after):
+def middle_of(jaw: Jaw, before, after):
     """The pose half way between two states, as the midline model's five coordinates, and the reference point there."""
     angles = after.shape[0] // 2 - 3  # number of the first
     pose = (
@@ -30,7 +32,7 @@ def middle_of(jaw, before, after):
 
 
 @njit
-def set_line_wrenches(jaw, basis, trend, pose, position, line_wrench):
+def set_line_wrenches(jaw: Jaw, basis: Basis, trend, pose, position, line_wrench):
     """Into ``line_wrench`` (6, columns) the wrench (body axes) of each coefficient, and the gain error's, ``trend``.
 
     ``pose`` and ``position`` are those of ``middle_of``. A line's wrench is one direction times the basis functions of

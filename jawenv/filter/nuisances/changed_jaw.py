@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import pi
 
+from jawenv.filter.state import Nuisances
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross, dot, norm, row3, subtract, vector3
-from jawenv.mechanics.jaw import N_TEETH
+from jawenv.mechanics.jaw import N_TEETH, Jaw
 
 
 @njit
-def change_body(jaw, nuisances, j, share, changed):
+def change_body(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """Mass, centre of mass and inertia about it, with mass, first moment and inertia about the contact point changed.
 
     The equations of motion are linear in the latter, so that what they say of a sum of nuisances is no curved ridge.
@@ -35,7 +36,7 @@ def change_body(jaw, nuisances, j, share, changed):
 
 
 @njit
-def change_jaw(jaw, nuisances, j, share, changed):
+def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     """``changed`` = ``jaw`` with nuisance j at ``share`` sds."""
     change_body(jaw, nuisances, j, share, changed)
     changed.fossa_drop = jaw.fossa_drop + share * nuisances.fossa_drop[j]
@@ -59,7 +60,7 @@ def change_jaw(jaw, nuisances, j, share, changed):
 
 
 @njit
-def copy_rest(jaw, changed):
+def copy_rest(jaw: Jaw, changed: Jaw):
     """Copy the jaw's fields without nuisances."""
     changed.condyles, changed.free_x, changed.free_y = jaw.condyles, jaw.free_x, jaw.free_y
     changed.tooth_stiffness, changed.condyle_stiffness = jaw.tooth_stiffness, jaw.condyle_stiffness
@@ -67,7 +68,7 @@ def copy_rest(jaw, changed):
 
 
 @njit
-def copy_jaw(jaw, copied):
+def copy_jaw(jaw: Jaw, copied: Jaw):
     """``copied`` = ``jaw`` in all that the filter's kernels read."""
     copy_rest(jaw, copied)
     copied.crest, copied.tone = jaw.crest, jaw.tone
@@ -90,7 +91,7 @@ def copy_jaw(jaw, copied):
 
 
 @njit
-def move_jaw(jaw, nuisances, steps, first):
+def move_jaw(jaw: Jaw, nuisances: Nuisances, steps, first):
     """Change ``jaw`` by so many sds of each nuisance, ``steps`` from ``first`` on."""
     for j in range(nuisances.mass.shape[0]):
         change_jaw(jaw, nuisances, j, steps[first + j], jaw)
@@ -107,7 +108,7 @@ def move_jaw(jaw, nuisances, steps, first):
 
 
 @njit
-def contact_row(jaw, mass, rho, square, i):
+def contact_row(jaw: Jaw, mass, rho, square, i):
     """Row i of the inertia about the contact point."""
     return (
         jaw.inertia[i, 0] + mass * ((square if i == 0 else 0.0) - rho[i] * rho[0]),

@@ -12,7 +12,8 @@ they are expected.
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
+from typing import Annotated
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from jawenv.filter.motion.balance import at_mouthpiece, left_over
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
-    LINKAGE,
     correct_motors,
     has_motors,
     motors_of,
@@ -30,61 +30,36 @@ from jawenv.filter.nuisances.without_cell import (
     set_motor_column,
 )
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
+from jawenv.filter.state import Belief, FilterSettings, Nuisances
 from jawenv.kernels.compiled import njit, where
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import muscle_pull
-from jawenv.mechanics.jaw import jaw_dtype
+from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
 
 
-def nuisance_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
-    """Dtype of the changes that one sd of each of ``n`` nuisances makes."""
-    fields: list[Any] = [
-        ("mass", "f8", (n,)),
-        ("first_moment", "f8", (n, 3)),  # mass times centre of mass: the equations of motion are linear in these
-        ("inertia", "f8", (n, 9)),  # about the contact point
-        ("gravity", "f8", (n, 3)),  # head axes
-        ("tone", "f8", (n,)),
-        ("fossa_drop", "f8", (n,)),
-        ("fossa_frequency", "f8", (n,)),
-        ("damping_rotation", "f8", (n,)),
-        ("damping_sliding", "f8", (n,)),
-        ("mouthpiece", "f8", (n, 3)),
-        ("origin", "f8", (n, 3 * n_lines)),
-        ("insertion", "f8", (n, 3 * n_lines)),
-        ("l_o", "f8", (n, n_lines)),
-        ("offset", "f8", (n, N_WRENCH)),  # of the load cell's reading
-        ("turn", "f8", (n, 3)),  # of the mouthpiece about body axes, rad
-        ("cell_turn", "f8", (n, 3)),  # of the load cell, with the mouthpiece and by itself
-        ("line", "i8", (n,)),  # whose ends it moves and nothing else, or -1
-        ("moves", "u1", (n,)),  # whether it is in the equations of motion elsewhere
-        ("in_cell", "u1", (n,)),  # whether the load cell reads it
-        ("turns", "u1", (n,)),  # whether it turns what the encoders read
-        ("reads", "u1", (n,)),  # whether the encoders read it at the same motion
-        ("of_motors", "u1", (n,)),  # whether it is one of a force that no load cell reads, and of nothing else
-        ("motor_errors", "f8", (n, N_MOTORS, N_ERRORS)),  # see ``device.force_sensor``
-        ("linkage", LINKAGE),
-    ]
-    return record_dtype(fields)
+class NuisanceScratch:
+    """Working memory of what nuisances change."""
+
+    jaw: Jaw
+    expected: Annotated[Array, N_MEASUREMENTS]
+    changed: Annotated[Array, N_MEASUREMENTS]
+    motor_errors: Annotated[Array, N_MOTORS, N_ERRORS]
+    friction_share: Annotated[Array, N_MOTORS]  # half way through the tick
 
 
-def nuisance_fields(n_lines: int, n: int) -> list[Any]:
-    """Fields of the working memory."""
-    return [
-        ("jaw", jaw_dtype(n_lines if n else 1)),
-        ("expected", "f8", (N_MEASUREMENTS,)),
-        ("changed", "f8", (N_MEASUREMENTS,)),
-        ("motor_errors", "f8", (N_MOTORS, N_ERRORS)),
-        ("friction_share", "f8", (N_MOTORS,)),  # half way through the tick
-    ]
+@cache
+def nuisance_scratch_dtype(n_lines: int, n: int) -> np.dtype[np.void]:
+    """Dtype of ``NuisanceScratch``."""
+    return record_dtype(NuisanceScratch, jaw=jaw_dtype(n_lines if n else 1))
 
 
 @njit
-def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
+def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_head):
     """The derivative of force and moment (head axes) of the line whose ends nuisance j moves, by one sd of it.
 
     T = F_o exp(b (l / l_o - 1)) along e = v / l, with v from the insertion to the origin: dl = e dv, de = (dv - e dl) /
@@ -104,7 +79,7 @@ def line_change(jaw, muscles, nuisances, j, contact, body_to_head):
 
 
 @njit
-def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
+def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench, scratch: NuisanceScratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
     ``at`` is the pose half way through the tick, the rates and their rate of change over it, and the load cell's
@@ -141,7 +116,7 @@ def set_wrenches(jaw, muscles, at, nuisances, first, line_wrench, scratch):
 
 
 @njit
-def add_readings(jaw, motion, nuisances, used, first, rows, scratch):
+def add_readings(jaw: Jaw, motion, nuisances: Nuisances, used, first, rows, scratch: NuisanceScratch):
     """Add to ``rows`` (12, columns) from column ``first`` on what one sd of each nuisance adds to the used readings."""
     read_motion(jaw, motion, scratch.expected)
     copy_rest(jaw, scratch.jaw)
@@ -186,7 +161,7 @@ def has_nuisances(belief):
 
 
 @where(has_nuisances)
-def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
+def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: FilterSettings, scratch):
     """``set_wrenches`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     wrenches = scratch.line_wrench
@@ -197,14 +172,14 @@ def set_nuisance_wrenches(jaw, muscles, belief, pose, settings, scratch):
 
 
 @where(has_nuisances)
-def add_nuisance_readings(jaw, belief, nuisances, used, scratch):
+def add_nuisance_readings(jaw: Jaw, belief: Belief, nuisances: Nuisances, used, scratch):
     """``add_readings`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
 
 
 @where(has_nuisances)
-def correct_samples(jaw, belief, settings, samples, scratch):
+def correct_samples(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
     """Correct the ``samples`` (3, 6) of the force by the nuisances' means, compiled where there are nuisances."""
     correct_offsets(belief, settings.nuisances, samples)
     if has_motors(settings.nuisances):
@@ -212,14 +187,14 @@ def correct_samples(jaw, belief, settings, samples, scratch):
 
 
 @where(has_nuisances)
-def follow_friction(jaw, belief, settings, scratch):
+def follow_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, scratch):
     """The shares of the motors' friction at the end of a tick, from the motion; compiled where there are nuisances."""
     if has_motors(settings.nuisances):
         move_friction(jaw, belief, settings, scratch.start_motion)
 
 
 @njit
-def correct_offsets(belief, nuisances, samples):
+def correct_offsets(belief: Belief, nuisances: Nuisances, samples):
     """Turn the load cell's ``samples`` (3, 6) back and take its offset away, as far as the belief knows both."""
     for j in range(nuisances.mass.shape[0]):
         mean = belief.nuisances[j]
@@ -232,7 +207,7 @@ def correct_offsets(belief, nuisances, samples):
 
 
 @njit
-def correct_readings(belief, nuisances, measured, corrected):
+def correct_readings(belief: Belief, nuisances: Nuisances, measured, corrected):
     """``corrected`` (12) = ``measured`` turned back, as far as the belief knows."""
     corrected[:] = measured
     for j in range(nuisances.mass.shape[0]):

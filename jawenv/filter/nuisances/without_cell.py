@@ -8,22 +8,20 @@ from __future__ import annotations
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import error_wrench, motor_forces, motor_rates, moving_motors, read_forces
+from jawenv.filter.state import Belief, FilterSettings, Nuisances
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
-
-# The directions first: a record that began as the device's does would be taken for a part of it.
-LINKAGE = record_dtype([("direction", "f8", (N_MOTORS, 3)), ("point", "f8", (N_MOTORS, 3))])
 
 
 @njit
-def has_motors(nuisances):
+def has_motors(nuisances: Nuisances):
     """Whether no load cell reads the force."""
     return nuisances.linkage.point[0, 1] > 0.0
 
 
 @njit
-def motors_of(nuisances, jaw, at, scratch):
+def motors_of(nuisances: Nuisances, jaw: Jaw, at, scratch):
     """(forces as their sensors read them, shares of friction, rates), four each, for a corrected reading.
 
     Zeros where a load cell reads the force; ``at`` is (pose, rates, rotation, reading).
@@ -39,7 +37,7 @@ def motors_of(nuisances, jaw, at, scratch):
 
 
 @njit
-def set_motor_column(nuisances, j, at, column, line_wrench):
+def set_motor_column(nuisances: Nuisances, j, at, column, line_wrench):
     """The column of a nuisance of a force that no load cell reads; ``at`` is (rotation, ``motors_of``)."""
     body_to_head, motors = at
     force, moment = error_wrench(nuisances.linkage, nuisances.motor_errors[j], motors, body_to_head)
@@ -48,7 +46,7 @@ def set_motor_column(nuisances, j, at, column, line_wrench):
 
 
 @njit
-def correct_motors(jaw, belief, settings, samples, scratch):
+def correct_motors(jaw: Jaw, belief: Belief, settings: FilterSettings, samples, scratch):
     """Add to ``samples`` (3, 6) what acts beyond what is read, as far as the belief knows it.
 
     ``scratch`` is that of the time update, with the motion at the start of the tick and what the past alone predicts.
@@ -77,7 +75,7 @@ def correct_motors(jaw, belief, settings, samples, scratch):
 
 
 @njit
-def move_friction(jaw, belief, settings, before):
+def move_friction(jaw: Jaw, belief: Belief, settings: FilterSettings, before):
     """``friction_share`` after a tick from the motion ``before`` to the present one."""
     linkage = settings.nuisances.linkage
     q, u = split(before)

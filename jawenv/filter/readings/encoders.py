@@ -6,13 +6,14 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, vector3
 from jawenv.mechanics.bilateral import N_BODY, midline_pose, point_motion, split_body
 from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
 
 
 @njit
-def read_motion(jaw, state, expected):
+def read_motion(jaw: Jaw, state, expected):
     """Expected measurements (12) of a motion of the midline model."""
     q, u = split(state)
     body_to_head = rotation(q)
@@ -27,7 +28,7 @@ def read_motion(jaw, state, expected):
 
 
 @njit
-def measure(jaw, state, rows, expected):
+def measure(jaw: Jaw, state, rows, expected):
     """Expected measurements (12) and their derivatives by the ten states, into ``rows`` (12, 10)."""
     q, u = split(state)
     body_to_head = rotation(q)
@@ -57,7 +58,7 @@ def measure(jaw, state, rows, expected):
 
 
 @njit
-def measure_body(jaw, state, rows, expected):
+def measure_body(jaw: Jaw, state, rows, expected):
     """As ``measure``, for the twelve states of a jaw with two condyles: ``rows`` (12, 12)."""
     q, u = split_body(state)
     pose = midline_pose(q)
@@ -82,7 +83,7 @@ def measure_body(jaw, state, rows, expected):
 
 
 @njit
-def expect(jaw, state, rows, expected):
+def expect(jaw: Jaw, state, rows, expected):
     """Expected measurements and their derivatives, by the model that ``jaw`` is of."""
     if jaw.condyles == 2:
         measure_body(jaw, state, rows, expected)

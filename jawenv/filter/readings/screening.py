@@ -21,7 +21,9 @@ from numpy.typing import NDArray
 
 from jawenv.filter.least_noise import ENCODER_SDS, WRENCH_SDS
 from jawenv.filter.readings.encoders import expect
+from jawenv.filter.state import Belief, FilterSettings
 from jawenv.kernels.compiled import njit
+from jawenv.mechanics.jaw import Jaw
 
 # Without usable samples the wrench is held; the sd of its change grows at this rate, up to the limit of the motors.
 FORCE_RATE, LOST_FORCE = 50.0, 3.0
@@ -71,7 +73,7 @@ def common_step(step, change, noise):
 
 
 @njit
-def mark_usable(jaw, belief, measured, settings, scratch):
+def mark_usable(jaw: Jaw, belief: Belief, measured, settings: FilterSettings, scratch):
     """Set ``scratch.used`` where readings (12) are in range and of no frozen encoder; ``scratch.measured`` corrected.
 
     Returns how many readings of ``settings.used`` are left out.
@@ -103,7 +105,7 @@ def mark_usable(jaw, belief, measured, settings, scratch):
 
 
 @njit
-def has_moved_on(jaw, belief, changed):
+def has_moved_on(jaw: Jaw, belief: Belief, changed):
     """Whether the believed mouthpiece has moved by ``STILL`` since the load cell last ``changed``."""
     pose, at = belief.motion, belief.unchanged_at
     places = 3 if jaw.condyles == 2 else 2
@@ -123,7 +125,7 @@ def has_moved_on(jaw, belief, changed):
 
 
 @njit
-def mark_frozen(jaw, belief, samples, settings, frozen):
+def mark_frozen(jaw: Jaw, belief: Belief, samples, settings: FilterSettings, frozen):
     """Set ``frozen`` (6) where the load cell's ``samples`` (3, 6) of a tick are equal and its step does not explain it.
 
     The first sample may be the last one of the tick before, as it is where a row has a single reading.
@@ -142,7 +144,7 @@ def mark_frozen(jaw, belief, samples, settings, frozen):
 
 
 @njit
-def repair_samples(belief, samples, frozen, dt, variance, usable):
+def repair_samples(belief: Belief, samples, frozen, dt, variance, usable):
     """Copy ``samples`` (3, 6) to ``usable``; a missing or frozen component keeps its last usable value.
 
     Args:
@@ -175,7 +177,7 @@ def repair_samples(belief, samples, frozen, dt, variance, usable):
 
 
 @njit
-def is_resolved(belief, samples, rough):
+def is_resolved(belief: Belief, samples, rough):
     """Whether a tick's ``samples`` (3, 6) of the load cell resolve it, and those before; called once for each tick.
 
     ``rough`` (3,) is as ``rough_change`` has it.

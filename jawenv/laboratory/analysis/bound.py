@@ -53,7 +53,7 @@ class Bound:
 
 
 @njit
-def bound_path(path, covariance, every, covariances):
+def bound_path(path: MotionPath, covariance, every, covariances):
     """Run the recursion over all ticks of a ``MotionPath``; ``covariance`` is the prior's, and is changed.
 
     The parameters' block after ticks 0, ``every``, 2 ``every``, ... goes into ``covariances`` (K, p, p), and that

@@ -23,12 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
+from jawenv.filter.bound.joint_recursion import JointScratch
 from jawenv.filter.motion.joint_step import propagate
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import MotionPath, path_of
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -62,7 +64,7 @@ class Observability:
 
 
 @njit
-def linearise_path(path, by_state, by_parameter, rows):
+def linearise_path(path: MotionPath, by_state, by_parameter, rows):
     """Derivatives along a ``MotionPath``: ``by_state`` (T, n, n), ``by_parameter`` (T, n, p), ``rows`` (T + 1, 12, n).
 
     ``rows`` are over the sensors' sds, and zero where nothing was read.
@@ -107,7 +109,7 @@ def reduced(rows: Array) -> Array:
 
 
 @njit
-def rates_at(jaw, muscles, state, wrench, trend, moving, rates, scratch):
+def rates_at(jaw: Jaw, muscles, state, wrench, trend, moving, rates, scratch: JointScratch):
     """Derivative (n, n + p) of the motion's rate by motion and parameters at one moment, into ``rates``.
 
     ``moving`` (n) is a copy of ``state`` to work in. It is what a step of no length leaves in ``scratch.slope``.

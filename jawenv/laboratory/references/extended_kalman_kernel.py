@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.bound.joint_recursion import (
+    JointScratch,
     innovation_variance,
     predict_covariance,
     reduce_covariance,
@@ -23,6 +24,7 @@ from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
@@ -54,7 +56,7 @@ class Problem(NamedTuple):
 
 
 @njit
-def predict_plain(problem, tick, mean, covariance, trend, scratch):
+def predict_plain(problem: Problem, tick, mean, covariance, trend, scratch: JointScratch):
     """Time update over one tick."""
     linear, floor, samples = problem.linear, problem.floor, problem.samples[tick]
     gain, first = mean.shape[0] - 1, scratch.total.shape[0]
@@ -75,7 +77,7 @@ def predict_plain(problem, tick, mean, covariance, trend, scratch):
 
 
 @njit
-def update_plain(jaw, mean, covariance, measured, variances, scratch):
+def update_plain(jaw: Jaw, mean, covariance, measured, variances, scratch: JointScratch):
     """Measurement update; NaN in ``measured`` (12) was not read."""
     size = mean.shape[0]
     expect(jaw, mean, scratch.rows, scratch.expected)
@@ -97,7 +99,7 @@ def update_plain(jaw, mean, covariance, measured, variances, scratch):
 
 
 @njit
-def filter_record(problem, means, covariance, ticks, covariances, scratch):
+def filter_record(problem: Problem, means, covariance, ticks, covariances, scratch: JointScratch):
     """Filter a record of T ticks.
 
     Args:

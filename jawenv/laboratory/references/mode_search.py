@@ -9,12 +9,14 @@ than the ticks, more than one belief may stay, as least squares have more than o
 from __future__ import annotations
 
 from math import log
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.learn import learn
+from jawenv.filter.measurement_update import UpdateScratch
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.tick import take_readings
@@ -22,10 +24,18 @@ from jawenv.kernels.cholesky import log_det
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_zeros
-from jawenv.laboratory.record_filter import FilterRun
+from jawenv.laboratory.record_filter import Arguments, FilterRun
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record
-from jawenv.laboratory.references.modes import SAME, distance, keep_mode, mixture_moments, modes_dtype, nearest_mode
+from jawenv.laboratory.references.modes import (
+    SAME,
+    Modes,
+    distance,
+    keep_mode,
+    mixture_moments,
+    modes_dtype,
+    nearest_mode,
+)
 
 Array = NDArray[np.float64]
 
@@ -77,7 +87,7 @@ class ModeSearch:
                 row += 1
         return Estimate(self.name, record.time[ends], mean, cov)
 
-    def _search(self, run: FilterRun, end: int, modes: NDArray[np.void]) -> None:
+    def _search(self, run: FilterRun, end: int, modes: Any) -> None:
         """Replace the ``modes`` of the last window by those of the rows up to ``end``."""
         starts = search_starts(modes, run.settings["prior_mean"], run.settings["prior_sd"])
         search(run.arguments, end, starts, PASSES, SMALL_STEP, modes)
@@ -130,7 +140,7 @@ def integrate_out(record: Record, start: Array, small_step: float = 0.01) -> tup
 
 
 @njit
-def search(run, tick, starts, passes, small_step, modes):
+def search(run: Arguments, tick, starts, passes, small_step, modes: Modes):
     """Fill ``modes`` from rows 0 to ``tick`` by searches from ``starts`` (S, p); with the prior where all diverge."""
     belief, settings = run.belief, run.settings
     modes.number = 0
@@ -146,7 +156,7 @@ def search(run, tick, starts, passes, small_step, modes):
 
 
 @njit
-def settle(run, tick, parameters, passes, small_step, modes):
+def settle(run: Arguments, tick, parameters, passes, small_step, modes: Modes):
     """Iterate from ``parameters`` (p) until the belief's mean equals the linearisation point, which is overwritten.
 
     Each pass takes the full Gauss-Newton step of the last. If the next step is longer, the step is halved: without
@@ -177,7 +187,7 @@ def settle(run, tick, parameters, passes, small_step, modes):
 
 
 @njit
-def filter_at(run, tick, parameters):
+def filter_at(run: Arguments, tick, parameters):
     """Filter rows 0 to ``tick``, linearised at ``parameters`` (p), and update the belief from the prior.
 
     Returns the logarithm of the posterior's density there, but for a constant; NaN where the filter diverges.
@@ -207,7 +217,7 @@ def filter_at(run, tick, parameters):
 
 
 @njit
-def log_likelihood(update):
+def log_likelihood(update: UpdateScratch):
     """Of the innovation that was taken last, but for a constant; ``factor`` has the inverse of L's diagonal."""
     value = 0.0
     for i in range(N_MEASUREMENTS):

@@ -9,32 +9,38 @@ log-densities (logistic regression; ``docs/appendix.md`` has the table).
 
 from __future__ import annotations
 
+from functools import cache
 from math import exp, sqrt
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+from jawenv.filter.state import Belief
 from jawenv.kernels.compiled import njit
-from jawenv.kernels.records import record_dtype
+from jawenv.kernels.records import Array, record_dtype
 
 MAX_MODES = 9  # from as many starts
 SAME = 0.5  # sds, in every parameter, within which two modes are one
 TRUST = 0.4
 
 
+class Modes:
+    """The modes found: log-density, mean and covariance of each."""
+
+    number: int
+    density: Annotated[Array, MAX_MODES]
+    mean: Annotated[Array, MAX_MODES, "parameters"]
+    cov: Annotated[Array, MAX_MODES, "parameters", "parameters"]
+
+
+@cache
 def modes_dtype(parameters: int) -> np.dtype[np.void]:
-    """Dtype of the modes found: log-density, mean and covariance of each."""
-    fields: list[Any] = [
-        ("number", "i8"),
-        ("density", "f8", (MAX_MODES,)),
-        ("mean", "f8", (MAX_MODES, parameters)),
-        ("cov", "f8", (MAX_MODES, parameters, parameters)),
-    ]
-    return record_dtype(fields)
+    """Dtype of ``Modes``."""
+    return record_dtype(Modes, parameters=parameters)
 
 
 @njit
-def distance(belief, parameters):
+def distance(belief: Belief, parameters):
     """The largest distance of a parameter from the belief's mean, in its sds."""
     furthest = 0.0
     for i in range(parameters.shape[0]):
@@ -43,7 +49,7 @@ def distance(belief, parameters):
 
 
 @njit
-def nearest_mode(modes, belief):
+def nearest_mode(modes: Modes, belief: Belief):
     """The mode that the belief is nearest to, and its ``distance``; -1 if there is none."""
     nearest, smallest = -1, np.inf
     for k in range(modes.number):
@@ -54,7 +60,7 @@ def nearest_mode(modes, belief):
 
 
 @njit
-def keep_mode(modes, belief, density):
+def keep_mode(modes: Modes, belief: Belief, density):
     """Store the belief as a mode of this log-density: a new one, or in place of a close one of lower density."""
     k, separation = nearest_mode(modes, belief)
     if not separation < SAME:

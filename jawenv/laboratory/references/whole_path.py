@@ -13,12 +13,14 @@ Sizes: T ticks, n states of motion, p log-parameters, s = n + p + 1 with the loa
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.bound.joint_recursion import (
+    JointScratch,
     innovation_variance,
     joint_scratch_dtype,
     predict_covariance,
@@ -31,37 +33,48 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 from jawenv.kernels.records import record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.jaw import Jaw
 
 Array = NDArray[np.float64]
 
 
+class Sweep:
+    """The forward sweep's results at one time, for the backward sweep."""
+
+    total: Annotated[Array, "states", "columns"]  # derivative of the tick that ends at this time
+    rows: Annotated[Array, N_MEASUREMENTS, "states"]
+    gains: Annotated[Array, N_MEASUREMENTS, "size"]  # P h of each scalar reading
+    variance: Annotated[Array, N_MEASUREMENTS]  # of its innovation; 0 if it was not read
+    innovation: Annotated[Array, N_MEASUREMENTS]
+    mean: Annotated[Array, "size"]  # of the deviation, after the readings
+    covariance: Annotated[Array, "states", "size"]
+
+
+@cache
 def sweep_dtype(n_states: int, n_parameters: int) -> np.dtype[np.void]:
-    """Dtype of the forward sweep's results at one time, for the backward sweep."""
+    """Dtype of ``Sweep``."""
     size = n_states + n_parameters + 1
-    fields = [
-        ("total", "f8", (n_states, size + N_NOISE)),  # derivative of the tick that ends at this time
-        ("rows", "f8", (N_MEASUREMENTS, n_states)),
-        ("gains", "f8", (N_MEASUREMENTS, size)),  # P h of each scalar reading
-        ("variance", "f8", (N_MEASUREMENTS,)),  # of its innovation; 0 if it was not read
-        ("innovation", "f8", (N_MEASUREMENTS,)),
-        ("mean", "f8", (size,)),  # of the deviation, after the readings
-        ("covariance", "f8", (n_states, size)),
-    ]
-    return record_dtype(fields)
+    return record_dtype(Sweep, states=n_states, columns=size + N_NOISE, size=size)
 
 
+class PathScratch:
+    """The working memory of this file's kernels."""
+
+    filter: JointScratch
+    pushed: Annotated[Array, N_SAMPLES, N_WRENCH]
+    before: Annotated[Array, "size"]
+    adjoint: Annotated[Array, "size"]
+    matrix: Annotated[Array, "states", "states"]
+    right: Annotated[Array, "states"]
+
+
+@cache
 def path_scratch_dtype(n_muscles: int, n_lines: int, n_states: int) -> np.dtype[np.void]:
-    """Dtype of the working memory of this file's kernels."""
+    """Dtype of ``PathScratch``."""
     size = n_states + 2 * n_muscles + 1
-    fields = [
-        ("filter", joint_scratch_dtype(n_muscles, n_lines, n_states)),
-        ("pushed", "f8", (N_SAMPLES, N_WRENCH)),
-        ("before", "f8", (size,)),
-        ("adjoint", "f8", (size,)),
-        ("matrix", "f8", (n_states, n_states)),
-        ("right", "f8", (n_states,)),
-    ]
-    return record_dtype(fields)
+    return record_dtype(
+        PathScratch, filter=joint_scratch_dtype(n_muscles, n_lines, n_states), size=size, states=n_states
+    )
 
 
 class PathProblem(NamedTuple):
@@ -91,7 +104,7 @@ class PathProblem(NamedTuple):
 
 
 @njit
-def divide(jaw, states, parameters, dt, parts, scratch):
+def divide(jaw: Jaw, states, parameters, dt, parts, scratch: PathScratch):
     """Raise ``parts`` (T,) to what the motion ``states`` (T + 1, n) asks for; whether any was raised."""
     inner, raised = scratch.filter, False
     set_muscles(jaw, parameters, 0, inner.muscles)
@@ -103,7 +116,7 @@ def divide(jaw, states, parameters, dt, parts, scratch):
 
 
 @njit
-def push(problem, k, state, wrench, scratch):
+def push(problem: PathProblem, k, state, wrench, scratch: PathScratch):
     """Move ``state`` (n) over tick k under its readings and ``wrench`` (12); leaves the derivative in the scratch."""
     jaw, samples = problem.jaw, problem.samples[k]
     for i in range(samples.shape[0]):
@@ -125,7 +138,7 @@ def carry(total, vector, before):
 
 
 @njit
-def take_readings(problem, k, state, mean, covariance, considered, sweep, scratch):
+def take_readings(problem: PathProblem, k, state, mean, covariance, considered, sweep: Sweep, scratch: JointScratch):
     """Update of the deviation's belief with the readings at time k, linearised at ``state``."""
     measured, variances = problem.measured[k], problem.variances
     expect(problem.jaw, state, sweep.rows, scratch.expected)
@@ -147,7 +160,7 @@ def take_readings(problem, k, state, mean, covariance, considered, sweep, scratc
 
 
 @njit
-def sweep_forward(problem, states, wrenches, mean, covariance, considered, sweeps, scratch):
+def sweep_forward(problem: PathProblem, states, wrenches, mean, covariance, considered, sweeps, scratch: PathScratch):
     """Filter the deviations from a path forward in time.
 
     Args:
@@ -183,7 +196,7 @@ def sweep_forward(problem, states, wrenches, mean, covariance, considered, sweep
 
 
 @njit
-def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch):
+def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch: PathScratch):
     """The least-squares motion (T + 1, n), as deviation from the path, and the wrenches (T, 12) that go with it."""
     n_states, size = to_states.shape[1], scratch.adjoint.shape[0]
     adjoint = scratch.adjoint
@@ -217,7 +230,7 @@ def sweep_backward(wrench_variances, sweeps, to_states, to_wrenches, scratch):
 
 
 @njit
-def steer(total, missed, wrench_variance, tolerance, wrench, scratch):
+def steer(total, missed, wrench_variance, tolerance, wrench, scratch: PathScratch):
     """Add to ``wrench`` (12) what brings a state that ``missed`` its target by so much (n) back, as far as it pays.
 
     The most probable wrench for a miss that is observed with variances ``tolerance`` (n).
@@ -238,7 +251,7 @@ def steer(total, missed, wrench_variance, tolerance, wrench, scratch):
 
 
 @njit
-def cost_of_readings(problem, k, state, scratch):
+def cost_of_readings(problem: PathProblem, k, state, scratch: JointScratch):
     """Half the squared misfit of the readings at time k, in sds."""
     measured, variances = problem.measured[k], problem.variances
     expect(problem.jaw, state, scratch.rows, scratch.expected)
@@ -251,7 +264,7 @@ def cost_of_readings(problem, k, state, scratch):
 
 
 @njit
-def roll_out(problem, states, wrenches, parameters, sweeps, scratch):
+def roll_out(problem: PathProblem, states, wrenches, parameters, sweeps, scratch: PathScratch):
     """Turn a motion that the model would not make into a path close to it; the cost of its readings and wrenches.
 
     Without steering, a change of the parameters by a few per cent moves the end of a long path far away, however well

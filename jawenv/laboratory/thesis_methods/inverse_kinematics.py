@@ -21,6 +21,7 @@ from jawenv.errors import InputError
 from jawenv.filter.readings.encoders import N_MEASUREMENTS, measure
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import angle_rates, split
 
 Array = NDArray[np.float64]
@@ -30,7 +31,7 @@ STEPS = 4
 
 
 @njit
-def fill_measurements(jaw, states, expected, rows, rates):
+def fill_measurements(jaw: Jaw, states, expected, rows, rates):
     """The encoders' readings in each state: values (N, 12), derivatives (N, 12, 10) and rates of q (N, 5)."""
     for n in range(states.shape[0]):
         measure(jaw, states[n], rows[n], expected[n])

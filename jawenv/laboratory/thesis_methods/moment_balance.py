@@ -31,6 +31,7 @@ from jawenv.laboratory.thesis_methods.inverse_kinematics import (
 )
 from jawenv.mechanics.dynamics import N_WRENCH, body_moment, inertia_times
 from jawenv.mechanics.forces import muscle_pull, resultant
+from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
 @njit
-def fill_balance(jaw, no_muscles, motions, needed, by_wrench, pull, strain):
+def fill_balance(jaw: Jaw, no_muscles, motions, needed, by_wrench, pull, strain):
     """Rows of N times: ``needed`` (N, 5), ``by_wrench`` (N, 5, 6), ``pull`` (N, lines, 5), ``strain`` (N, lines).
 
     Rows 0, 1: force along the two tangents of the fossa (N); rows 2 to 4: moment about the contact point, body axes

@@ -22,6 +22,7 @@ from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from tests.eval.runs import save_checkpoint
 from tests.plain_policies import write_policy
+from tests.recorded import BODY
 
 SHORT = ["--patients", "2", "--episode-s", "0.5"]
 
@@ -78,12 +79,15 @@ def test_a_comfort_an_anatomy_and_a_force_sensor_of_ones_own_are_another_study(t
     own = {"comfort": tmp_path / "strict.toml", "anatomy": tmp_path / "jaw.yaml"}
     own["comfort"].write_text("force_N = 1.0\n")
     own["anatomy"].write_text("mandible: {mass_kg: 0.4}\n")
+    own["knowledge"] = tmp_path / "body.toml"
+    own["knowledge"].write_text("".join(f"{name} = {value}\n" for name, value in BODY.items()))
     given = [text for name, file in own.items() for text in (f"--{name}", str(file))]
-    for each in (given[:2], given[2:], ["--force-sensor", "motors"], given):
+    sensors = [["--force-sensor", sensor, *given[4:]] for sensor in ("motors", "straps")]
+    for each in (given[:2], given[2:4], *sensors, given[:4]):
         assert run("slow_opening", *SHORT, *output, *each) == 0
-    assert len(plays.names) == 5
-    assert run("slow_opening", *SHORT, *output, *given) == 0
-    assert len(plays.names) == 5, "kept"
+    assert len(plays.names) == 6
+    assert run("slow_opening", *SHORT, *output, *given[:4]) == 0
+    assert len(plays.names) == 6, "kept"
     page = (tmp_path / "study" / "report.html").read_text()
     assert "force_N = 1.0" in page and "mass_kg = 0.4" in page
     for file in own.values():

@@ -26,7 +26,7 @@ from pathlib import Path
 from eval.kept.parts import Run, finish
 from tests.eval.kept.test_parts import parts_in, slow_work
 
-finish(parts_in(Path(sys.argv[1]), 40), slow_work, Path.read_text, "items", Run(workers=2))
+finish(parts_in(Path(sys.argv[1]), 200), slow_work, Path.read_text, "items", Run(workers=2))
 """
 
 
@@ -94,7 +94,7 @@ def test_an_interrupt_ends_the_processes_and_leaves_whole_files(tmp_path):
     _, error = process.communicate(timeout=30)
     assert "KeyboardInterrupt" in error
     kept = list(tmp_path.glob("*.txt"))
-    assert 2 < len(kept) < 40 and all(path.read_text() == "whole" for path in kept)
+    assert 2 < len(kept) < 200 and all(path.read_text() == "whole" for path in kept)
     time.sleep(1.0)
     assert len(list(tmp_path.glob("*.txt"))) == len(kept), "no process goes on"
 

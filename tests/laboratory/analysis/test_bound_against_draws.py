@@ -25,7 +25,7 @@ from jawenv.laboratory.references import smoother
 from jawenv.laboratory.references.smoother import IteratedSmoother
 from jawenv.ladder import model_named
 
-DRAWS = 150
+DRAWS = 80
 SURE = [0.0005, 0.9995]  # quantiles of what chance alone does
 
 
@@ -140,5 +140,5 @@ def test_twelve_parameters_scatter_as_the_bound_of_the_full_model_says():
 
 def test_one_muscle_scatters_as_the_bound_of_the_hinge_says():
     """A patient of the cohort, who rests on the teeth: there steps are divided, in fewer draws."""
-    errors, expected, _ = scatter(*drawn("hinge", Push(), 7.2, 1.0, 200))
+    errors, expected, _ = scatter(*drawn("hinge", Push(), 7.2, 1.0, 120))
     assert_inside(errors, expected)
