@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +12,7 @@ from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.jaw import Jaw, build_jaw
+from jawenv.mechanics.jaw import build_jaw
 from jawenv.mechanics.kinematics import contact_point, rotation
 
 STEP_MM = 0.5
@@ -50,7 +51,7 @@ def passive_opening(
     return openings if rows.ndim == 2 else openings[0]
 
 
-def _of_one(jaw: Jaw, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Sequence[float]) -> list[float]:
+def _of_one(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Sequence[float]) -> list[float]:
     law = np.exp(row).reshape(-1, 2)[list(lines.muscle)]
     scratch = record_zeros(1, linear_dtype(len(lines.muscle)))[0], np.empty((5, 5)), np.empty(5)
     pose = np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
@@ -70,6 +71,6 @@ def _of_one(jaw: Jaw, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Seque
     return [float(np.interp(pull, highest, openings)) for pull in pulls_N]
 
 
-def _opening_mm(jaw: Jaw, pose: NDArray[np.float64]) -> float:
+def _opening_mm(jaw: Any, pose: NDArray[np.float64]) -> float:
     place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
     return 1e3 * float(jaw["mouthpiece"][2] - place[2])
