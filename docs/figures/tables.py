@@ -20,6 +20,7 @@ if str(ROOT) not in sys.path:
 
 from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set  # noqa: E402
 from jawenv.ladder import MODELS  # noqa: E402
+from jawenv.mechanics.passive_opening import passive_opening  # noqa: E402
 
 PAGE = ROOT / "docs" / "model.md"
 _BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)
@@ -118,6 +119,31 @@ def cohorts() -> str:
     return rows_of(head, rows)
 
 
+_CLINICAL = {
+    "healthy": "rests 2–4 mm open (R); opens 45 mm and more: 48.8 mm (140 adults, Zawawi 2003, M)",
+    "trismus": "opens at most 35 mm (Dijkstra 2006, M) by own openers of 19–48 N (Otago 2022, M)",
+    "severe": "opens at most 20–25 mm (van der Geer 2019, M)",
+    "one_sided": "no published group; the midline model, which resists no roll, opens further than two condyles do",
+    "blockage": "no published group",
+    "wide": "none: the spread is that of what is not known",
+}
+
+
+def clinical() -> str:
+    """Openings of each cohort under slow pulls, beside what is published."""
+    rows = []
+    for name, published in _CLINICAL.items():
+        openings = passive_opening(COHORTS[name].sample(30, seed=5), (0.0, 20.0, 40.0))
+        low, middle, high = np.nanquantile(openings, (0.1, 0.5, 0.9), axis=0)
+        cells = (
+            f"{number(round(m, 1))} ({number(round(a, 1))} … {number(round(b, 1))})"
+            for a, m, b in zip(low, middle, high, strict=True)
+        )
+        rows.append((f"`{name}`", *cells, published))
+    head = ("cohort", "rests open (mm)", "under 20 N (mm)", "under 40 N (mm)", "published")
+    return rows_of(head, rows)
+
+
 # module, name, factor to the unit shown, unit, meaning, grade
 _CONSTANTS = (
     ("jawenv.mechanics.jaw", "CONDYLE_STIFFNESS", 1, "N/m", "the capsule's stops, soft enough for the step", "G"),
@@ -197,6 +223,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "whole_muscles": whole_muscles,
     "strengths": lambda: quantities("strengths.toml"),
     "cohorts": cohorts,
+    "clinical": clinical,
     "constants": constants,
 }
 

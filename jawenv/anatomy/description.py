@@ -30,6 +30,7 @@ RANGES = MappingProxyType(
         "damping_rotation": (0.0, 10.0),
         "damping_sliding": (0.0, 1000.0),
         "tooth_stiffness": (100.0, 1e6),
+        "closing_tone_N": (0.0, 10.0),
         "condyle_half_width_m": (0.005, 0.2),
         "disc_stiffness": (100.0, 1e7),
         "disc_damping": (0.0, 1e4),

@@ -31,6 +31,7 @@ class Knowledge(NumericFields):
             method by about a tenth (D).
         centre_of_mass_x_mm, centre_of_mass_y_mm, centre_of_mass_z_mm: of each coordinate (G).
         head_tilt_deg: of the head's pitch, and so of gravity: a head in a rest moves by a few degrees (G).
+        closing_tone_N: of the closers' tone, the same in all (G).
         mouthpiece_mm: of each coordinate of where mouthpiece and teeth are, seen from the condyles. The encoders are
             zeroed with the teeth together, so that it shows as the jaw turns (0.5, G).
         mouthpiece_deg: of each angle in which the mouthpiece sits, by which the readings are turned (0.5, G).
@@ -52,6 +53,7 @@ class Knowledge(NumericFields):
     centre_of_mass_y_mm: float = number(0.0, 20.0, "mm")
     centre_of_mass_z_mm: float = number(0.0, 20.0, "mm")
     head_tilt_deg: float = number(0.0, 20.0, "deg")
+    closing_tone_N: float = number(0.0, 1.0, "N", record="closing_tone")
     mouthpiece_mm: float = number(0.0, 5.0, "mm")
     mouthpiece_deg: float = number(0.0, 5.0, "deg")
     cell_offset_N: float = number(0.0, 2.0, "N", record="cell_offset_force")

@@ -28,6 +28,7 @@ class Mandible(FrozenArrays):
         damping_rotation: N m s/rad, on the angular velocity.
         damping_sliding: N s/m, on the condyle's sliding velocity.
         tooth_stiffness: N/m per contact point.
+        closing_tone_N: Constant active tension of each of the six whole closing muscles, beside the passive one.
         condyle_half_width_m: from the midline to the centre of a condyle.
         disc_stiffness: N/m, of the disc and cartilage over one condyle, across the surface of the fossa.
         disc_damping: N s/m, of the same.
@@ -47,6 +48,7 @@ class Mandible(FrozenArrays):
     damping_rotation: float
     damping_sliding: float
     tooth_stiffness: float
+    closing_tone_N: float
     condyle_half_width_m: float
     disc_stiffness: float
     disc_damping: float
@@ -61,7 +63,7 @@ class Mandible(FrozenArrays):
         for name in ("mass_kg", "tooth_stiffness", "condyle_half_width_m", "disc_stiffness", "disc_onset"):
             if getattr(self, name) <= 0:
                 raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers above 0")
-        for name in ("damping_rotation", "damping_sliding", "disc_damping", "gravity"):
+        for name in ("damping_rotation", "damping_sliding", "disc_damping", "gravity", "closing_tone_N"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} is {getattr(self, name)}; allowed: numbers from 0 on")
         if not np.allclose(self.inertia_kg_m2, self.inertia_kg_m2.T, rtol=1e-9, atol=0):
@@ -85,6 +87,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "damping_rotation": (),
     "damping_sliding": (),
     "tooth_stiffness": (),
+    "closing_tone_N": (),
     "condyle_half_width_m": (),
     "disc_stiffness": (),
     "disc_damping": (),
@@ -107,6 +110,7 @@ def default_mandible() -> Mandible:
         damping_rotation=float(quantities["damping_rotation"].si()),
         damping_sliding=float(quantities["damping_sliding"].si()),
         tooth_stiffness=float(quantities["tooth_stiffness"].si()),
+        closing_tone_N=float(quantities["closing_tone"].si()),
         condyle_half_width_m=float(quantities["condyle_half_width"].si()),
         disc_stiffness=float(quantities["disc_stiffness"].si()),
         disc_damping=float(quantities["disc_damping"].si()),

@@ -123,6 +123,7 @@ class Nuisances:
     first_moment: Annotated[Array, "nuisances", 3]
     inertia: Annotated[Array, "nuisances", 9]  # about the contact point
     gravity: Annotated[Array, "nuisances", 3]  # head axes
+    tone: Annotated[Array, "nuisances"]
     fossa_drop: Annotated[Array, "nuisances"]
     fossa_frequency: Annotated[Array, "nuisances"]
     damping_rotation: Annotated[Array, "nuisances"]

@@ -62,7 +62,7 @@ def carried_forces(jaw: Jaw, muscles, contact, body_to_head):
     force = weight
     moment = cross(apply(body_to_head, vector3(jaw.centre_of_mass)), weight)
     arm, direction, _, tension = muscle_pull(jaw, muscles, all_lines(jaw.l_o), contact, body_to_head)
-    pull = scale(tension, direction)
+    pull = scale(tension + jaw.tone, direction)
     force = add(force, totals(pull))
     moment = add(moment, totals(cross(arm, pull)))
     for i in range(N_TEETH):
@@ -159,12 +159,12 @@ def carried_with_stiffness(jaw: Jaw, muscles, contact, body_to_head, stiffness, 
     add_point(stiffness, arm, weight)
     lines = all_lines(jaw.l_o)
     arm, direction, length, tension = muscle_pull(jaw, muscles, lines, contact, body_to_head)
-    pull = scale(tension, direction)
+    pull, whole = scale(tension, direction), scale(tension + jaw.tone, direction)
     turn = cross(arm, pull)
-    force = add(force, totals(pull))
-    moment = add(moment, totals(turn))
-    across = tension / length
-    add_point(stiffness, arm, pull)
+    force = add(force, totals(whole))
+    moment = add(moment, totals(cross(arm, whole)))
+    across = (tension + jaw.tone) / length
+    add_point(stiffness, arm, whole)
     add_isotropic(stiffness, arm, -across)
     add_line(stiffness, arm, direction, across - tension * muscles[lines, 1] / jaw.l_o[lines])
     for k in range(3):

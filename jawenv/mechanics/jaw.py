@@ -53,6 +53,7 @@ class Jaw:
     origin: Annotated[Array, "lines", 3]
     insertion: Annotated[Array, "lines", 3]
     l_o: Annotated[Array, "lines"]
+    tone: float  # N, constant active tension of every line, beside the passive one
     mobility: Annotated[Array, "lines"]  # 1/kg, of the free mandible along a line, jaw closed
     tooth_mobility: Annotated[Array, N_TEETH]  # 1/kg, of the same, straight down at a tooth
     condyle_mobility: float  # 1/kg, of the same, forward at the condyles
@@ -116,6 +117,7 @@ def build_jaw(
     jaw["inertia_contact_inverse"][np.ix_(turns, turns)] = np.linalg.inv(about_contact[np.ix_(turns, turns)])
     jaw["free_x"], jaw["free_y"] = free[0], free[1]
     jaw["condyles"] = condyles
+    jaw["tone"] = mandible.closing_tone_N * muscles.whole_muscles_per_line
     jaw["gravity"] = gravity_in_head(mandible.gravity, head_tilt_deg)
     jaw["fossa_drop"] = fossa.drop_m
     jaw["fossa_frequency"] = fossa.spatial_frequency

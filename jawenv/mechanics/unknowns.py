@@ -39,6 +39,7 @@ class Unknowns(NamedTuple):
         cell_turn: (3,) of the load cell's axes, beside ``turn``.
         motors: (4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous
             friction, and direction about two axes (``device.force_sensor``).
+        tone: (1,) of the closers.
     """
 
     origin: NDArray[np.float64]
@@ -51,11 +52,12 @@ class Unknowns(NamedTuple):
     inertia: NDArray[np.float64]
     cell_turn: NDArray[np.float64]
     motors: NDArray[np.float64]
+    tone: NDArray[np.float64]
 
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS))
+    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS), 1)
     return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(shape) for shape in rest))
 
 
@@ -88,6 +90,7 @@ def changed_jaw(jaw: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unkn
     changed["crest"] = pi / changed["fossa_frequency"]
     changed["damping_rotation"] *= 1.0 + knowledge.damping * rotation_damping
     changed["damping_sliding"] *= 1.0 + knowledge.damping * sliding_damping
+    changed["tone"] += knowledge.closing_tone_N * muscles.whole_muscles_per_line * values.tone[0]
     changed["gravity"] = _pitched(jaw["gravity"], radians(knowledge.head_tilt_deg) * tilt)
     for name in ("mouthpiece", "zero", "teeth"):
         changed[name] += 1e-3 * knowledge.mouthpiece_mm * values.mouthpiece
@@ -169,6 +172,8 @@ def directions(
         knowledge.head_tilt_deg,
     )
     vectors += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
+    if knowledge.closing_tone_N > 0.0:
+        vectors.append(one("tone", 0))
     sds = (knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm)
     vectors += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
     vectors += [one("mouthpiece", k) for k in range(3) if knowledge.mouthpiece_mm > 0.0]
@@ -213,7 +218,7 @@ def _pulls(jaw: Any, line: int, law: NDArray[np.float64]) -> NDArray[np.float64]
         arm = apply(turned, tuple(jaw["insertion"][line]))
         way = subtract(tuple(jaw["origin"][line]), tuple(np.add(contact, arm)))
         length = norm(way)
-        tension = law[0] * np.exp(law[1] * (length / jaw["l_o"][line] - 1.0))
+        tension = jaw["tone"] + law[0] * np.exp(law[1] * (length / jaw["l_o"][line] - 1.0))
         pull = tuple(tension / length * np.array(way))
         pulls += [*pull, *(np.array(cross(arm, pull)) / 0.05)]
     return np.array(pulls)

@@ -44,6 +44,7 @@ def change_jaw(jaw: Jaw, nuisances: Nuisances, j, share, changed: Jaw):
     changed.crest = pi / changed.fossa_frequency
     changed.damping_rotation = jaw.damping_rotation + share * nuisances.damping_rotation[j]
     changed.damping_sliding = jaw.damping_sliding + share * nuisances.damping_sliding[j]
+    changed.tone = jaw.tone + share * nuisances.tone[j]
     for i in range(3):
         changed.gravity[i] = jaw.gravity[i] + share * nuisances.gravity[j, i]
         shift = share * nuisances.mouthpiece[j, i]
@@ -70,7 +71,7 @@ def copy_rest(jaw: Jaw, changed: Jaw):
 def copy_jaw(jaw: Jaw, copied: Jaw):
     """``copied`` = ``jaw`` in all that the filter's kernels read."""
     copy_rest(jaw, copied)
-    copied.crest = jaw.crest
+    copied.crest, copied.tone = jaw.crest, jaw.tone
     copied.mass, copied.fossa_drop, copied.fossa_frequency = jaw.mass, jaw.fossa_drop, jaw.fossa_frequency
     copied.damping_rotation, copied.damping_sliding = jaw.damping_rotation, jaw.damping_sliding
     copied.condyle_mobility, copied.mouthpiece_mobility = jaw.condyle_mobility, jaw.mouthpiece_mobility

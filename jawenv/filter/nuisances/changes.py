@@ -90,9 +90,10 @@ def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_hea
     change = subtract((origin[3 * i], origin[3 * i + 1], origin[3 * i + 2]), shift)
     longer, l_o = dot(direction, change), jaw.l_o[i]
     stretch = longer / l_o - length * nuisances.l_o[j, i] / (l_o * l_o)
-    across = scale(tension / length, subtract(change, scale(longer, direction)))
+    whole = tension + jaw.tone
+    across = scale(whole / length, subtract(change, scale(longer, direction)))
     pull = add(scale(tension * muscles[i, 1] * stretch, direction), across)
-    return pull, add(cross(arm, pull), cross(shift, scale(tension, direction)))
+    return pull, add(cross(arm, pull), cross(shift, scale(whole, direction)))
 
 
 @njit

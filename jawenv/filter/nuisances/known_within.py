@@ -13,7 +13,7 @@ from jawenv.device.force_sensor import motor_errors
 from jawenv.filter.nuisances.changes import STEP
 from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
 
-_PLAIN = ("mass", "gravity", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
+_PLAIN = ("mass", "gravity", "tone", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
 _IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
 _SEEN_BY_ENCODERS = ("fossa_drop", "fossa_frequency", "mouthpiece", "turn")
 

@@ -1,0 +1,76 @@
+"""How far a relaxed jaw opens under a slow vertical pull: what a clinician measures, of simulated patients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
+from jawenv.kernels.records import record_zeros
+from jawenv.mechanics.dynamics import linear_dtype
+from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.jaw import build_jaw
+from jawenv.mechanics.kinematics import contact_point, rotation
+
+STEP_MM = 0.5
+WIDEST_MM = 60.0
+"""A jaw that opens further under a pull is said to open so far."""
+
+
+def passive_opening(
+    theta: ArrayLike,
+    pulls_N: Sequence[float] = (0.0, 20.0, 40.0),
+    *,
+    muscles: MuscleSet | None = None,
+    mandible: Mandible | None = None,
+    fossa: Fossa | None = None,
+) -> NDArray[np.float64]:
+    """Openings at the incisors (mm) at which relaxed jaws come to rest under vertical pulls on the mouthpiece.
+
+    The mouth is opened by a stiff spring whose end moves down in steps of ``STEP_MM``, and the opening is read where
+    the spring's force first reaches the pull; where the branch of equilibria ends before, the jaw snaps through, and
+    the last opening counts.
+
+    Args:
+        theta: (n, p) natural-log parameters of patients, or (p,) of one, head upright.
+        pulls_N: 0 is the rest position; below 0 the teeth are pressed together.
+        muscles: as ``build_jaw`` takes them; so are the others.
+        mandible: mass and contacts.
+        fossa: the condyles' path.
+
+    Returns:
+        (n, pulls) or (pulls,); not-a-number where a jaw has no rest position.
+    """
+    rows = np.asarray(theta, dtype=np.float64)
+    lines = muscles or muscle_set()
+    jaw = build_jaw(lines, mandible, fossa)
+    openings = np.array([_of_one(jaw, lines, row, pulls_N) for row in np.atleast_2d(rows)])
+    return openings if rows.ndim == 2 else openings[0]
+
+
+def _of_one(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Sequence[float]) -> list[float]:
+    law = np.exp(row).reshape(-1, 2)[list(lines.muscle)]
+    scratch = record_zeros(1, linear_dtype(len(lines.muscle)))[0], np.empty((5, 5)), np.empty(5)
+    pose = np.array([3e-3, 0.0, 0.05, 0.0, 0.0])
+    _, settled = settle(jaw, law, pose, 0.0, False, *scratch)
+    if not settled:
+        return [np.nan] * len(pulls_N)
+    openings, forces = [_opening_mm(jaw, pose)], [0.0]
+    asked = max(openings[0], 0.0)
+    while forces[-1] < max(pulls_N) and asked < WIDEST_MM:
+        asked += STEP_MM
+        force, settled = settle(jaw, law, pose, 1e-3 * asked, True, *scratch)
+        if not settled:
+            break
+        openings.append(_opening_mm(jaw, pose))
+        forces.append(force)
+    highest = np.maximum.accumulate(forces)
+    return [float(np.interp(pull, highest, openings)) for pull in pulls_N]
+
+
+def _opening_mm(jaw: Any, pose: NDArray[np.float64]) -> float:
+    place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
+    return 1e3 * float(jaw["mouthpiece"][2] - place[2])
