@@ -62,14 +62,21 @@ def no_unknowns(lines: int) -> Unknowns:
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
-    """Standard normals for all but the motors, none beyond ``FARTHEST``: a mass stays positive."""
+    """Standard normals for all but motors and tone, none beyond ``FARTHEST``: a mass stays positive."""
     none = no_unknowns(lines)
-    return Unknowns(*(_normals(values, generator) for values in none))._replace(motors=none.motors)
+    undrawn = none._replace(tone=np.empty(0))
+    drawn = Unknowns(*(_normals(values, generator) for values in undrawn))
+    return drawn._replace(motors=none.motors, tone=none.tone)
 
 
 def with_motors(values: Unknowns, generator: np.random.Generator) -> Unknowns:
     """The same with standard normals for the motors, none beyond ``FARTHEST``."""
     return values._replace(motors=_normals(values.motors, generator))
+
+
+def with_tone(values: Unknowns, generator: np.random.Generator) -> Unknowns:
+    """The same with a standard normal for the tone, not beyond ``FARTHEST``."""
+    return values._replace(tone=_normals(values.tone, generator))
 
 
 def _normals(values: NDArray[np.float64], generator: np.random.Generator) -> NDArray[np.float64]:
