@@ -63,7 +63,6 @@ class Reality(NumericFields):
             the damping of rotation and of sliding: 0.1, 0.1 and 0.2 (D, G, G; sources in `jawenv.Knowledge`).
         centre_of_mass_error_mm: Sd of each coordinate of its centre of mass: 1 to 6 mm (G).
         head_tilt_error_deg: Sd of the head's pitch: 3 degrees in a rest (G).
-        closing_tone_error_N: Sd of the closers' tone, beside what the filter takes it for: 0.05 to 0.3 N (G).
         mouthpiece_error_mm: Sd of each coordinate of where mouthpiece and teeth are, seen from the condyles: 0.5 to 1
             mm (G).
         mouthpiece_error_deg: Sd of each angle in which it sits: 0.5 degrees (G).
@@ -97,7 +96,6 @@ class Reality(NumericFields):
     damping_error: float = number(0.0, 0.2, "1")
     centre_of_mass_error_mm: float = number(0.0, 20.0, "mm")
     head_tilt_error_deg: float = number(0.0, 20.0, "deg")
-    closing_tone_error_N: float = number(0.0, 1.0, "N", record="closing_tone_error")
     mouthpiece_error_mm: float = number(0.0, 5.0, "mm", record="mouthpiece_error_place")
     mouthpiece_error_deg: float = number(0.0, 5.0, "deg", record="mouthpiece_error_angle")
     cell_error_deg: float = number(0.0, 5.0, "deg")
@@ -122,7 +120,6 @@ class Reality(NumericFields):
             centre_of_mass_y_mm=sd,
             centre_of_mass_z_mm=sd,
             head_tilt_deg=self.head_tilt_error_deg,
-            closing_tone_N=self.closing_tone_error_N,
             mouthpiece_mm=self.mouthpiece_error_mm,
             mouthpiece_deg=self.mouthpiece_error_deg,
             cell_deg=self.cell_error_deg,
