@@ -58,6 +58,7 @@ def energy(jaw, log_parameters, q, u):
     total = 0.5 * jaw["mass"] * velocity @ velocity + 0.5 * omega @ jaw["inertia"] @ omega
     total = total - jaw["mass"] * jaw["gravity"] @ (r + R @ rho)
     total = total + np.sum(tensions(jaw, log_parameters, q) * jaw["l_o"] / np.exp(log_parameters[1::2]))
+    total = total + jaw["tone"] * np.sum(muscle_lengths(jaw, q))
     width = jaw["stop_width"]
     for closed in jaw["teeth"]:
         total = total + jaw["tooth_stiffness"] * ramp_energy((r + R @ closed)[2] - closed[2], width)

@@ -134,8 +134,8 @@ def clinical() -> str:
     """Openings of each cohort under slow pulls, beside what is published."""
     rows = []
     for name, published in _CLINICAL.items():
-        openings = passive_opening(COHORTS[name].sample(60, seed=5), (0.0, 20.0, 40.0))
-        low, middle, high = np.quantile(openings, (0.1, 0.5, 0.9), axis=0)
+        openings = passive_opening(COHORTS[name].sample(30, seed=5), (0.0, 20.0, 40.0))
+        low, middle, high = np.nanquantile(openings, (0.1, 0.5, 0.9), axis=0)
         cells = (
             f"{number(round(m, 1))} ({number(round(a, 1))} … {number(round(b, 1))})"
             for a, m, b in zip(low, middle, high, strict=True)

@@ -104,7 +104,7 @@ def muscle_lengths(jaw: Any, q: ArrayLike) -> Array:
 
 
 def tensions(jaw: Any, log_parameters: ArrayLike, q: ArrayLike) -> Array:
-    """Tensions (..., lines) F_o exp(b (l - l_o)/l_o), N, from natural logs (..., 2 m) of F_o (N) and b.
+    """Passive tensions (..., lines) F_o exp(b (l - l_o)/l_o), N, from natural logs (..., 2 m) of F_o (N) and b.
 
     The law is van Ruijven & Weijs (1990) as used by Young (2016), eq. 2.2.
     """
@@ -129,7 +129,7 @@ def point_forces(jaw: Any, log_parameters: ArrayLike, q: Array, u: Array, R: Arr
     lines = len(jaw["l_o"])
     pulls = jaw["origin"] - arms[..., 1 : 1 + lines, :] - contact(jaw, q)[..., None, :]
     lengths = length(pulls)
-    tension = _tensions(jaw, log_parameters, lengths)
+    tension = _tensions(jaw, log_parameters, lengths) + jaw["tone"]
     batch = np.broadcast_shapes(tension.shape[:-1], u.shape[:-1])
     forces = np.zeros((*batch, *arms.shape[-2:]), np.result_type(tension, u))
     forces[..., 0, :] = jaw["mass"] * jaw["gravity"]

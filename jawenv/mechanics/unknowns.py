@@ -30,7 +30,7 @@ class Unknowns(NamedTuple):
     Attributes:
         origin: (lines, 3) attachments.
         insertion: (lines, 3).
-        numbers: (7,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt, tone.
+        numbers: (6,) drop and frequency of the fossa, mass, damping of rotation and sliding, head tilt.
         centre_of_mass: (3,).
         mouthpiece: (3,).
         turn: (3,) of the mouthpiece about the body's axes.
@@ -39,6 +39,7 @@ class Unknowns(NamedTuple):
         cell_turn: (3,) of the load cell's axes, beside ``turn``.
         motors: (4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous
             friction, and direction about two axes (``device.force_sensor``).
+        tone: (1,) of the closers.
     """
 
     origin: NDArray[np.float64]
@@ -51,23 +52,31 @@ class Unknowns(NamedTuple):
     inertia: NDArray[np.float64]
     cell_turn: NDArray[np.float64]
     motors: NDArray[np.float64]
+    tone: NDArray[np.float64]
 
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    rest = (7, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS))
+    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS), 1)
     return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(shape) for shape in rest))
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
-    """Standard normals for all but the motors, none beyond ``FARTHEST``: a mass stays positive."""
+    """Standard normals for all but motors and tone, none beyond ``FARTHEST``: a mass stays positive."""
     none = no_unknowns(lines)
-    return Unknowns(*(_normals(values, generator) for values in none))._replace(motors=none.motors)
+    undrawn = none._replace(tone=np.empty(0))
+    drawn = Unknowns(*(_normals(values, generator) for values in undrawn))
+    return drawn._replace(motors=none.motors, tone=none.tone)
 
 
 def with_motors(values: Unknowns, generator: np.random.Generator) -> Unknowns:
     """The same with standard normals for the motors, none beyond ``FARTHEST``."""
     return values._replace(motors=_normals(values.motors, generator))
+
+
+def with_tone(values: Unknowns, generator: np.random.Generator) -> Unknowns:
+    """The same with a standard normal for the tone, not beyond ``FARTHEST``."""
+    return values._replace(tone=_normals(values.tone, generator))
 
 
 def _normals(values: NDArray[np.float64], generator: np.random.Generator) -> NDArray[np.float64]:
@@ -82,13 +91,13 @@ def along(values: Unknowns, direction: Unknowns) -> float:
 def changed_jaw(jaw: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> Any:
     """A copy of the record ``jaw`` with its numbers at ``values``, about those that it has."""
     changed = jaw.copy()
-    drop, frequency, mass, rotation_damping, sliding_damping, tilt, tone = values.numbers
+    drop, frequency, mass, rotation_damping, sliding_damping, tilt = values.numbers
     changed["fossa_drop"] *= 1.0 + knowledge.fossa * drop
     changed["fossa_frequency"] *= 1.0 + knowledge.fossa * frequency
     changed["crest"] = pi / changed["fossa_frequency"]
     changed["damping_rotation"] *= 1.0 + knowledge.damping * rotation_damping
     changed["damping_sliding"] *= 1.0 + knowledge.damping * sliding_damping
-    changed["tone"] += knowledge.closing_tone_N * muscles.whole_muscles_per_line * tone
+    changed["tone"] += knowledge.closing_tone_N * muscles.whole_muscles_per_line * values.tone[0]
     changed["gravity"] = _pitched(jaw["gravity"], radians(knowledge.head_tilt_deg) * tilt)
     for name in ("mouthpiece", "zero", "teeth"):
         changed[name] += 1e-3 * knowledge.mouthpiece_mm * values.mouthpiece
@@ -168,9 +177,10 @@ def directions(
         knowledge.damping,
         knowledge.damping,
         knowledge.head_tilt_deg,
-        knowledge.closing_tone_N,
     )
     vectors += [one("numbers", k) for k, sd in enumerate(numbers) if sd > 0.0]
+    if knowledge.closing_tone_N > 0.0:
+        vectors.append(one("tone", 0))
     sds = (knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm)
     vectors += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
     vectors += [one("mouthpiece", k) for k in range(3) if knowledge.mouthpiece_mm > 0.0]

@@ -23,12 +23,12 @@ from jawenv.playing.maneuvers import Player
 EPS = 1e-3  # sds
 
 
-KNOWN = replace(IMAGED, attachments=0.3, cell_deg=0.5)  # all that has a column
+KNOWN = replace(IMAGED, attachments=0.3, cell_deg=0.5, closing_tone_N=0.1)  # all that has a column
 
 # A filter is compiled for a number of columns. Episodes are played with as many as ``IMAGED`` has, which is compiled
 # for other tests too: what stands here leaves some out.
 CELL_TURNED = replace(IMAGED, cell_deg=1.0, mouthpiece_mm=0.0)
-LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()}
+LARGEST = {name: kind.high for name, kind in Knowledge.numeric_fields().items()} | {"closing_tone_N": 0.0}
 LARGEST_INSIDE = LARGEST | {"mouthpiece_mm": 0.0, "cell_offset_N": 0.0, "cell_offset_N_m": 0.0}
 LARGEST_OUTSIDE = LARGEST | {"attachments": 0.1} | {f"centre_of_mass_{axis}_mm": 0.0 for axis in "xyz"}
 
@@ -38,6 +38,7 @@ def simulation():
     """One whose episode has not begun: kernels of its columns alone are compiled, no filter of so many."""
     made = Simulation(1, Configuration(knowledge=KNOWN))
     made.models[0] = made._jaw
+    made.models[0]["tone"] = 0.3
     return made
 
 

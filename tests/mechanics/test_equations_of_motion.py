@@ -25,6 +25,13 @@ def random_motion(rng, where):
     return log_parameters, q, u, wrench
 
 
+@pytest.fixture
+def jaw(jaw):
+    """The default jaw with a tone of its closers."""
+    jaw["tone"] = 0.5
+    return jaw
+
+
 def record_muscles(log_parameters):
     return np.exp(log_parameters).reshape(6, 2)
 
@@ -92,6 +99,7 @@ def test_power_of_the_device_less_damping_is_the_gain_of_energy(jaw, rng):
 
 
 def test_energy_is_conserved_without_damping_and_device(jaw):
+    jaw["tone"] = 0.05  # a stronger one would close it
     jaw["damping_rotation"] = jaw["damping_sliding"] = 0.0
     log_parameters = np.log(np.tile([0.4, 7.0], 6))
     muscles = record_muscles(log_parameters)

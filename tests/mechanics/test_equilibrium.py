@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 import jawenv
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
+from jawenv.mechanics.passive_opening import passive_opening
 
 CLOSED = (3e-3, 0.0, 0.05, 0.0, 0.0)
 
@@ -79,3 +80,22 @@ def test_a_healthy_relaxed_jaw_hangs_open_under_its_own_weight(jaw):
 @pytest.mark.parametrize(("F_o", "force", "low_mm", "high_mm"), [(1.2, 4.0, 26, 30), (6.0, 15.0, 13, 17)])
 def test_a_stiffer_jaw_opens_less(jaw, F_o, force, low_mm, high_mm):
     assert low_mm < 1e3 * opening_under(jaw, F_o, force) < high_mm
+
+
+def test_a_tone_closes_the_jaw_that_hangs_open(jaw):
+    hanging, _ = settled(jaw, all_muscles(0.7))
+    jaw["tone"] = 0.15
+    held, _ = settled(jaw, all_muscles(0.7))
+    assert 2.0 < 1e3 * opening_m(jaw, held) < 4.0 < 1e3 * opening_m(jaw, hanging)
+
+
+def test_openings_under_pulls_are_those_of_an_independent_search(jaw):
+    rest, pulled = passive_opening(all_muscles(6.0), (0.0, 15.0))
+    assert rest == pytest.approx(1e3 * opening_m(jaw, settled(jaw, all_muscles(6.0))[0]), abs=1e-6)
+    assert pulled == pytest.approx(1e3 * opening_under(jaw, 6.0, 15.0), abs=0.05)
+
+
+def test_stiffer_patients_open_less_and_weak_ones_snap_through(jaw):
+    openings = passive_opening([all_muscles(F_o) for F_o in (0.25, 1.2, 4.0)], (5.0, 20.0))
+    assert np.all(np.diff(openings, axis=0) < 0.0) and np.all(np.diff(openings, axis=1) >= 0.0)
+    assert openings[0, 0] == openings[0, 1]  # nothing holds it any more

@@ -14,6 +14,7 @@ from jawenv.mechanics.unknowns import (
     no_unknowns,
     offset_of,
     turn_of,
+    with_tone,
 )
 
 TRISMUS = cohort("trismus")
@@ -89,3 +90,14 @@ def test_inertia_is_drawn_and_has_no_direction_and_the_cell_turns_by_itself():
     np.testing.assert_array_equal(turn_of(known, values), 0.0)
     found = directions(known, MUSCLES, jaw, MEAN)
     assert len(found) == 3 and all(np.sum(np.abs(each.cell_turn)) == 1.0 for each in found)
+
+
+def test_a_tone_is_drawn_with_its_sd_and_beside_the_other_draws():
+    jaw, known = build_jaw(), Knowledge(closing_tone_N=0.1)
+    drawn = [
+        with_tone(draw_unknowns(LINES, generator), generator) for generator in map(np.random.default_rng, range(500))
+    ]
+    tones = [float(changed_jaw(jaw, known, MUSCLES, values)["tone"]) for values in drawn]
+    assert np.std(tones) == pytest.approx(0.1, rel=0.1) and abs(np.mean(tones)) < 0.02
+    for plain, toned in zip(draw_unknowns(LINES, np.random.default_rng(0))[:-1], drawn[0][:-1], strict=True):
+        np.testing.assert_array_equal(plain, toned)

@@ -19,6 +19,7 @@ from jawenv.mechanics.unknowns import (
     offset_of,
     turn_of,
     with_motors,
+    with_tone,
 )
 from jawenv.reality import Reality, perturb_geometry
 
@@ -56,14 +57,20 @@ def draw_truth(
     lines, untold = len(muscles.muscle), reality.untold()
     values = no_unknowns(lines)
     if not knowledge.exact:
-        values = draw_unknowns(lines, streams.geometry)
+        values = _drawn(knowledge, lines, streams.geometry)
         if anatomy_seed is not None:
             values = with_anatomy_of(draw_unknowns(lines, np.random.default_rng(anatomy_seed)), values)
         _add(truth, knowledge, muscles, values)
     perturb_geometry(reality, muscles, truth["jaw"], streams.geometry)
     if not untold.exact:
-        _add(truth, untold, muscles, draw_unknowns(lines, streams.untold))
+        _add(truth, untold, muscles, _drawn(untold, lines, streams.untold))
     return with_motors(values, streams.motors)
+
+
+def _drawn(knowledge: Knowledge, lines: int, generator: np.random.Generator) -> Unknowns:
+    """Values of all that is known within ``knowledge``; what is known exactly takes no other's random numbers."""
+    values = draw_unknowns(lines, generator)
+    return with_tone(values, generator) if knowledge.closing_tone_N > 0.0 else values
 
 
 def _add(truth: Any, knowledge: Knowledge, muscles: MuscleSet, values: Unknowns) -> None:
