@@ -11,7 +11,7 @@ from jawenv.envs.world import reset_kernel
 from jawenv.mechanics import acceleration, build_jaw
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.passive_opening import opening_of
 
 COMFORT = Comfort().in_si()
 
@@ -46,12 +46,6 @@ def opened_slowly(F_o: float, b: float, furthest: float = 14e-3, pieces: int = 6
         guess = found.x
         rows.append((x, opening_of(jaw, np.array([x, 0.0, 0.1 * guess[0], 0.0, 0.0])), guess[1]))
     return np.array(rows)
-
-
-def opening_of(jaw: np.void, pose: np.ndarray) -> float:
-    """How far the mouthpiece is below its place in the closed jaw (m)."""
-    place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
-    return float(jaw["mouthpiece"][2] - place[2])
 
 
 def first_fold(values: np.ndarray) -> int:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jawenv.anatomy import Fossa, Mandible, MuscleSet, muscle_set
+from jawenv.checks import real_number
+from jawenv.errors import InputError, shown
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
@@ -37,15 +39,23 @@ def passive_opening(
     Args:
         theta: (n, p) natural-log parameters of patients, or (p,) of one, head upright.
         pulls_N: 0 is the rest position; below 0 the teeth are pressed together.
-        muscles: as ``build_jaw`` takes them; so are the others.
+        muscles: as ``build_jaw`` takes them, as the others.
         mandible: mass and contacts.
         fossa: the condyles' path.
 
     Returns:
         (n, pulls) or (pulls,); not-a-number where a jaw has no rest position.
+
+    Raises:
+        InputError: another shape of ``theta`` or a value that is not finite, or a pull that is no number, 0 or more.
     """
-    rows = np.asarray(theta, dtype=np.float64)
     lines = muscles or muscle_set()
+    rows, size = np.asarray(theta, dtype=np.float64), len(lines.parameter_names)
+    if rows.ndim not in (1, 2) or rows.shape[-1] != size or not np.isfinite(rows).all():
+        raise InputError(f"theta is {shown(theta)}; allowed: finite natural-log parameters, ({size},) or (n, {size})")
+    numbers = [real_number(pull) for pull in pulls_N]
+    if not numbers or any(number is None or number < 0.0 for number in numbers):
+        raise InputError(f"pulls_N is {shown(pulls_N)}; allowed: one or more numbers, 0 or more")
     jaw = build_jaw(lines, mandible, fossa)
     openings = np.array([_of_one(jaw, lines, row, pulls_N) for row in np.atleast_2d(rows)])
     return openings if rows.ndim == 2 else openings[0]
@@ -58,19 +68,20 @@ def _of_one(jaw: Any, lines: MuscleSet, row: NDArray[np.float64], pulls_N: Seque
     _, settled = settle(jaw, law, pose, 0.0, False, *scratch)
     if not settled:
         return [np.nan] * len(pulls_N)
-    openings, forces = [_opening_mm(jaw, pose)], [0.0]
+    openings, forces = [1e3 * opening_of(jaw, pose)], [0.0]
     asked = max(openings[0], 0.0)
     while forces[-1] < max(pulls_N) and asked < WIDEST_MM:
         asked += STEP_MM
         force, settled = settle(jaw, law, pose, 1e-3 * asked, True, *scratch)
         if not settled:
             break
-        openings.append(_opening_mm(jaw, pose))
+        openings.append(1e3 * opening_of(jaw, pose))
         forces.append(force)
     highest = np.maximum.accumulate(forces)
     return [float(np.interp(pull, highest, openings)) for pull in pulls_N]
 
 
-def _opening_mm(jaw: Any, pose: NDArray[np.float64]) -> float:
+def opening_of(jaw: Any, pose: NDArray[np.float64]) -> float:
+    """How far the mouthpiece is below its place in the closed jaw (m), at a pose (5,)."""
     place = np.array(contact_point(jaw, tuple(pose))) + np.array(rotation(tuple(pose))) @ jaw["mouthpiece"]
-    return 1e3 * float(jaw["mouthpiece"][2] - place[2])
+    return float(jaw["mouthpiece"][2] - place[2])

@@ -46,9 +46,9 @@ def test_a_reading_is_what_the_errors_make_of_the_wrench(sensor):
     assert (np.abs(truth["friction_share"]) > 0.0).all() and place[0] > 0.0
 
 
-@pytest.mark.parametrize("sensor", ["motors", "straps"])
-def test_the_filter_is_honest_without_a_load_cell(sensor):
-    told = {"force_sensor": sensor, "knowledge": BODY}
+@pytest.mark.parametrize(("sensor", "knowledge"), [("motors", BODY), ("straps", BODY), ("straps", "exact")])
+def test_the_filter_is_honest_without_a_load_cell(sensor, knowledge):
+    told = {"force_sensor": sensor, "knowledge": knowledge}
     disabled = AutoresetMode.DISABLED
     envs = gym.make_vec("jawenv/Jaw-v3", num_envs=24, episode_s=8.0, autoreset_mode=disabled, **told)
     agent = load_agent("refined")

@@ -6,6 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 import jawenv
+from jawenv.errors import InputError
 from jawenv.mechanics.dynamics import linear_dtype
 from jawenv.mechanics.equilibrium import settle
 from jawenv.mechanics.passive_opening import passive_opening
@@ -99,3 +100,18 @@ def test_stiffer_patients_open_less_and_weak_ones_snap_through(jaw):
     openings = passive_opening([all_muscles(F_o) for F_o in (0.25, 1.2, 4.0)], (5.0, 20.0))
     assert np.all(np.diff(openings, axis=0) < 0.0) and np.all(np.diff(openings, axis=1) >= 0.0)
     assert openings[0, 0] == openings[0, 1]  # nothing holds it any more
+
+
+@pytest.mark.parametrize(
+    ("theta", "pulls", "field"),
+    [
+        (np.zeros(11), (0.0,), "theta"),
+        (np.full(12, np.nan), (0.0,), "theta"),
+        (np.zeros(12), (), "pulls_N"),
+        (np.zeros(12), (-1.0,), "pulls_N"),
+        (np.zeros(12), (np.nan,), "pulls_N"),
+    ],
+)
+def test_openings_of_no_patient_or_no_pull_are_refused(theta, pulls, field):
+    with pytest.raises(InputError, match=f"^{field} is .*; allowed: "):
+        passive_opening(theta, pulls)
