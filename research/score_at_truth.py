@@ -39,16 +39,16 @@ def step_from_truth(record: Any, gain: float) -> tuple[NDArray[np.float64], NDAr
     """(p,) the step from the true parameters, and its covariance (p, p), with the prior's width about the truth."""
     run = FilterRun(record).arguments
     run_at(run.jaw, run.belief, run.rows, run.settings, run.scratch, record.truth, len(run.rows))
-    size, coefficients = len(record.truth), run.belief.nominal.size
+    size, coefficients = len(record.truth), run.belief["nominal"].size
     columns = coefficients + 1  # and the load cell's gain
-    upper = np.triu(run.belief.information)[:columns, :columns]
+    upper = np.triu(run.belief["information"])[:columns, :columns]
     information = upper + np.triu(upper, 1).T
-    by_log = np.zeros((len(run.belief.score), size))
-    set_derivatives(run.belief.basis, record.truth, by_log)
+    by_log = np.zeros((len(run.belief["score"]), size))
+    set_derivatives(run.belief["basis"], record.truth, by_log)
     turned = np.zeros((columns, size + 1))
     turned[:coefficients, :size], turned[coefficients, size] = by_log[:coefficients], 1.0
     about_logs = turned.T @ information @ turned
-    score = turned.T @ run.belief.score[:columns] - gain * about_logs[:, size]
+    score = turned.T @ run.belief["score"][:columns] - gain * about_logs[:, size]
     prior = np.append(record.prior.sd**2, record.gain_sd**2)
     covariance = np.linalg.inv(about_logs + np.diag(1.0 / prior))
     return (covariance @ score)[:size], covariance[:size, :size]

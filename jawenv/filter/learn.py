@@ -56,6 +56,7 @@ def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
         for j in range(row.shape[0]):
             belief.score[i] -= belief.information[i, j] * row[j]
     belief.nominal[:, :] = scratch.after
+    belief.point[:] = belief.mean
     move_block(belief.block, row)
 
 
@@ -104,4 +105,16 @@ def learn(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     update_belief(belief, settings, scratch.posterior)
     recentre(belief, settings, scratch)
     refocus(belief, scratch)
+    set_misfit(belief)
+
+
+@njit
+def conclude(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
+    """The belief about the parameters from all information so far; the point of linearisation stays.
+
+    Readings that are linearised about points that follow their own noise teach what they do not know: directions that
+    no reading tells apart at one point look different at each (Huang, Mourikis & Roumeliotis 2010, Int. J. Robot. Res.
+    29:502). So the point moves where the readings are filtered again, and with a surprise.
+    """
+    update_belief(belief, settings, scratch.posterior)
     set_misfit(belief)

@@ -71,7 +71,8 @@ class Belief:
     block: Block
     drift: Drift
     misfit: float  # the alarm, see ``misfit``
-    nominal: Annotated[Array, "muscles", N_NODES]  # c at ``mean``
+    point: Annotated[Array, "parameters"]  # natural logs about which motion and readings are linearised
+    nominal: Annotated[Array, "muscles", N_NODES]  # c at ``point``
     nuisances: Annotated[Array, "nuisances"]  # their mean, in prior sds
     nuisances_replayed_at: Annotated[Array, "nuisances"]
     friction_share: Annotated[Array, "motors"]  # see ``device.force_sensor``
@@ -217,6 +218,7 @@ def begin_belief(basis: Basis, belief: Belief, log_parameters, prior_sd):
     belief.cov[:, :] = 0.0
     for i in range(log_parameters.shape[0]):
         belief.mean[i] = log_parameters[i]
+        belief.point[i] = log_parameters[i]
         belief.replayed_at[i] = log_parameters[i]
         belief.cov[i, i] = prior_sd[i] * prior_sd[i]
     copy_basis(belief.basis, basis)
@@ -274,4 +276,4 @@ def forget_readings(belief: Belief):
     belief.unchanged_at[:] = 0.0
     belief.held_sample[:] = 0.0
     belief.lost_for[:] = 0.0
-    set_coefficients(belief.basis, belief.mean, belief.nominal)
+    set_coefficients(belief.basis, belief.point, belief.nominal)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jawenv.filter.alarm.misfit import add_to_block
 from jawenv.filter.belief.basis import build_basis
-from jawenv.filter.learn import LearnScratch, learn, learn_scratch_dtype
+from jawenv.filter.learn import LearnScratch, conclude, learn, learn_scratch_dtype
 from jawenv.filter.measurement_update import (
     EXPECTED,
     REFUSED,
@@ -42,7 +42,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 SETTLING_TICKS = 5
 # At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
-FIRST_WINDOW, LAST_WINDOW = 20, 1280
+FIRST_WINDOW, LAST_WINDOW = 20, 20480
 MOVED = 0.3  # of a natural logarithm
 # What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
 # m/s on, and up to so many. The moment's error is the force's at so many m.
@@ -266,9 +266,9 @@ def filter_tick(
         belief.gated += 1
     if tick < rows.shape[0] and ends_window(belief, scratch):
         learn(belief, settings, scratch.belief)
-        if has_moved(belief):
+        if has_moved(belief: Belief):
             replay(jaw, belief, rows, tick, settings, scratch)
-            learn(belief, settings, scratch.belief)
+            conclude(belief, settings, scratch.belief)
     elif scratch.verdict == SURPRISING:
         learn(belief, settings, scratch.belief)
     return left_out

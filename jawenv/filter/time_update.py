@@ -89,7 +89,7 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
     becomes that of the ``settings``' ``start_sd`` (n).
     """
     dt, start_sd = settings.dt, settings.start_sd
-    set_muscles(jaw, belief.mean, 0, scratch.step.muscles)
+    set_muscles(jaw, belief.point, 0, scratch.step.muscles)
     scratch.start_motion[:] = belief.motion
     predict_from_past(jaw, belief, dt, scratch)
     correct_samples(jaw, belief, settings, samples, scratch)

@@ -17,7 +17,7 @@ from jawenv.envs.configuration import Configuration, Sensors
 from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
-from jawenv.filter.learn import learn
+from jawenv.filter.learn import conclude
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.readings.encoders import N_MEASUREMENTS
 from jawenv.filter.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
@@ -321,5 +321,5 @@ def take_tick(
     keep_reading(tick, measured, samples, settings.used, rows)
     left_out = filter_tick(jaw, belief, rows, tick, measured, samples, settings, scratch)
     if tick > 0 and tick % every == 0:
-        learn(belief, settings, scratch.belief)
+        conclude(belief, settings, scratch.belief)
     return left_out

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.learn import learn
+from jawenv.filter.learn import conclude
 from jawenv.filter.state import belief_dtype
 from jawenv.filter.tick import begin_filter, filter_scratch_dtype, filter_tick, tick_dtype
 from jawenv.kernels.compiled import njit
@@ -114,6 +114,6 @@ def filter_record(run: Arguments, every, means, covs):
     for tick in range(rows.shape[0]):
         filter_tick(run.jaw, belief, rows, tick, rows[tick].measured, rows[tick].samples, settings, scratch)
         if tick % every == 0:
-            learn(belief, settings, scratch.belief)
+            conclude(belief, settings, scratch.belief)
             means[tick // every] = belief.mean
             covs[tick // every] = belief.cov

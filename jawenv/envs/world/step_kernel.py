@@ -24,7 +24,7 @@ from jawenv.envs.world.kept_ticks import keep_reading, keep_truth
 from jawenv.envs.world.plants import TICK, lift_of
 from jawenv.envs.world.record import Known, Scratch, Settings, Truth, World, seeing_dtype
 from jawenv.envs.world.tracking import LAW_TICKS, aim, follow, move_targets
-from jawenv.filter.learn import learn
+from jawenv.filter.learn import conclude
 from jawenv.filter.motion.joint_step import N_SAMPLES
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.readings.cell_trend import mean_force, mean_reading
@@ -203,7 +203,7 @@ def end_step(device: DeviceRecord, model: Jaw, world: World, settings: Settings,
     """Belief at the end of a control period, its information, and the observation, into ``row``."""
     known = world.known
     if known.tick > 0 and not settings.filter.motion_only:
-        learn(known.belief, settings.filter, scratch.filter.belief)
+        conclude(known.belief, settings.filter, scratch.filter.belief)
     refresh_information(world, scratch.matrix, scratch.right)
     observe_world(device, model, known, settings.control, settings.filter, scratch.seeing, row)
 
