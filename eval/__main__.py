@@ -6,6 +6,6 @@ from training.extra import installed
 
 if __name__ == "__main__":
     with installed("python -m eval", "eval"):
-        from eval.cli import main
+        from eval.commands.app import main
 
         sys.exit(main())

@@ -81,15 +81,15 @@ class Corners(Biting):
 HELD = {agent.name: agent for agent in (Biting, Corners)}
 ROWS = (
     Variant("the filter as it is"),
-    Variant("no gate", {"measurement_update.GATE": math.inf}),
+    Variant("no gate", {"updates.measurement_update.GATE": math.inf}),
     Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
     Variant("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
     Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),
     Variant("every window filtered again", {"tick.MOVED": 0.0}),
     Variant("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
     Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
-    Variant("series of the second order", {"motion.motion_step.ORDER": 2}),
-    Variant("no instrument", {"time_update.jacobian_of_tick": along_own_motion}),
+    Variant("series of the second order", {"model.motion_step.ORDER": 2}),
+    Variant("no instrument", {"updates.time_update.jacobian_of_tick": along_own_motion}),
     Variant("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
     Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
@@ -98,7 +98,9 @@ ROWS = (
 BODY_ROWS = (
     Variant("the filter as it is"),
     Variant("learning from ticks that are not resolved", {"readings.screening.ROUGH": 1e9}),
-    Variant("no impulse on the discs", {"time_update.MISSED_CHANGE": 0.0, "time_update.MISSED_NOISE": 0.0}),
+    Variant(
+        "no impulse on the discs", {"updates.time_update.MISSED_CHANGE": 0.0, "updates.time_update.MISSED_NOISE": 0.0}
+    ),
     Variant("ten ticks in place of five until something is learnt", {"tick.SETTLING_TICKS": 10}),
     Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
 )

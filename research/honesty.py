@@ -18,11 +18,11 @@ import numpy as np
 
 import jawenv
 from agents import load_agent
-from eval import statistics, words
-from eval.entries import load_entries
+from eval.figures import statistics, words
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
-from eval.settings import Settings
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import jawenv
 from agents.registry import load_agent
-from jawenv.filter.belief.basis import set_coefficients, set_derivatives
+from jawenv.filter.model.basis import set_coefficients, set_derivatives
 from jawenv.filter.tick import begin_filter, take_readings
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.record_filter import FilterRun

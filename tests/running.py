@@ -6,13 +6,13 @@ import newton_euler as twin
 import numpy as np
 import two_condyles
 
-from jawenv.filter.measurement_update import update_motion
+from jawenv.filter.belief.state import begin_belief, begin_motion
+from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import follow_trend
-from jawenv.filter.readings.encoders import expect
 from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.state import begin_belief, begin_motion
 from jawenv.filter.tick import add_tooth_noise
-from jawenv.filter.time_update import predict_motion
+from jawenv.filter.updates.measurement_update import update_motion
+from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
 from jawenv.laboratory.record_filter import FilterRun
 from jawenv.mechanics.dynamics import N_WRENCH

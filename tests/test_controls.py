@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import typer
 
-import eval.cli
+import eval.commands.app
 import jawenv
 import training.cli
 from agents import load_agent
 from agents.planning import Planner
-from eval.settings import Settings
+from eval.kept.settings import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration
@@ -40,7 +40,7 @@ def test_one_default_for_all() -> None:
     assert study.controls == (DEFAULT_CONTROL,)
 
 
-@pytest.mark.parametrize("app", [eval.cli.app, training.cli.app], ids=["eval", "training"])
+@pytest.mark.parametrize("app", [eval.commands.app.app, training.cli.app], ids=["eval", "training"])
 def test_commands_have_the_same_default_or_none(app: typer.Typer) -> None:
     found = []
     for command in typer.main.get_command(app).commands.values():  # type: ignore[attr-defined]

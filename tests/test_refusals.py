@@ -14,9 +14,9 @@ import jawenv
 from agents.following import TargetsLaw, decision_hz
 from agents.planners import PLANNERS
 from eval.comparison.admission import AdmissionLimits
-from eval.entries import load_entries
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from eval.patient.treatments import Course
-from eval.settings import Settings
 from jawenv import InputError
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
 from jawenv.anatomy.cohorts import Stiffness

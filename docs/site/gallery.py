@@ -91,7 +91,7 @@ def _record(name: str) -> None:
     """An episode's jaw from the side and from the front, as a film and its first picture."""
     from PIL import Image
 
-    from eval.film import write_mp4
+    from eval.episodes.film import write_mp4
 
     place = _film(name)
     pictures = list(_pictures(name))

@@ -9,8 +9,8 @@ from functools import partial
 from agents.registry import world_of
 from eval.benchmark.agent_process import load_apart
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
-from eval.entries import fits, load_entry
 from eval.kept.cells import Cell
+from eval.kept.entries import fits, load_entry
 from eval.rows.times import Times
 from jawenv.errors import InputError
 

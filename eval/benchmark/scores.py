@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from eval import statistics
 from eval.benchmark.tasks import TASKS
+from eval.figures import statistics
+from eval.figures.statistics import Interval
 from eval.rows.times import LEVELS, restricted
-from eval.statistics import Interval
 
 
 def score_of(rows: pd.DataFrame) -> Interval:

@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from eval import words
 from eval.benchmark.scores import by_cell, figures, score_of
 from eval.benchmark.tasks import TASKS, VERSION, Task, digest
-from eval.tables import Table, made_by
+from eval.figures import words
+from eval.figures.tables import Table, made_by
 
 NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "

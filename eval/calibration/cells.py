@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from functools import partial
 
-from eval.entries import load_entries, load_entry
 from eval.kept.cells import Cell
+from eval.kept.entries import load_entries, load_entry
+from eval.kept.settings import Settings
 from eval.rows.beliefs import LATE, Beliefs
 from eval.rows.filters import filters_named
-from eval.settings import Settings
 from jawenv.controls import mode_of
 from jawenv.errors import InputError
 

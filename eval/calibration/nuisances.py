@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from eval import statistics, words
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
+from eval.figures.tables import Table
 from eval.rows.nuisances import ERROR, GROUPS, LEFT
-from eval.statistics import Interval
-from eval.tables import Table
 
 NOTE = (
     "What is known only within an sd beside the muscles: the mean of (error / sd) squared of a group, 1 if honest, and "

@@ -9,11 +9,11 @@ import pandas as pd
 from rich.console import Console
 from rich.text import Text
 
-from eval import statistics, words
 from eval.calibration import nuisances
+from eval.figures import statistics, words
+from eval.figures.statistics import UNKNOWN, Interval
+from eval.figures.tables import Table
 from eval.rows.beliefs import DIVERGED, ENDED, JUDGED, SIGMAS
-from eval.statistics import UNKNOWN, Interval
-from eval.tables import Table
 from jawenv.metrics import nees_band
 
 COLUMNS = (

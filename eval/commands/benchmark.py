@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
 from jawenv.errors import InputError
 
 if TYPE_CHECKING:

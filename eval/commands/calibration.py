@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.seeds import REPORTS
@@ -47,8 +47,8 @@ def calibrate_command(
     from eval.calibration.cells import cells_of
     from eval.kept.cells import play_cells
     from eval.kept.parts import Run
+    from eval.kept.settings import Settings
     from eval.kept.tables import made_with, write_table
-    from eval.settings import Settings
 
     moments = tuple(_seconds(text) for text in times.split(","))
     names = tuple(name.strip() for name in filters.split(","))

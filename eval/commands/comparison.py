@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
 from jawenv.errors import InputError
 from jawenv.locks import alone
 from jawenv.seeds import REPLAYS, REPORTS
@@ -55,8 +55,8 @@ def compare_command(
     """
     from eval.comparison.admission import AdmissionLimits
     from eval.comparison.compare import compare
-    from eval.entries import env_of_runs, load_entries, maneuver_names
-    from eval.settings import Settings
+    from eval.kept.entries import env_of_runs, load_entries, maneuver_names
+    from eval.kept.settings import Settings
 
     admission = AdmissionLimits(largest_discomfort_s, largest_violation)
     specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
@@ -67,7 +67,7 @@ def compare_command(
         raise InputError(f"reference is {reference!r}; allowed: {allowed}")
     console = terminal()
     if with_replay:
-        from eval.replays import add_replays
+        from eval.episodes.replays import add_replays
 
         loaded = add_replays(loaded, settings, output / "replays", fresh=fresh, console=console)
     study = compare(loaded, settings, output, command=typed(), fresh=fresh, console=console)
@@ -129,9 +129,9 @@ def replay_command(
 
     The maneuver is the agent without its eyes: what the agent does better on other patients, it owes to adapting.
     """
-    from eval.entries import load_entries
-    from eval.replays import replay_of_entry
-    from eval.settings import Settings
+    from eval.episodes.replays import replay_of_entry
+    from eval.kept.entries import load_entries
+    from eval.kept.settings import Settings
 
     settings = Settings.of(patients, seed, **world | {"control": "targets"})
     entry = load_entries([agent], settings.world, trust=trust)[0]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
 from jawenv.seeds import REPORTS
 
 
@@ -33,8 +33,8 @@ def dataset_command(
     MINARI_DATASETS_PATH=FOLDER makes minari.load_dataset find them. Without names these are random, hold_still,
     slow_opening, opening_with_swings_and_fore_aft and refined.
     """
-    from eval.dataset import FORMATS, REFERENCES, write_all
-    from eval.settings import Settings
+    from eval.episodes.dataset import FORMATS, REFERENCES, write_all
+    from eval.kept.settings import Settings
     from jawenv.errors import InputError, shown
 
     if file_format not in FORMATS:

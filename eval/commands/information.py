@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
 from jawenv.seeds import REPORTS
 
 
@@ -35,11 +35,11 @@ def information_command(
     Writes information.md, information.parquet and patients.parquet. Ctrl-C keeps the patients that are finished: the
     same command goes on from there.
     """
-    from eval import information
+    from eval.comparison import information
     from eval.kept.cells import play_cells
     from eval.kept.parts import Run
+    from eval.kept.settings import Settings
     from eval.kept.tables import made_with, write_table
-    from eval.settings import Settings
     from jawenv.files import write_text
 
     settings, console = Settings.of(patients, seed, **{"episode_s": 10.0} | world), terminal()

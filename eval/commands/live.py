@@ -29,7 +29,7 @@ def live_command(
     trust: options.Trust = False,
 ) -> None:
     """Drive a jaw by hand beside agents of targets control, which one can take over from and give back to."""
-    from eval.entries import env_of_runs
+    from eval.kept.entries import env_of_runs
     from jawenv.commands.live import drive
     from jawenv.live.setup import Setup
 
@@ -45,7 +45,7 @@ def _agents(entries: list[str], world: Configuration, trust: bool) -> dict[str, 
     Raises:
         InputError: an entry is not found, plans with copies of the worlds, or is of another control mode.
     """
-    from eval.entries import load_entries
+    from eval.kept.entries import load_entries
 
     agents: dict[str, Agent] = {}
     for entry in load_entries(entries, world, trust=trust):

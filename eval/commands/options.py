@@ -1,11 +1,15 @@
-"""Options that commands have in common."""
+"""What commands have in common: options, the terminal, and the command as it was typed."""
 
 from __future__ import annotations
 
+import os
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
 from jawenv.commands.options import takes_world as takes_world
 
@@ -34,3 +38,22 @@ LargestDiscomfort = Annotated[
 LargestViolation = Annotated[
     float, typer.Option(help="Share of episodes crossing a hard limit up to which an entry is ranked.", metavar="SHARE")
 ]
+
+
+class _Terminal(Console):
+    """A console that goes on in silence when its reader has left, as ``head`` does: the results are still written."""
+
+    def on_broken_pipe(self) -> None:
+        """See rich."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def terminal() -> Console:
+    """A terminal of its own width, or a log wide enough for the tables."""
+    return _Terminal(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def typed() -> str:
+    """The command as it was given, for the results."""
+    return shlex.join(["python", "-m", "eval", *sys.argv[1:]])

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from eval import words
 from eval.commands import options
-from eval.tables import terminal, typed
+from eval.commands.options import terminal, typed
+from eval.figures import words
 from jawenv.errors import InputError
 from jawenv.files import write_text
 from jawenv.ladder import DEFAULT_ENV, env_id_of
@@ -51,12 +51,12 @@ def patient_command(
     """
     import pandas as pd
 
-    from eval.entries import env_of_runs, load_entries
+    from eval.kept.entries import env_of_runs, load_entries
+    from eval.kept.settings import Settings
     from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
     from eval.patient.treatments import Course, population_of
-    from eval.settings import Settings
     from jawenv.anatomy import MUSCLE_NAMES
 
     plan = Course(treatments, drift)
@@ -102,10 +102,10 @@ def diagnose_command(
     the same command goes on from there.
     """
     from eval.comparison.compare import compare
-    from eval.entries import env_of_runs, load_entries
+    from eval.kept.entries import env_of_runs, load_entries
+    from eval.kept.settings import Settings
     from eval.kept.tables import write_table
     from eval.patient import accuracy
-    from eval.settings import Settings
 
     specs = entries or []
     if not specs:

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from agents.card import Result, ResultsFile
-from eval import statistics
 from eval.comparison.results import Results
+from eval.figures import statistics
+from eval.figures.statistics import Interval
 from eval.rows.outcomes import EARLY_S
-from eval.statistics import Interval
 from jawenv.errors import InputError
 
 DECIMALS = 3

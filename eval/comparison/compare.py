@@ -12,12 +12,12 @@ from rich.console import Console
 
 from eval.comparison import results
 from eval.comparison.results import Results
-from eval.entries import Entry
 from eval.kept.cells import Cell, play_cells
+from eval.kept.entries import Entry
 from eval.kept.parts import Run
+from eval.kept.settings import Settings
 from eval.kept.tables import made_with
 from eval.rows.outcomes import Outcomes
-from eval.settings import Settings
 from jawenv.errors import InputError
 from jawenv.locks import alone
 

@@ -10,10 +10,10 @@ import numpy as np
 from rich.console import Console
 
 from agents.own import names_own
-from eval import words
 from eval.comparison.results import Results
-from eval.entries import load_entry
-from eval.settings import Settings
+from eval.figures import words
+from eval.kept.entries import load_entry
+from eval.kept.settings import Settings
 from jawenv.controls import CONTROLS
 from jawenv.errors import InputError, shown
 from jawenv.playing.protocol import Action

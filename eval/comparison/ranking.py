@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from agents.registry import shipped_names
-from eval import statistics
 from eval.comparison.admission import LARGEST_RINGING, PER_S, AdmissionLimits, does_not_fit, false_sd
 from eval.comparison.results import Results
-from eval.statistics import Interval
+from eval.figures import statistics
+from eval.figures.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import (
     BLOCKED_B,

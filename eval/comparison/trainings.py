@@ -16,13 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from eval import statistics
 from eval.comparison.results import Results
+from eval.figures import statistics
+from eval.figures.statistics import Array, Interval
 from eval.rows.outcomes import EARLY_S
-from eval.statistics import Array, Interval
 
 _SEED = re.compile(r"(?P<stem>.+)-seed\d+")
-_KINDS = ("replay", "yoked replay")  # of `eval.replays.add_replays`, in its order
+_KINDS = ("replay", "yoked replay")  # of `eval.episodes.replays.add_replays`, in its order
 
 
 def _log(values: Array) -> Array:

@@ -1,1 +1,1 @@
-"""The engine: cells are played in parts, kept on disk under a digest of all that decides them."""
+"""The engine: entries under settings are cells, played in parts, kept on disk under a digest of what decides them."""

@@ -17,8 +17,8 @@ from typing import ClassVar
 
 import pandas as pd
 
-from eval.entries import Entry
 from eval.kept.digest import fingerprint
+from eval.kept.entries import Entry
 from eval.kept.parts import Part, Run, finish, folder_for, parts_of
 from eval.kept.tables import read_table, write_table
 from jawenv.progress import Progress

@@ -13,7 +13,7 @@ from typing import Any
 import agents
 import jawenv
 from agents import registry
-from eval.entries import Entry
+from eval.kept.entries import Entry
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES
 from jawenv.playing.protocol import Agent

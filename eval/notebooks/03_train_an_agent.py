@@ -94,14 +94,14 @@ Image(str(draw([RUN], RUN / "curves.png")))
 # %%
 from eval.comparison.compare import compare
 from eval.comparison.ranking import rank
-from eval.entries import load_entries
-from eval.report import figures
-from eval.settings import Settings
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
+from eval.report.overview import overview
 
 settings = Settings.of(PATIENTS, 300, episode_s=EPISODE_S)
 study = compare(load_entries([str(RUN), config.residual.maneuver, "hold_still"], settings.world), settings)
 ranking = rank(study, config.residual.maneuver)
-figures.overview(study, ranking)
+overview(study, ranking)
 
 # %%
 (agent,) = (row for row in ranking.rows if row.trained)

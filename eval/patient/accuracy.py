@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.text import Text
 
-from eval import statistics, words
 from eval.comparison.results import Results
-from eval.statistics import Interval
-from eval.tables import Table
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
+from eval.figures.tables import Table
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, Diagnosis, diagnose, whole_muscles_per_line
 
 Mask = NDArray[np.bool_]

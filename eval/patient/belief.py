@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eval.entries import Entry
+from eval.kept.entries import Entry
 from jawenv.anatomy import Cohort, Prior
 from jawenv.anatomy.knowledge import knowledge
 

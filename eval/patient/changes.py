@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eval import words
+from eval.figures import words
 from eval.patient.belief import at_start
 from eval.patient.charts import SD_95
 from eval.patient.treatments import Treatment

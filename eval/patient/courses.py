@@ -10,8 +10,8 @@ from pathlib import Path
 from rich.console import Console
 
 from agents.array_files import load_arrays, save_arrays
-from eval.entries import Entry
 from eval.kept.digest import fingerprint
+from eval.kept.entries import Entry
 from eval.kept.parts import Part, Run, finish, folder_for
 from eval.patient import belief, treatments
 from eval.patient.treatments import Course, Treatment, first_treatment, next_treatment

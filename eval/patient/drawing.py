@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from eval import words
+from eval.figures import words
 from jawenv.anatomy import MuscleSet
 from jawenv.metrics.verdicts import BOTH, NO_VERDICT, UNKNOWN
 from jawenv.rendering import outlines

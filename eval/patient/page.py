@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from eval import words
-from eval.entries import Entry
+from eval.figures import words
+from eval.kept.entries import Entry
 from eval.patient import charts, drawing
 from eval.patient.changes import Change, change_in_words, change_of
 from eval.patient.charts import SD_95, Axis

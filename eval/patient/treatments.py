@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eval.entries import Entry
+from eval.kept.entries import Entry
 from eval.patient.belief import KnownPatient, PatientBelief, at_start, combined, is_shared
 from jawenv.anatomy import Cohort, Patient, cohort
 from jawenv.errors import InputError

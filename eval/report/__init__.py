@@ -1,1 +1,1 @@
-"""How results are shown: figures (matplotlib, also for notebooks), tables in the terminal, words, and HTML files."""
+"""How results are shown: drawings (matplotlib, also for notebooks), tables in the terminal, and HTML files."""

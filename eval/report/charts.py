@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from eval import words
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
+from eval.figures import words
+from eval.figures.statistics import Interval
 from eval.report import drawing
 from eval.report.first import firsts
-from eval.statistics import Interval
 
 Array = npt.NDArray[np.float64]
 Chart = dict[str, Any]

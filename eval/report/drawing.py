@@ -10,8 +10,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from eval import words
 from eval.comparison.ranking import Ranking
+from eval.figures import words
 
 INK = "#3b3f46"
 GRID = "#d3d7dd"

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from eval import words
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
+from eval.figures import words
 from jawenv.ladder import KNOWN_WITHIN_SDS
 from jawenv.playing.rollout import DEFAULT_ENV
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from agents.card import card_of
 from agents.evaluations import CURVES, read_evaluations
-from eval import statistics, words
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
 from eval.report import charts
 from eval.rows.outcomes import EARLY_S
-from eval.statistics import Interval
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError
 

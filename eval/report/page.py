@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from eval import words
 from eval.comparison.admission import LARGEST_RINGING
 from eval.comparison.ranking import SIGMAS, Ranking
 from eval.comparison.results import Results
 from eval.comparison.trainings import adaptations
+from eval.figures import words
+from eval.figures.statistics import RESAMPLES
 from eval.report import charts, films, first, template
 from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
-from eval.statistics import RESAMPLES
 from jawenv.anatomy.muscles import SIDES
 from jawenv.metrics import BLOCKED_B, CONFIDENCE, FIBROSED_F_O_N, whole_muscles_per_line
 

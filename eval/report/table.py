@@ -9,15 +9,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from eval import words
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.trainings import FIGURES, Adaptation, Gain
+from eval.figures import words
+from eval.figures.statistics import Interval
+from eval.figures.tables import Table as WrittenTable
+from eval.figures.tables import printed_table
 from eval.report import first
 from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
-from eval.statistics import Interval
-from eval.tables import Table as WrittenTable
-from eval.tables import printed_table
 from jawenv.files import write_text
 
 _COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}

@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from eval import words
+from eval.figures import words
 from eval.report import drawing
 from jawenv.files import write_text
 

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval.entries import Entry
 from eval.kept.cells import Rows
+from eval.kept.entries import Entry
 from eval.rows import filters, nuisances
 from eval.rows.filters import OTHERS, TENSION
 from eval.rows.nuisances import NuisanceBeliefs

@@ -8,8 +8,8 @@ from functools import cache
 
 import pandas as pd
 
-from eval.entries import Entry
 from eval.kept.cells import Rows
+from eval.kept.entries import Entry
 from jawenv.envs.configuration import Configuration
 from jawenv.inference.information_gain import InformationGain, information_gain
 from jawenv.inference.patient_law import PatientLaw

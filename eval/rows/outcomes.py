@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from eval.entries import Entry
 from eval.kept.cells import Rows
+from eval.kept.entries import Entry
 from jawenv.metrics import claimed_information, nees, rmse, score, true_information, worst_sd
 from jawenv.playing.recording import Recording
 

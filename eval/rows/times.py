@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from eval.entries import Entry
 from eval.kept.cells import Rows
+from eval.kept.entries import Entry
 from eval.rows import outcomes
 from eval.rows.outcomes import outcomes_of
 from jawenv.errors import InputError

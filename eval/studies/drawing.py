@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import words
+from eval.figures import words
 from eval.report import drawing
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS

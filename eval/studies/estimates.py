@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from eval import statistics
-from eval.statistics import UNKNOWN, Interval
+from eval.figures import statistics
+from eval.figures.statistics import UNKNOWN, Interval
 from eval.studies.design import Design, Pair
 from eval.studies.grid import FACTORS, Levels, matches
 from eval.studies.metrics import COMPARED, METRICS

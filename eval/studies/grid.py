@@ -7,8 +7,8 @@ from functools import partial
 from itertools import product
 from typing import Any
 
-from eval.entries import Entry, load_entry
 from eval.kept.cells import Cell
+from eval.kept.entries import Entry, load_entry
 from eval.rows.outcomes import Outcomes
 from eval.studies.design import Choice, Design, EnvironmentChoice, Pair
 from jawenv.envs.configuration import Configuration

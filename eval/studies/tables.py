@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from eval import words
-from eval.statistics import Interval
+from eval.figures import words
+from eval.figures.statistics import Interval
+from eval.figures.tables import Table, made_by
 from eval.studies.design import Design
 from eval.studies.estimates import ALL
 from eval.studies.grid import FACTORS
 from eval.studies.metrics import COMPARED, METRICS
-from eval.tables import Table, made_by
 
 _TITLES = {"control_hz": "steps/s", "reality": "effects"}
 _SD_SHOWN = (0.02, 0.05, 0.10, 0.20)

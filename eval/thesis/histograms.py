@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from eval import words
+from eval.figures import words
 from eval.report import drawing
 
 FORCE, EXPONENT = "#3b82c4", "#e08a2c"

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from agents import load_agent
-from eval import statistics, words
+from eval.figures import statistics, words
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict
 from eval.thesis.tracking import errors_with_bounds, noise_figure, tracking

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import statistics, words
+from eval.figures import statistics, words
 from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, Verdict, one_by_one

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import statistics, words
-from eval.statistics import Interval
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.histograms import FEWEST_IN_BINS, histograms, physician_view
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one

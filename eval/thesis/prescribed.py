@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Prior
 from jawenv.device.device import Device
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH, acceleration_kernel

@@ -7,9 +7,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import statistics, words
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
 from eval.report import drawing
-from eval.statistics import Interval
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one
 from eval.thesis.prescribed import with_noise

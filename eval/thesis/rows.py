@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eval import statistics, words
-from eval.statistics import Interval
+from eval.figures import statistics, words
+from eval.figures.statistics import Interval
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from eval import words
+from eval.figures import words
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from eval import words
+from eval.figures import words
 from eval.report import drawing
 from eval.thesis import rows
 from eval.thesis.item import NO_NUMBER, Item, Judgement, one_by_one

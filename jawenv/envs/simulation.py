@@ -32,7 +32,7 @@ from jawenv.envs.world.step_kernel import Shared, StepRows, advance, scratch_dty
 from jawenv.envs.world.unknown_truth import Streams, draw_truth
 from jawenv.errors import InputError
 from jawenv.filter.bound.bound_recursion import bound_scratch_dtype
-from jawenv.filter.motion.initial_motion import start_sd
+from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.settings import Geometry, fill_settings, noise_of, used_readings, wrench_variances
 from jawenv.filter.tick import LAST_WINDOW, tick_dtype
 from jawenv.kernels.noise import philox

@@ -8,11 +8,11 @@ from typing import Annotated
 import numpy as np
 
 from jawenv.filter.alarm.misfit import move_block, set_misfit
-from jawenv.filter.belief.basis import N_NODES, set_coefficients
 from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
+from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances, tension_columns
+from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
-from jawenv.filter.state import Belief, FilterSettings, Nuisances, tension_columns
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.unknowns import FARTHEST

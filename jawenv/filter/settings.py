@@ -11,8 +11,8 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
-from jawenv.filter import least_noise
 from jawenv.filter.nuisances.known_within import write_nuisances
+from jawenv.filter.readings import least_noise
 from jawenv.filter.readings.screening import rough_change
 from jawenv.filter.tick import set_prior
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -10,9 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.alarm.misfit import add_to_block
-from jawenv.filter.belief.basis import build_basis
+from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
 from jawenv.filter.learn import LearnScratch, conclude, learn, learn_scratch_dtype
-from jawenv.filter.measurement_update import (
+from jawenv.filter.model.basis import build_basis
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.nuisances.changed_jaw import copy_jaw
+from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances
+from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
+from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
+from jawenv.filter.updates.measurement_update import (
     EXPECTED,
     REFUSED,
     SURPRISING,
@@ -20,14 +27,7 @@ from jawenv.filter.measurement_update import (
     update_motion,
     update_scratch_dtype,
 )
-from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.nuisances.changed_jaw import copy_jaw
-from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances
-from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
-from jawenv.filter.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
-from jawenv.filter.time_update import TimeScratch, predict_motion, time_scratch_dtype
+from jawenv.filter.updates.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import apply, row3
@@ -266,7 +266,7 @@ def filter_tick(
         belief.gated += 1
     if tick < rows.shape[0] and ends_window(belief, scratch):
         learn(belief, settings, scratch.belief)
-        if has_moved(belief: Belief):
+        if has_moved(belief):
             replay(jaw, belief, rows, tick, settings, scratch)
             conclude(belief, settings, scratch.belief)
     elif scratch.verdict == SURPRISING:

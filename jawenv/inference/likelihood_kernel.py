@@ -11,8 +11,8 @@ from math import log, pi
 import numpy as np
 
 from jawenv.filter.bound.joint_recursion import JointScratch, innovation_variance
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.filter.readings.cell_trend import follow_trend
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.references.extended_kalman_kernel import Problem, predict_plain
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -17,8 +17,8 @@ from jawenv.envs.reset_options import checked_seed, episode_keys
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.plants import TICK
 from jawenv.errors import InputError, shown
-from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.inference.settings import DEFAULT_ENV, Array, Mask, configuration_of, log_parameters, patient_of
 from jawenv.inference.treatable import begins
 from jawenv.laboratory.recordings.of_simulation import record_of

@@ -11,9 +11,9 @@ from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.force_sensor import device_with_sensor, sds_of_sensor
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.world.plants import TICK
-from jawenv.filter.motion.initial_motion import start_sd
+from jawenv.filter.belief.state import filter_settings_dtype
+from jawenv.filter.model.initial_motion import start_sd
 from jawenv.filter.settings import Geometry, Noise, fill_settings, noise_of, used_readings
-from jawenv.filter.state import filter_settings_dtype
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.record import Record

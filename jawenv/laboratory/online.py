@@ -17,10 +17,10 @@ from jawenv.envs.configuration import Configuration, Sensors
 from jawenv.envs.world.kept_ticks import keep_reading
 from jawenv.errors import InputError, shown
 from jawenv.files import Source
+from jawenv.filter.belief.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
 from jawenv.filter.learn import conclude
-from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import Belief, FilterSettings, belief_dtype, filter_settings_dtype
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.filter.tick import (
     LAST_WINDOW,
     FilterScratch,

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from eval.cli import main as evaluate
+from eval.commands.app import main as evaluate
 from eval.comparison import results
 from jawenv.ladder import model_of_env
 from training.cli import main as train

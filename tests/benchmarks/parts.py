@@ -18,14 +18,14 @@ import jawenv  # noqa: F401 - registers the environments
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.plants import SUBSTEPS
 from jawenv.envs.world.step_kernel import N_NORMALS
+from jawenv.filter.belief.state import tension_columns
 from jawenv.filter.learn import learn
-from jawenv.filter.measurement_update import update_motion
-from jawenv.filter.motion.instrument import coast
-from jawenv.filter.motion.motion_step import ORDER, midline_step
-from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import tension_columns
-from jawenv.filter.time_update import predict_by_tension, predict_cov
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.motion_step import ORDER, midline_step
+from jawenv.filter.model.regressors import middle_of, set_line_wrenches
+from jawenv.filter.updates.instrument import coast
+from jawenv.filter.updates.measurement_update import update_motion
+from jawenv.filter.updates.time_update import predict_by_tension, predict_cov
 from jawenv.kernels.lanes import all_lines, total
 from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import LINE, record_dtype, record_zeros

@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 import pytest
 
-import eval.cli
+import eval.commands.app
 import training.cli
 from jawenv.anatomy import COHORTS
 from jawenv.commands import live
@@ -33,7 +33,7 @@ def test_list_alone_names_every_kind(capsys):
     assert all(f"{kind}:\n" in said for kind in ("maneuvers", "agents", "cohorts", "models"))
 
 
-@pytest.mark.parametrize("command_line", [main, eval.cli.main, training.cli.main])
+@pytest.mark.parametrize("command_line", [main, eval.commands.app.main, training.cli.main])
 def test_every_command_line_says_its_version_and_its_help(command_line, capsys):
     assert command_line(["--version"]) == 0
     assert capsys.readouterr().out == f"jawenv {version('jawenv')}\n"

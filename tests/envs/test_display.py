@@ -5,7 +5,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import jawenv  # noqa: F401  registers the environments
-from eval.cli import main
+from eval.commands.app import main
 from jawenv.envs import jaw
 from jawenv.errors import InputError
 from jawenv.rendering.display import check_display

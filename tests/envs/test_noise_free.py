@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from jawenv.filter import least_noise
+from jawenv.filter.readings import least_noise
 from jawenv.laboratory.record_filter import TensionFilter
 from jawenv.laboratory.recordings.of_simulation import record_of
 

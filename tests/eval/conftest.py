@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from eval import entries
+from eval.kept import entries
 
 
 @pytest.fixture

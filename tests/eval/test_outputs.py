@@ -2,7 +2,7 @@
 
 import pytest
 
-from eval.cli import main
+from eval.commands.app import main
 from eval.comparison import results
 from jawenv.locks import alone
 from tests.eval.studies import GOOD, study

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from jawenv.filter.motion.disturbance import set_total
+from jawenv.filter.updates.disturbance import set_total
 from jawenv.playing.maneuvers import Player
 
 STEPS_PER_S = 5  # of targets control

@@ -6,9 +6,9 @@ import pytest
 from joint_belief import DT, GAIN, PARAMETERS, STATE, Belief, jacobians, model_step
 
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.model.encoders import measure
+from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import TREND_TIME, follow_trend
-from jawenv.filter.readings.encoders import measure
 from jawenv.laboratory.references.numpy_model import fastest_rate as independent_rate
 from jawenv.laboratory.references.numpy_model import parts_needed as independent_parts
 from jawenv.laboratory.references.numpy_model import step_with_derivative

@@ -12,7 +12,7 @@ from running import Running
 
 import jawenv
 from agents import load_agent
-from jawenv.filter.measurement_update import REFUSED
+from jawenv.filter.updates.measurement_update import REFUSED
 from jawenv.laboratory.record_filter import FilterRun, filter_record
 from jawenv.metrics.calibration import nees_band
 

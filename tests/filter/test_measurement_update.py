@@ -9,8 +9,9 @@ from recorded import recording
 from running import ALL, Running, rows_of
 
 from jawenv.anatomy import cohort
-from jawenv.filter.belief.basis import build_basis, set_derivatives
-from jawenv.filter.measurement_update import (
+from jawenv.filter.belief.state import begin_belief, belief_dtype
+from jawenv.filter.model.basis import build_basis, set_derivatives
+from jawenv.filter.updates.measurement_update import (
     EXPECTED,
     GATE,
     REFUSED,
@@ -21,7 +22,6 @@ from jawenv.filter.measurement_update import (
     normalised_innovation,
     update_scratch_dtype,
 )
-from jawenv.filter.state import begin_belief, belief_dtype
 from jawenv.mechanics import build_jaw
 
 N, START_SD = 10, np.linspace(0.5, 1.5, 10)

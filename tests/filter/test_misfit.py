@@ -7,7 +7,7 @@ from running import Running
 from scipy.stats import chi2
 
 from jawenv.filter.alarm.misfit import ALARM, BLOCK, add_to_block, move_block, set_misfit
-from jawenv.filter.state import begin_block
+from jawenv.filter.belief.state import begin_block
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import two_condyles
 from scipy.linalg import expm
 
 import jawenv
-from jawenv.filter.motion import motion_step as step
+from jawenv.filter.model import motion_step as step
 from jawenv.laboratory.references.numpy_model import fastest_rate, parts_needed, reading_at
 from jawenv.mechanics import build_jaw
 

@@ -9,7 +9,7 @@ import pytest
 
 import jawenv
 from agents.excitation import ACTION_SIZE, EXCITATIONS
-from jawenv.filter.measurement_update import GATE
+from jawenv.filter.updates.measurement_update import GATE
 from jawenv.metrics.calibration import nees
 
 EACH = 4  # patients for each way to act

@@ -12,9 +12,9 @@ from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.envs.configuration import Configuration, configure
 from jawenv.envs.simulation import Simulation
 from jawenv.errors import InputError
-from jawenv.filter.measurement_update import EXPECTED
 from jawenv.filter.nuisances.changed_jaw import copy_jaw, move_jaw
 from jawenv.filter.nuisances.changes import add_readings, set_wrenches
+from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.online import take_tick
 from jawenv.mechanics.unknowns import FARTHEST, Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of

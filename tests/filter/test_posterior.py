@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.filter.belief.basis import N_NODES, build_basis, expand_coefficients
 from jawenv.filter.belief.posterior import (
     NEGLIGIBLE,
     posterior_dtype,
@@ -17,7 +16,8 @@ from jawenv.filter.belief.posterior import (
     set_precision,
     update_belief,
 )
-from jawenv.filter.state import begin_belief, belief_dtype, filter_settings_dtype
+from jawenv.filter.belief.state import begin_belief, belief_dtype, filter_settings_dtype
+from jawenv.filter.model.basis import N_NODES, build_basis, expand_coefficients
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.mechanics import build_jaw
 

@@ -5,8 +5,8 @@ import pytest
 from recorded import recording
 from running import Running
 
-from jawenv.filter.belief.basis import set_coefficients
 from jawenv.filter.belief.refocus import NARROWEST, SHRINKS, STRAYS, refocus
+from jawenv.filter.model.basis import set_coefficients
 
 TICKS = 60
 

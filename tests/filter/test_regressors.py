@@ -6,9 +6,9 @@ import pytest
 from running import half_way, line_wrenches
 
 import jawenv
-from jawenv.filter.belief.basis import build_basis
-from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
-from jawenv.filter.state import tension_columns
+from jawenv.filter.belief.state import tension_columns
+from jawenv.filter.model.basis import build_basis
+from jawenv.filter.model.regressors import middle_of, set_line_wrenches
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 

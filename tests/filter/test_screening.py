@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from jawenv.filter.readings.encoders import read_motion
+from jawenv.filter.belief.state import belief_dtype, filter_settings_dtype, forget_readings
+from jawenv.filter.model.encoders import read_motion
 from jawenv.filter.readings.screening import (
     FORCE_RATE,
     LOST_FORCE,
@@ -18,7 +19,6 @@ from jawenv.filter.readings.screening import (
     repair_samples,
     rough_change,
 )
-from jawenv.filter.state import belief_dtype, filter_settings_dtype, forget_readings
 from jawenv.filter.tick import filter_scratch_dtype
 from jawenv.kernels.records import record_zeros
 from jawenv.mechanics.jaw import build_jaw

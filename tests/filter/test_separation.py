@@ -11,8 +11,8 @@ from running import Running, coasted, half_way, line_wrenches, rows_of
 import jawenv
 from agents import load_agent
 from jawenv.filter.learn import recentre
-from jawenv.filter.measurement_update import REFUSED
-from jawenv.filter.time_update import MISSED_CHANGE, MISSED_NOISE
+from jawenv.filter.updates.measurement_update import REFUSED
+from jawenv.filter.updates.time_update import MISSED_CHANGE, MISSED_NOISE
 
 
 class Joint:

@@ -11,7 +11,8 @@ from numpy.polynomial.hermite_e import hermegauss
 
 import jawenv
 from jawenv.anatomy import known_muscle_sets
-from jawenv.filter.belief.basis import (
+from jawenv.filter.belief.state import tension_columns
+from jawenv.filter.model.basis import (
     MIDDLE_POSE,
     N_NODES,
     build_basis,
@@ -19,7 +20,6 @@ from jawenv.filter.belief.basis import (
     set_coefficients,
     set_derivatives,
 )
-from jawenv.filter.state import tension_columns
 from jawenv.mechanics import build_jaw
 
 PRIORS = {name: jawenv.cohort(name).prior for name in jawenv.COHORTS}

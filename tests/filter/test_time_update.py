@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from recorded import recording
 from running import Running, coasted, half_way, line_wrenches
 
-from jawenv.filter.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
+from jawenv.filter.updates.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
 from jawenv.kernels.compiled import njit
 
 N, COLUMNS = 10, 32

@@ -10,9 +10,8 @@ import jawenv
 from agents import load_agent
 from jawenv.envs.configuration import configure
 from jawenv.envs.simulation import Simulation
+from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.learn import learn
-from jawenv.filter.measurement_update import SURPRISING
-from jawenv.filter.state import begin_belief, begin_motion
 from jawenv.filter.tick import (
     LAST_WINDOW,
     MOVED,
@@ -21,6 +20,7 @@ from jawenv.filter.tick import (
     replay,
     take_readings,
 )
+from jawenv.filter.updates.measurement_update import SURPRISING
 from jawenv.laboratory.online import take_tick
 from jawenv.laboratory.record_filter import FilterRun, TensionFilter
 from jawenv.laboratory.recordings.thinning import divided, thinned

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eval.entries import load_entries
+from eval.kept.entries import load_entries
 from jawenv.anatomy.knowledge import IMAGED, Knowledge
 from jawenv.errors import InputError
 from jawenv.laboratory.recordings.files import load_record

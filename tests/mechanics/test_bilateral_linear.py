@@ -7,8 +7,8 @@ import two_condyles
 from scipy.interpolate import lagrange
 
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.motion.joint_step import BODY_PARTS, propagate
-from jawenv.filter.readings.encoders import measure_body
+from jawenv.filter.model.encoders import measure_body
+from jawenv.filter.model.joint_step import BODY_PARTS, propagate
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import linear_dtype

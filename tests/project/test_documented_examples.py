@@ -21,7 +21,7 @@ import yaml
 from documented import PAGES, ROOT, Block, blocks, needs_only_the_wheel
 from test_without_extras import BLOCKED
 
-import eval.cli
+import eval.commands.app
 import jawenv
 import jawenv.commands.app
 import jawenv.playing.rollout
@@ -31,7 +31,7 @@ from jawenv.laboratory.recordings.files import load_record
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel
-COMMANDS = {"eval": eval.cli.app, "training": training.cli.app}
+COMMANDS = {"eval": eval.commands.app.app, "training": training.cli.app}
 
 ALONE = """
 import json, sys
@@ -102,7 +102,7 @@ def test_python_examples_run(page: Path, short: Path, monkeypatch: pytest.Monkey
         small.write_text(
             "title: T\ndescription: D.\nentries: [hold_still]\npatients: 2\nseed: 0\nepisode_s: 1\n", encoding="utf-8"
         )
-        assert eval.cli.main(["study", str(small), "--workers", "1", "--output", "runs/study/headline"]) == 0
+        assert eval.commands.app.main(["study", str(small), "--workers", "1", "--output", "runs/study/headline"]) == 0
         run(blocks(page, "python"))
     else:
         run(blocks(page, "python"))

@@ -57,22 +57,33 @@ def test_imports_within_functions_count(sources, tmp_path, monkeypatch: pytest.M
     assert sources.imports_of("jawenv.late") == {"jawenv.metrics", "jawenv.metrics.score", "jawenv.errors"}
 
 
-@pytest.mark.parametrize("package", ["agents", "training", "eval"])
-def test_rooms_within_a_package_do_not_import_in_a_circle(package: str, sources) -> None:
-    """A room is a folder, or a module beside folders."""
+def test_folders_within_a_room_do_not_import_in_a_circle(sources) -> None:
+    """What lies at the top of a room is a folder too; in packages of the clone each module there is one."""
     modules = sources.module_files()
 
-    def room(module: str) -> str:
-        return module if modules[module].name == "__init__.py" else module.rpartition(".")[0]
+    def folder(module: str) -> str:
+        own: str = module if modules[module].name == "__init__.py" else module.rpartition(".")[0]
+        return module if own in sources.CLONE else own
 
-    graph: dict[str, set[str]] = {}
-    for module in (module for module in modules if module.split(".")[0] == package and "." in module):
-        own = room(module) if room(module) != package else module
-        others = {room(other) if room(other) != package else other for other in sources.imports_of(module)}
-        graph.setdefault(own, set()).update(
-            other for other in others - {own, package} if other.startswith(f"{package}.")
-        )
-    assert len(graph) > 2 and tuple(TopologicalSorter(graph).static_order())
+    graphs: dict[str, dict[str, set[str]]] = {}
+    for module in modules:
+        others = {
+            folder(other) for other in sources.imports_of(module) if sources.room_of(other) == sources.room_of(module)
+        }
+        graph = graphs.setdefault(sources.room_of(module), {})
+        graph.setdefault(folder(module), set()).update(others - {folder(module), *sources.CLONE})
+    for graph in graphs.values():
+        assert len(tuple(TopologicalSorter(graph).static_order())) == len(graph)
+    assert len(graphs["jawenv.filter"]) > 7 and len(graphs["jawenv.envs"]) == 2 and len(graphs["eval"]) > 10
+
+
+@pytest.mark.parametrize("package", ["jawenv/filter", "jawenv/envs", "eval"])
+def test_the_page_tells_every_folder(package: str, sources) -> None:
+    text = sources.PAGE.read_text(encoding="utf-8")
+    folders = {path.parent for path in (ROOT / package).glob("*/*.py")}
+    assert folders
+    for name in (str(folder.relative_to(ROOT)).removeprefix("jawenv/") for folder in folders):
+        assert f"| `{name}` |" in text, f"no row for {name}"
 
 
 def test_the_table_of_arguments_is_that_of_the_sources(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,7 @@ def test_a_study_is_a_command(name: str, monkeypatch: pytest.MonkeyPatch, capsys
 
 
 def test_constants_that_the_ablation_changes_exist() -> None:
-    for row in ablation.ROWS:
+    for row in (*ablation.ROWS, *ablation.BODY_ROWS):
         for constant in row.constants:
             module, _, name = (ablation.FILTER + constant).rpartition(".")
             assert hasattr(import_module(module), name), constant

@@ -13,8 +13,8 @@ import jawenv
 from agents.card import read_card
 from agents.evaluations import read_evaluations
 from agents.residual import ResidualPolicy
-from eval.entries import load_entries
-from eval.settings import Settings
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from jawenv.playing.maneuvers import Maneuver, Player
 from tests.recorded import BODY
 from training.cli import main

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import jawenv
 from jawenv.anatomy import default_mandible, known_muscle_sets
-from jawenv.filter.readings.encoders import measure
+from jawenv.filter.model.encoders import measure
 from jawenv.ladder import MODELS
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from jawenv.envs.observation import observe_world
 from jawenv.envs.world.information import refresh_information
+from jawenv.envs.world.observation import observe_world
 from jawenv.envs.world.step_kernel import Shared
 from jawenv.kernels.compiled import world_kernel
 

@@ -16,8 +16,8 @@ from jawenv.envs.world.information import refresh_information
 from jawenv.envs.world.plants import lift_of, true_state
 from jawenv.envs.world.record import Scratch, Settings, Truth, World
 from jawenv.envs.world.step_kernel import REALITY_TICK, START_TICK, Shared, clear_step
-from jawenv.filter.motion.joint_step import set_muscles
-from jawenv.filter.readings.encoders import measure
+from jawenv.filter.model.encoders import measure
+from jawenv.filter.model.joint_step import set_muscles
 from jawenv.filter.tick import begin_filter
 from jawenv.kernels.compiled import njit, njit_within, world_kernel
 from jawenv.kernels.noise import fill_normals

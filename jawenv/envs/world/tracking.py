@@ -25,7 +25,7 @@ from jawenv.device.comfort_settings import Comfort
 from jawenv.device.device import DeviceRecord
 from jawenv.device.guard import CREST_SHARE, shrink
 from jawenv.device.laws import Felt, Wanted, servo_rates, thrusts
-from jawenv.envs.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
+from jawenv.envs.world.observation import FORCE_SCALE, OBSERVATION_REST, POSE_SCALE, RANGE_SCALE
 from jawenv.kernels.compiled import njit
 
 LAW_TICKS = 5  # 20 Hz

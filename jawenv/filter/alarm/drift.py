@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from jawenv.filter.state import KEPT, Belief, Drift
+from jawenv.filter.belief.state import KEPT, Belief, Drift
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 

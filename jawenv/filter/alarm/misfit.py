@@ -18,9 +18,9 @@ from __future__ import annotations
 from math import sqrt
 
 from jawenv.filter.alarm.drift import judge_drift
-from jawenv.filter.measurement_update import UpdateScratch, add_muscles, squared_length
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import Belief, Block, begin_block
+from jawenv.filter.belief.state import Belief, Block, begin_block
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.updates.measurement_update import UpdateScratch, add_muscles, squared_length
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose
 

@@ -1,1 +1,1 @@
-"""The belief about the muscles: tensions as sums of fixed functions, and what their information says of F_o and b."""
+"""The belief: its record with the settings' beside it, and what information says of F_o and b."""

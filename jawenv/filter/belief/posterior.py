@@ -21,9 +21,9 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.belief.basis import N_NODES, expand_coefficients
-from jawenv.filter.motion.motion_step import padded
-from jawenv.filter.state import Belief, FilterSettings
+from jawenv.filter.belief.state import Belief, FilterSettings
+from jawenv.filter.model.basis import N_NODES, expand_coefficients
+from jawenv.filter.model.motion_step import padded
 from jawenv.kernels.cholesky import invert_positive, set_root
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import add_squares, decompose, mirror, whiten

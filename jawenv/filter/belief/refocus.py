@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from math import exp, log, sqrt
 
-from jawenv.filter.belief.basis import Basis, interpolate, polynomial_value, set_coefficients
-from jawenv.filter.state import Belief, begin_block
+from jawenv.filter.belief.state import Belief, begin_block
+from jawenv.filter.model.basis import Basis, interpolate, polynomial_value, set_coefficients
 from jawenv.kernels.compiled import njit
 
 NARROWEST = 0.1  # least sd of log b that the nodes span: below, the basis functions are collinear to rounding

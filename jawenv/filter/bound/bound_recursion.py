@@ -15,6 +15,7 @@ from typing import Annotated
 
 import numpy as np
 
+from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.bound.joint_recursion import (
     JointScratch,
     Recursion,
@@ -24,8 +25,9 @@ from jawenv.filter.bound.joint_recursion import (
     recursion_dtype,
     take_rows,
 )
-from jawenv.filter.motion.joint_step import propagate
-from jawenv.filter.motion.regressors import middle_of
+from jawenv.filter.model.encoders import expect
+from jawenv.filter.model.joint_step import propagate
+from jawenv.filter.model.regressors import middle_of
 from jawenv.filter.nuisances.changes import (
     NuisanceScratch,
     add_readings,
@@ -34,8 +36,6 @@ from jawenv.filter.nuisances.changes import (
     set_wrenches,
 )
 from jawenv.filter.readings.cell_trend import mean_reading
-from jawenv.filter.readings.encoders import expect
-from jawenv.filter.state import FilterSettings
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

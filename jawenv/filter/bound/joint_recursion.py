@@ -13,7 +13,7 @@ gain error g of the load cell (1); 23 in all by default. The sizes come with the
 The covariance recursion is separate from the mean's, so that along the true trajectory it is the posterior Cramer-Rao
 bound (Tichavsky, Muravchik & Nehorai 1998). The bound takes all measurements of a tick at once. The reference filters
 take them one by one, which equals that to rounding: their noise is independent, and all are linearised at the predicted
-mean. The environments' own filter does not carry the parameters in its state (``filter.state``).
+mean. The environments' own filter does not carry the parameters in its state (``filter.belief.state``).
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.motion.joint_step import N_NOISE, Sensitivity, copy_matrix
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import N_NOISE, Sensitivity, copy_matrix
 from jawenv.filter.readings.cell_trend import mean_reading
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose, multiply, subtract_product, whiten
 from jawenv.kernels.records import Array, record_dtype

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
-from jawenv.filter.state import Nuisances
+from jawenv.filter.belief.state import Nuisances
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import cross, dot, norm, row3, subtract, vector3
 from jawenv.mechanics.jaw import N_TEETH, Jaw

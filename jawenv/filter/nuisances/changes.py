@@ -19,7 +19,9 @@ import numpy as np
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
-from jawenv.filter.motion.balance import at_mouthpiece, left_over
+from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
+from jawenv.filter.model.balance import at_mouthpiece, left_over
+from jawenv.filter.model.encoders import N_MEASUREMENTS, read_motion
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
@@ -29,8 +31,6 @@ from jawenv.filter.nuisances.without_cell import (
     move_friction,
     set_motor_column,
 )
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, read_motion
-from jawenv.filter.state import Belief, FilterSettings, Nuisances
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, dot, scale, subtract

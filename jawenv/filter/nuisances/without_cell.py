@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import error_wrench, motor_forces, motor_rates, moving_motors, read_forces
-from jawenv.filter.state import Belief, FilterSettings, Nuisances
+from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split

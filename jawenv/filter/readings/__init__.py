@@ -1,1 +1,1 @@
-"""The device's readings in a tick: encoders and load cell, and the choice of usable ones."""
+"""The device's readings in a tick: their least noise, the load cell's trend, and the choice of usable ones."""

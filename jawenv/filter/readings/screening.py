@@ -19,9 +19,9 @@ from math import hypot, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.least_noise import ENCODER_SDS, WRENCH_SDS
-from jawenv.filter.readings.encoders import expect
-from jawenv.filter.state import Belief, FilterSettings
+from jawenv.filter.belief.state import Belief, FilterSettings
+from jawenv.filter.model.encoders import expect
+from jawenv.filter.readings.least_noise import ENCODER_SDS, WRENCH_SDS
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
 

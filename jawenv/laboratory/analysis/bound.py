@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import predict_covariance, update_covariance
-from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.model.joint_step import propagate
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import MotionPath, path_of

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.world.own_anatomy import own_values
 from jawenv.errors import InputError
-from jawenv.filter.belief.basis import N_NODES, expand_coefficients
 from jawenv.filter.belief.posterior import set_omega
+from jawenv.filter.model.basis import N_NODES, expand_coefficients
 
 Array = NDArray[np.float64]
 
@@ -90,7 +90,7 @@ def _linearised(belief: Any, own: Array, gain_variance: float) -> tuple[Array, A
     """The filter's columns (coefficients, gain error, nuisances), less their present mean, by standard numbers.
 
     Args:
-        belief: record of ``filter.state.belief_dtype``.
+        belief: record of ``filter.belief.state.belief_dtype``.
         own: (nuisances, Q) what one sd of each is in the patient's own values; zeros where it is the session's.
         gain_variance: of the load cell.
 

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import JointScratch
-from jawenv.filter.motion.joint_step import propagate
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import propagate
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.analysis.path import MotionPath, path_of
 from jawenv.laboratory.recordings.record import Record

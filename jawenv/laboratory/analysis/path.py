@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.motion.joint_step import set_muscles
+from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings.record import Record
 

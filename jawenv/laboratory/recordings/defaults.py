@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor, device_with_sensor, friction_noise
-from jawenv.filter import least_noise
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.readings import least_noise
 from jawenv.ladder import MODELS, Model, model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES

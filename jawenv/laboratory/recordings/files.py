@@ -24,7 +24,7 @@ from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.errors import InputError
 from jawenv.files import Source
-from jawenv.filter.motion.joint_step import N_SAMPLES
+from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
 from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.device.device import Device
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 from jawenv.laboratory.recordings.record import Record
 from jawenv.mechanics.dynamics import N_WRENCH
 

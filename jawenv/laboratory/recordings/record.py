@@ -14,8 +14,8 @@ from jawenv.controls import CONTROLS, Control
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import FORCE_SENSORS, ForceSensor
 from jawenv.errors import InputError
-from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_WRENCH
 

@@ -1,7 +1,7 @@
 """The plain extended Kalman filter, in logs as a baseline and in F_o and b themselves as in the thesis.
 
-A baseline: unlike the environment's filter (``filter.state``) it carries the parameters in the state and linearises
-them at the current mean.
+A baseline: unlike the environment's filter (``filter.belief.state``) it carries the parameters in the state and
+linearises them at the current mean.
 """
 
 from __future__ import annotations

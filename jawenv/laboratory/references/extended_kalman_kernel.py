@@ -19,9 +19,9 @@ from jawenv.filter.bound.joint_recursion import (
     reduce_covariance,
     set_noise_variance,
 )
-from jawenv.filter.motion.joint_step import propagate, set_muscles
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import propagate, set_muscles
 from jawenv.filter.readings.cell_trend import follow_trend
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from jawenv.errors import InputError
 from jawenv.extras import needs
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.references.filterpy_models import CompiledModel, MotionModel, NumpyModel

@@ -7,8 +7,8 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.motion.joint_step import N_NOISE, propagate, set_muscles
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import N_NOISE, propagate, set_muscles
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.references.initial import mean_readings, parameter_noise, trends, working_memory
 from jawenv.laboratory.references.numpy_model import measurement_with_derivative, step_with_derivative

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
+from jawenv.filter.belief.state import begin_belief, begin_motion, forget_readings
 from jawenv.filter.learn import learn
-from jawenv.filter.measurement_update import UpdateScratch
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
-from jawenv.filter.state import begin_belief, begin_motion, forget_readings
+from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.tick import take_readings
+from jawenv.filter.updates.measurement_update import UpdateScratch
 from jawenv.kernels.cholesky import log_det
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose

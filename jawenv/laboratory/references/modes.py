@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jawenv.filter.state import Belief
+from jawenv.filter.belief.state import Belief
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.filter.motion.joint_step import N_NOISE
+from jawenv.filter.model.joint_step import N_NOISE
 from jawenv.mechanics import newton_euler
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.newton_euler import Array

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.motion.joint_step import N_NOISE
+from jawenv.filter.model.joint_step import N_NOISE
 from jawenv.kernels.records import record_zeros
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.record import Record

@@ -26,8 +26,8 @@ from jawenv.filter.bound.joint_recursion import (
     predict_covariance,
     reduce_covariance,
 )
-from jawenv.filter.motion.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import N_NOISE, N_SAMPLES, copy_matrix, propagate_in, set_muscles, step_parts
 from jawenv.kernels.cholesky import solve_decomposed
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.linalg import decompose

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.errors import InputError
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, measure
+from jawenv.filter.model.encoders import N_MEASUREMENTS, measure
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_STATES
 from jawenv.mechanics.jaw import Jaw

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from eval.cli import main
+from eval.commands.app import main
 
 CIRCLES = str(Path(__file__).parents[3] / "examples" / "opening_with_circles.yaml")
 

@@ -13,7 +13,7 @@ from eval.benchmark import submission
 from eval.benchmark.run import cells_of
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
-from eval.cli import main
+from eval.commands.app import main
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play

@@ -10,7 +10,7 @@ from eval.benchmark import submission, tables
 from eval.benchmark.check import check, drawn
 from eval.benchmark.differences import LARGEST_SHARE, faults_of
 from eval.benchmark.submission import FILE, PAGE, PATIENTS
-from eval.cli import main
+from eval.commands.app import main
 from eval.kept.parts import Run
 from eval.kept.tables import read_table, write_table
 from eval.rows.times import COLUMNS

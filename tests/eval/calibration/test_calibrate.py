@@ -13,7 +13,7 @@ import jawenv
 from agents import load_agent
 from eval.calibration import cells, summary
 from eval.calibration import nuisances as tables
-from eval.cli import main
+from eval.commands.app import main
 from eval.rows import beliefs, nuisances
 from eval.rows.filters import OTHERS
 from jawenv.laboratory.analysis.joint_likelihood import belief_of_nuisances, joint_likelihood

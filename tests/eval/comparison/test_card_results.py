@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agents.card import ResultsFile
-from eval.cli import main
+from eval.commands.app import main
 from eval.comparison import results
 from eval.comparison.card_results import card_results
 from jawenv.errors import InputError

@@ -7,15 +7,15 @@ import pytest
 from rich.console import Console
 
 from agents.card import CARD, Environment
-from eval.cli import main
+from eval.commands.app import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
 from eval.comparison.motion import play_patient
-from eval.entries import env_of_runs, load_entries
 from eval.kept.cells import play_cells
 from eval.kept.digest import fingerprint
+from eval.kept.entries import env_of_runs, load_entries
 from eval.kept.parts import Run
-from eval.settings import Settings
+from eval.kept.settings import Settings
 from eval.studies.design import Design
 from eval.studies.grid import cells_of
 from jawenv.envs.configuration import configure

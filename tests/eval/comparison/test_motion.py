@@ -6,8 +6,8 @@ from rich.console import Console
 
 from eval.comparison.compare import compare
 from eval.comparison.motion import play_patient
-from eval.entries import load_entries
-from eval.settings import Settings
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 
 
 def watched(specs, settings):

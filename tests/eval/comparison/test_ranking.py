@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from eval import words
 from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import CLAIRVOYANT, KNOWN, rank
+from eval.figures import words
+from eval.figures.statistics import Interval
 from eval.report import first, table
-from eval.statistics import Interval
 from jawenv.errors import InputError
 from jawenv.metrics import nees_band
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, TRAINED, study

@@ -9,8 +9,8 @@ from rich.console import Console
 
 from eval.comparison.results import Results
 from eval.comparison.trainings import FIGURES, gains
+from eval.figures.statistics import mean, mean_over_both
 from eval.report import table
-from eval.statistics import mean, mean_over_both
 
 PATIENTS = 30
 SHIFTS = {"ppo-seed0": -0.2, "ppo-seed1": -0.1, "ppo-seed2": 0.0, "ppo": -0.5, "base": 0.0}

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from eval.cli import main
-from eval.entries import load_entries
+from eval.commands.app import main
 from eval.kept import digest as kept
 from eval.kept.digest import fingerprint
-from eval.settings import Settings
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from jawenv import versions
 from jawenv.anatomy import cohort
 from tests.eval.runs import save_checkpoint, save_run

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from eval.comparison.ranking import rank
+from eval.figures.statistics import share, share_of_muscles
 from eval.patient.accuracy import ALL, SHARES, accuracy, markdown
-from eval.statistics import share, share_of_muscles
 from tests.eval.studies import GOOD, IDLE, study
 
 

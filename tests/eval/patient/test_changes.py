@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 import jawenv
-from eval.entries import load_entries
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from eval.patient.belief import KnownPatient, at_start
 from eval.patient.changes import change, change_in_words
 from eval.patient.treatments import first_treatment, next_treatment, population_of
-from eval.settings import Settings
 from jawenv.anatomy import Patient, Prior
 from jawenv.laboratory.analysis.joint_likelihood import JointLikelihood
 

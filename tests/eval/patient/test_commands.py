@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from eval.cli import main
+from eval.commands.app import main
 from eval.commands.patient import as_a_clinic
-from eval.entries import load_entries
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from eval.patient import courses, page
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, first_treatment
-from eval.settings import Settings
 from jawenv import MUSCLE_NAMES, Patient
 from jawenv.anatomy import cohort
 from jawenv.metrics.verdicts import UNKNOWN, verdicts

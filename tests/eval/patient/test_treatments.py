@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from eval.entries import load_entries
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from eval.patient.treatments import first_treatment, next_treatment
-from eval.settings import Settings
 from jawenv.metrics import nees_band
 from jawenv.playing.rollout import play
 

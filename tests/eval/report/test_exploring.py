@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from eval.cli import main
+from eval.commands.app import main
 from eval.comparison.ranking import rank
 from eval.report.page import write
 from tests.browser import executable

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 from eval.comparison.ranking import rank
-from eval.report import figures, template
+from eval.report import overview, template
 from eval.report.page import render, write
 from tests.eval.studies import ENTRIES, GOOD, study
 
@@ -137,7 +137,7 @@ def test_one_entry_and_one_patient_make_a_whole_file_and_names_are_escaped(tmp_p
 
 
 def test_the_figure_is_valid_svg_in_the_colours_of_the_page(made):
-    text = template.picture(figures.overview(made, rank(made)), "overview", "a <label>")
+    text = template.picture(overview.overview(made, rank(made)), "overview", "a <label>")
     ET.fromstring(text)
     assert "currentColor" in text
     assert "<script" not in text

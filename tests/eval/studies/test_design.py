@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from agents import registry
-from eval.cli import main
+from eval.commands.app import main
 from eval.studies import design
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS, cells_of

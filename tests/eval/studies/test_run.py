@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from eval.cli import main
+from eval.commands.app import main
 from eval.kept import tables
 from eval.kept.cells import play_cells
 from eval.kept.parts import Run, finish

@@ -10,7 +10,7 @@ from eval.thesis.prescribed import PrescribedMotion, with_noise
 from eval.thesis.settings import DEVICE, SENSORS, lowering_then_sideways, plane_record, sampled_record
 from jawenv.errors import InputError
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
-from jawenv.filter.motion.joint_step import propagate
+from jawenv.filter.model.joint_step import propagate
 from jawenv.laboratory.recordings.thinning import divided, thinned
 from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
-from eval.cli import main
+from eval.commands.app import main
 from eval.kept.parts import Run
 from eval.thesis import catalogue, kalman, kinematics, least_squares, maneuver, rates, rows, run, study, two_stage
 from eval.thesis.histograms import histograms

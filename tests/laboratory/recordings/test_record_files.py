@@ -164,7 +164,7 @@ def test_noise_of_the_load_cell_is_part_of_the_wrench_not_known():
 
 @pytest.mark.parametrize("model", ["jaw", "sagittal", "hinge", "bilateral"])
 def test_the_start_is_the_motion_that_explains_the_first_reading(model):
-    from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
+    from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
 
     jaw = defaults.geometry(model)
     size = defaults.motion_size(jaw)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jawenv.filter.state import belief_dtype
+from jawenv.filter.belief.state import belief_dtype
 from jawenv.laboratory.references import mode_search
 from jawenv.laboratory.references.modes import (
     MAX_MODES,

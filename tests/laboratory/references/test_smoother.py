@@ -10,7 +10,7 @@ from recorded import SWINGS, held, opening, recording, share
 
 import jawenv
 from agents import load_agent
-from jawenv.filter.readings.encoders import measure
+from jawenv.filter.model.encoders import measure
 from jawenv.laboratory.recordings.estimate import Estimate
 from jawenv.laboratory.recordings.thinning import divided, thinned
 from jawenv.laboratory.references import smoother

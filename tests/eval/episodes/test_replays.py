@@ -5,7 +5,7 @@ import pytest
 
 from agents import planning
 from agents.planners import Named
-from eval.cli import main
+from eval.commands.app import main
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.seeds import REPLAYS
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eval import statistics
+from eval.figures import statistics
 
 VALUES = np.random.default_rng(0).exponential(size=60)
 

@@ -8,10 +8,10 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
-from eval.cli import main
-from eval.entries import load_entries
-from eval.film import Episode, Film
-from eval.settings import Settings
+from eval.commands.app import main
+from eval.episodes.film import Episode, Film
+from eval.kept.entries import load_entries
+from eval.kept.settings import Settings
 from jawenv.rendering.palette import knowledge
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]

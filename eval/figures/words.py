@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from eval.statistics import Interval
+from eval.figures.statistics import Interval
 
 NOTHING = "–"
 

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from eval import words
 from eval.comparison.ranking import Ranking
 from eval.comparison.results import Results
+from eval.figures import words
+from eval.figures.statistics import Interval
 from eval.report import drawing
 from eval.report.drawing import INK, REFERENCE
-from eval.statistics import Interval
 
 
 def overview(study: Results, ranking: Ranking) -> Figure:

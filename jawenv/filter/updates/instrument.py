@@ -19,11 +19,11 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.motion.disturbance import add_disturbance
-from jawenv.filter.motion.joint_step import N_SAMPLES
-from jawenv.filter.motion.motion_step import move
-from jawenv.filter.readings.encoders import N_MEASUREMENTS, expect
-from jawenv.filter.state import Belief
+from jawenv.filter.belief.state import Belief
+from jawenv.filter.model.encoders import N_MEASUREMENTS, expect
+from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.filter.model.motion_step import move
+from jawenv.filter.updates.disturbance import add_disturbance
 from jawenv.kernels.compiled import njit, where
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

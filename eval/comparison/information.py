@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from eval import words
-from eval.entries import load_entries, load_entry
+from eval.figures import words
+from eval.figures.tables import Table
 from eval.kept.cells import Cell
+from eval.kept.entries import load_entries, load_entry
+from eval.kept.settings import Settings
 from eval.rows.gains import Gains
-from eval.settings import Settings
-from eval.tables import Table
 from jawenv.errors import InputError
 
 PATIENTS_IN_A_PART = 5

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shlex
-import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -60,25 +57,6 @@ def _two_lines(text: str, intervals: bool) -> Text:
     if ends and intervals:
         written.append("\n" + ends.replace(")", "", 1), style="dim")
     return written
-
-
-class _Terminal(Console):
-    """A console that goes on in silence when its reader has left, as ``head`` does: the results are still written."""
-
-    def on_broken_pipe(self) -> None:
-        """See rich."""
-        self.quiet = True
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def terminal() -> Console:
-    """A terminal of its own width, or a log wide enough for the tables."""
-    return _Terminal(highlight=False, width=None if sys.stdout.isatty() else 120)
-
-
-def typed() -> str:
-    """The command as it was given, for the results."""
-    return shlex.join(["python", "-m", "eval", *sys.argv[1:]])
 
 
 def made_by(metadata: Mapping[str, Any], what: str) -> str:

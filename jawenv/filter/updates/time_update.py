@@ -12,25 +12,25 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.motion.balance import set_balanced
-from jawenv.filter.motion.disturbance import add_disturbance, decay_disturbance, set_total
-from jawenv.filter.motion.instrument import (
-    Instrument,
-    all_finite,
-    instrument_dtype,
-    jacobian_of_tick,
-    predict_from_past,
-)
-from jawenv.filter.motion.joint_step import N_SAMPLES, set_muscles
-from jawenv.filter.motion.motion_step import Step, move, step_dtype
-from jawenv.filter.motion.regressors import middle_of, set_line_wrenches
+from jawenv.filter.belief.state import Belief, FilterSettings, lose_motion, tension_columns
+from jawenv.filter.model.balance import set_balanced
+from jawenv.filter.model.joint_step import N_SAMPLES, set_muscles
+from jawenv.filter.model.motion_step import Step, move, step_dtype
+from jawenv.filter.model.regressors import middle_of, set_line_wrenches
 from jawenv.filter.nuisances.changes import (
     NuisanceScratch,
     correct_samples,
     nuisance_scratch_dtype,
     set_nuisance_wrenches,
 )
-from jawenv.filter.state import Belief, FilterSettings, lose_motion, tension_columns
+from jawenv.filter.updates.disturbance import add_disturbance, decay_disturbance, set_total
+from jawenv.filter.updates.instrument import (
+    Instrument,
+    all_finite,
+    instrument_dtype,
+    jacobian_of_tick,
+    predict_from_past,
+)
 from jawenv.kernels.compiled import njit, njit_within
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import Array, record_dtype

@@ -15,8 +15,8 @@ from eval.commands.comparison import card_command, compare_command, replay_comma
 from eval.commands.dataset import dataset_command
 from eval.commands.information import information_command
 from eval.commands.live import live_command
+from eval.commands.options import terminal, typed
 from eval.commands.patient import diagnose_command, patient_command
-from eval.tables import terminal, typed
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from jawenv.seeds import REPORTS
@@ -65,8 +65,8 @@ def play_command(
         from jawenv.rendering.display import check_display
 
         check_display("a window", "use --video FILE, which writes a film")
-    from eval import film
-    from eval.entries import env_of_runs, load_entries
+    from eval.episodes import film
+    from eval.kept.entries import env_of_runs, load_entries
     from jawenv.envs.configuration import Configuration
 
     asked = Configuration.from_mapping({"env": env_of_runs(entries)} | world)

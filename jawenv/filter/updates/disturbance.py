@@ -7,7 +7,7 @@ times. Without memory there are no such states, and the wrench is process noise,
 
 from __future__ import annotations
 
-from jawenv.filter.state import Belief, FilterSettings
+from jawenv.filter.belief.state import Belief, FilterSettings
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.dynamics import N_WRENCH
 

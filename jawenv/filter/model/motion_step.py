@@ -18,7 +18,7 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.filter.motion.joint_step import between_samples, set_jacobian, stage_share, step_parts
+from jawenv.filter.model.joint_step import between_samples, set_jacobian, stage_share, step_parts
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.linalg import multiply
 from jawenv.kernels.records import Array, record_dtype

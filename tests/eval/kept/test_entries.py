@@ -11,10 +11,10 @@ import pytest
 from safetensors.numpy import save
 
 from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
-from eval.cli import main
-from eval.entries import env_of_runs, load_entries
+from eval.commands.app import main
 from eval.kept.digest import fingerprint
-from eval.settings import Settings
+from eval.kept.entries import env_of_runs, load_entries
+from eval.kept.settings import Settings
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.files import write_json

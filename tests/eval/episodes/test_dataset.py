@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents import load_agent
-from eval.cli import main
+from eval.commands.app import main
 from jawenv.playing.rollout import play
 
 SMALL = ("--env", "JawHinge", "--patients", "2", "--episode-s", "1")

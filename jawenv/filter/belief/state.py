@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from jawenv.device.device import N_MOTORS, Linkage
 from jawenv.device.force_sensor import N_ERRORS
-from jawenv.filter.belief.basis import N_NODES, Basis, basis_dtype, set_coefficients
-from jawenv.filter.motion.motion_step import padded
-from jawenv.filter.readings.encoders import N_MEASUREMENTS
+from jawenv.filter.model.basis import N_NODES, Basis, basis_dtype, set_coefficients
+from jawenv.filter.model.encoders import N_MEASUREMENTS
+from jawenv.filter.model.motion_step import padded
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -16,9 +16,9 @@ import numpy as np
 from rich.console import Console
 
 import jawenv
-from eval.entries import Entry, load_entries
+from eval.kept.entries import Entry, load_entries
+from eval.kept.settings import Settings
 from eval.kept.tables import made_with
-from eval.settings import Settings
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env

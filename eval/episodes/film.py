@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from eval import words
+from eval.figures import words
 from jawenv.envs.shown_world import build_scene
 from jawenv.errors import InputError
 from jawenv.files import atomic_write
@@ -24,7 +24,7 @@ from jawenv.progress import Progress
 from jawenv.rendering.film import PairRenderer
 
 if TYPE_CHECKING:
-    from eval.entries import Entry
+    from eval.kept.entries import Entry
     from jawenv.rendering import Scene
 
 FORMATS = (".mp4", ".webp")

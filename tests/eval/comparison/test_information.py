@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from eval import entries
-from eval.cli import main
+from eval.commands.app import main
+from eval.kept import entries
 from eval.kept.tables import read_table
 from eval.rows.gains import law_of
 from jawenv.envs.configuration import Configuration

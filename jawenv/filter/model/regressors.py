@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import exp
 
-from jawenv.filter.belief.basis import Basis
+from jawenv.filter.model.basis import Basis
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, apply_transposed, cross, norm, row3, scale, subtract, vector3
 from jawenv.mechanics.dynamics import N_WRENCH

@@ -1,0 +1,1 @@
+"""Figures of patients: estimates with their intervals, how they are written, and the tables of them."""
