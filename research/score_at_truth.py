@@ -64,7 +64,7 @@ def main(cohort: str, maneuver: str) -> None:
     worlds: Any = gym.make_vec(env_id, num_envs=PATIENTS, autoreset_mode="disabled", **kwargs)
     worlds.reset(seed=seeds)
     gains = worlds.unwrapped.simulation.worlds["truth"]["cell_gain"]
-    steps = [step_from_truth(record, gain) for record, gain in zip(played.records, gains, strict=True)]
+    steps = [step_from_truth(record, gain) for record, gain in zip(played.records or (), gains, strict=True)]
     z = np.array([error / np.sqrt(np.diag(covariance)) for error, covariance in steps])
     nees = np.mean([error @ np.linalg.solve(covariance, error) / len(error) for error, covariance in steps])
     print(f"{cohort}, {maneuver}: NEES/12 {nees:.2f}; mean z {np.round(z.mean(axis=0), 2)}")
