@@ -29,8 +29,8 @@ FIRST_SEED, PATIENTS, EPISODE_S = 374_000, 48, 30.0
 def run_at(jaw, belief, rows, settings, scratch, log_parameters, until):
     """Filter rows up to ``until``, linearised at ``log_parameters`` (p,)."""
     begin_filter(jaw, belief, rows[0].believed, settings)
-    belief.mean[:] = log_parameters
-    set_coefficients(belief.basis, belief.mean, belief.nominal)
+    belief.point[:] = log_parameters
+    set_coefficients(belief.basis, belief.point, belief.nominal)
     for tick in range(until):
         take_readings(jaw, belief, rows[tick].measured, rows[tick].samples, tick, settings, scratch)
 

@@ -22,7 +22,7 @@ NO_NOISE = {
 @cache
 def records(model, agent=SWINGS, patients=4):
     """Episodes of 30 s as the device sees them."""
-    env_id = f"jawenv/{model}-v2"
+    env_id = f"jawenv/{model}-v3"
     return play(
         load_agent(agent, control="force"), patients=patients, seed=5000, env_id=env_id, env_kwargs={"record": True}
     ).records
@@ -31,7 +31,7 @@ def records(model, agent=SWINGS, patients=4):
 @cache
 def quiet_records(model, patients=2):
     """Episodes in which nothing unmodelled acts, read without noise; the noise that the readings claim is as ever."""
-    env_id, kwargs = f"jawenv/{model}-v2", {"record": True, "device": NO_NOISE}
+    env_id, kwargs = f"jawenv/{model}-v3", {"record": True, "device": NO_NOISE}
     played = play(load_agent(SWINGS, control="force"), patients=patients, seed=5000, env_id=env_id, env_kwargs=kwargs)
     return tuple(
         replace(

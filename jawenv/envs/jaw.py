@@ -85,6 +85,7 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
+    * v3: patients two to ten times stiffer, a stronger device, and a closing tone.
     * v2: targets control is the default.
     * v1: a gentler device (12 N/s, softer servos), a filter without corrections and with a gate; ``info["gated"]``.
     * v0: first version.

@@ -264,7 +264,7 @@ def filter_tick(
         return left_out
     if scratch.verdict == REFUSED:
         belief.gated += 1
-    if tick < rows.shape[0] and ends_window(belief, scratch):
+    if tick <= min(LAST_WINDOW, rows.shape[0] - 1) and ends_window(belief, scratch):
         learn(belief, settings, scratch.belief)
         if has_moved(belief):
             replay(jaw, belief, rows, tick, settings, scratch)

@@ -26,7 +26,7 @@ def per_muscle(high: float) -> st.SearchStrategy[dict[str, float]]:
 patients = st.builds(
     Patient,
     name=st.text(st.characters(codec="utf-8", categories=("L", "N", "P")), min_size=1, max_size=20),
-    F_o_N=per_muscle(100),
+    F_o_N=per_muscle(200),
     b=per_muscle(60),
     head_tilt_deg=st.floats(-90, 90),
     anatomy_seed=st.none() | st.integers(0, 2**32 - 1) | st.integers(0, 2**32 - 1).map(np.uint64),

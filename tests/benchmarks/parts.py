@@ -19,7 +19,7 @@ from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.plants import SUBSTEPS
 from jawenv.envs.world.step_kernel import N_NORMALS
 from jawenv.filter.belief.state import tension_columns
-from jawenv.filter.learn import learn
+from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import ORDER, midline_step
 from jawenv.filter.model.regressors import middle_of, set_line_wrenches
@@ -115,7 +115,7 @@ def update_part(device, model, world, settings, scratch):
 
 @numba.njit
 def posterior_part(device, model, world, settings, scratch):
-    learn(world.known.belief, settings.filter, scratch.filter.belief)
+    conclude(world.known.belief, settings.filter, scratch.filter.belief)
 
 
 @numba.njit

@@ -38,7 +38,7 @@ def test_fractions_of_a_pose_by_hand(jaw, limits, rng):
         above_rest = jaw["mouthpiece"][2] - place[2] - REST_OPENING
         natural = PATH[0] + PATH[1] * (above_rest / RANGE) + PATH[2] * (above_rest / RANGE) ** 2
         expected = {
-            "force": 12.0 / 15.0,
+            "force": 12.0 / 24.0,
             "opening": above_rest / RANGE,
             "side": abs(place[1] - 0.5e-3) / 5e-3,
             "fore_aft": abs(place[0] - natural) / 4e-3,

@@ -135,10 +135,10 @@ def test_left_yaw_is_right_motor_forward(jaw, motors, limits):
     np.testing.assert_allclose(found, [0, 0, 0, 0, 0, 2 * 0.030], atol=1e-15)
 
 
-@pytest.mark.parametrize(("cap_N", "expected"), [(40.0, 15.0 * (1 + GOVERNOR_ONSET)), (9.0, 9.0)])
+@pytest.mark.parametrize(("cap_N", "expected"), [(40.0, 24.0 * (1 + 0.5 * GOVERNOR_ONSET)), (9.0, 9.0)])
 def test_the_motors_together_push_no_more_than_the_cap(jaw, motors, limits, cap_N, expected):
     """The governor's cap lies between soft and hard limit, or at the device's own, whichever is lower."""
-    assert (Comfort().force_N, Comfort().force_hard) == (15.0, 2.0)
+    assert (Comfort().force_N, Comfort().force_hard) == (24.0, 1.5)
     motors["thrust"] = [30.0, 10.0, 20.0, 20.0]
     found, acted = wrench(device_record(force_cap_N=cap_N), jaw, limits, motors)
     uncapped = np.sqrt(40.0**2 + 40.0**2)

@@ -174,7 +174,7 @@ def test_the_scales_of_the_observation(control):
     ranges = [known["limits"][name] for name in ("opening", "side", "fore_aft")]
     np.testing.assert_allclose(part["jaw_range"] * [0.03, 0.01, 0.01], ranges, rtol=1e-6)
     assert part["jaw"][0] == pytest.approx(info["comfort_opening"], abs=0.05)
-    np.testing.assert_allclose(part["force"][:3] * 15.0, known["reading"][:3], rtol=1e-6)
+    np.testing.assert_allclose(part["force"][:3] * 24.0, known["reading"][:3], rtol=1e-6)
     assert part["force"][2] < 0.0 < part["force"][0], "opening pushes down, and the motors push forward"
     np.testing.assert_allclose(part["motor_thrust"] * world_full_scale(env), known["motors"]["thrust"], rtol=1e-6)
     assert (part["motor_target"] != 0.0).all() == (control == "trajectory")

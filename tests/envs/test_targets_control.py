@@ -119,7 +119,7 @@ def test_other_jaws_follow_targets_too(model):
         Player("slow_opening", control="targets"),
         patients=2,
         seed=5000,
-        env_id=f"jawenv/{model}-v2",
+        env_id=f"jawenv/{model}-v3",
         env_kwargs={"control": "targets", "episode_s": 4.0},
     )
     assert not played.terminated.any()

@@ -168,7 +168,7 @@ def test_a_jaw_on_two_discs_is_not_judged_while_it_settles(name, settles):
         load_agent(SWINGS, control="force", control_hz=25.0),
         patients=16,
         seed=5000,
-        env_id=f"jawenv/{name}-v2",
+        env_id=f"jawenv/{name}-v3",
         env_kwargs={"episode_s": 2.0, "control_hz": 25.0},
     )
     learned = run.information_claimed[:, 1]

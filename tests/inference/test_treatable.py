@@ -55,7 +55,7 @@ def test_the_treatable_of_a_sample_are_as_those_whom_a_reset_draws():
 
 def test_nobody_whom_a_patient_cannot_describe_is_treatable():
     theta = np.tile(np.log([1.2, 7.0] * 6), (3, 1))
-    theta[1, 0], theta[2, 1] = np.log(101.0), 1000.0
+    theta[1, 0], theta[2, 1] = np.log(201.0), 1000.0
     assert jawenv.treatable(theta).tolist() == [True, False, False]
     assert jawenv.treatable(np.empty((0, 12))).shape == (0,)
 

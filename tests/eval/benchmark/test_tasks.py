@@ -35,7 +35,7 @@ def test_a_task_has_the_numbers_behind_its_names():
     assert settings.patients == 3 and settings.seed == 55_000
     assert settings.world == Settings.of(env="JawImaged").world
     frozen = TASKS["jaw-imaged-memory"].frozen()
-    assert frozen["device"]["unmodelled_time_s"] == 0.5 and frozen["device"]["slew_N_s"] == 12.0
+    assert frozen["device"]["unmodelled_time_s"] == 0.5 and frozen["device"]["slew_N_s"] == 24.0
     assert frozen["cohort"]["groups"]
     assert "unmodelled_time_s" not in TASKS["jaw-imaged"].frozen()["device"]
 

@@ -108,7 +108,7 @@ def test_a_policy_of_the_whole_jaw_is_played_where_that_is_known_within_sds(tmp_
     [
         ({"knowledge": "imaged"}, {"knowledge": "imaged"}, False),
         ({"knowledge": "imaged"}, {}, True),
-        ({"comfort": {"force_N": 15.0}}, {}, False),  # the default
+        ({"comfort": {"force_N": 24.0}}, {}, False),  # the default
         ({"comfort": {"force_N": 8.0}}, {}, True),
         ({}, {"device": {"cell_gain": 0.0}}, True),
     ],
