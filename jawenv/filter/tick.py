@@ -190,7 +190,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     scratch.verdict = EXPECTED
     if scratch.used.any():
-        belief.readings += 1
+        belief.readings += resolved
         used = scratch.used
         scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:
@@ -204,9 +204,9 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
 
 
 @njit
-def ends_window(belief: Belief, scratch: FilterScratch):
-    """Whether a window of readings ends with this tick."""
-    if not scratch.used.any() or belief.readings > LAST_WINDOW:
+def ends_window(belief: Belief):
+    """Whether a window of readings ends with the last one."""
+    if belief.readings > LAST_WINDOW:
         return False
     window = FIRST_WINDOW
     while window < belief.readings:
@@ -259,12 +259,13 @@ def filter_tick(
         settings: See ``filter_settings_dtype``.
         scratch: Working memory.
     """
+    before = belief.readings
     left_out = take_readings(jaw, belief, measured, samples, tick, settings, scratch)
     if settings.motion_only:
         return left_out
     if scratch.verdict == REFUSED:
         belief.gated += 1
-    if tick <= min(LAST_WINDOW, rows.shape[0] - 1) and ends_window(belief, scratch):
+    if belief.readings > before and tick <= min(LAST_WINDOW, rows.shape[0] - 1) and ends_window(belief):
         learn(belief, settings, scratch.belief)
         if has_moved(belief):
             replay(jaw, belief, rows, tick, settings, scratch)

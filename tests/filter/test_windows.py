@@ -32,23 +32,20 @@ def record():
     return recording().records[0]
 
 
-def filter_tick(run, tick):
-    """One tick of the filter in a control period that does not end."""
+def filter_tick(run, tick, every=1_000_000):
+    """One tick of the filter in a control period that does not end, or ends every so many ticks."""
     jaw, belief, rows, settings, scratch = run.arguments
     row = rows[tick]
-    take_tick(jaw, belief, rows, (tick, 1_000_000), row["measured"], row["samples"], settings, scratch)
+    take_tick(jaw, belief, rows, (tick, every), row["measured"], row["samples"], settings, scratch)
 
 
 def test_windows_end_after_so_many_readings(record):
-    """Every other tick's encoders are lost: ticks do not count, readings do."""
-    _, belief, _, _, scratch = FilterRun(record).arguments
-    ends = []
-    for tick in range(3000):
-        scratch["used"] = tick % 2 == 0
-        belief["readings"] += tick % 2 == 0
-        if ends_window(belief, scratch):
-            ends.append(int(belief["readings"]))
-    assert ends == [20, 40, 80, 160, 320, 640, 1280]
+    belief, ends = FilterRun(record).belief, []
+    for readings in (*range(1500), LAST_WINDOW - 1, LAST_WINDOW, 2 * LAST_WINDOW):
+        belief["readings"] = readings
+        if ends_window(belief):
+            ends.append(readings)
+    assert ends == [20, 40, 80, 160, 320, 640, 1280, LAST_WINDOW]
 
 
 def test_readings_are_counted_where_an_encoder_is_used(record):
@@ -62,8 +59,9 @@ def test_readings_are_counted_where_an_encoder_is_used(record):
 
 
 def test_as_many_ticks_are_kept_as_the_last_window_needs():
-    assert len(Simulation(1, configure({"model": "jaw", "control": "force"})).ticks[0]) == 1 + LAST_WINDOW
-    assert len(Simulation(1, configure({"model": "jaw", "control": "force", "episode_s": 5.0})).ticks[0]) == 1 + 500
+    for seconds, ticks in ((5.0, 500), (300.0, LAST_WINDOW)):
+        configuration = configure({"model": "jaw", "control": "force", "episode_s": seconds})
+        assert len(Simulation(1, configuration).ticks[0]) == 1 + ticks
 
 
 def filtered_until(record, guess, ticks):
@@ -117,21 +115,23 @@ def test_a_replay_forgets_what_was_gathered_and_keeps_the_belief(record):
 
 
 def test_ends_of_windows_and_surprises_renew_the_belief(record):
-    """The others leave it to the end of the control period."""
+    """The others leave it to the end of the control period, which leaves the point of linearisation where it is."""
     run = FilterRun(record)
     _, belief, rows, settings, scratch = run.arguments
     begin_belief(settings["basis"], belief, settings["prior_mean"], settings["prior_sd"])
     begin_motion(belief, rows[0]["believed"], settings["start_sd"])
-    renewed, surprising = [], []
+    changed, surprising = {"mean": [], "point": []}, []
     for tick in range(100):
-        before = belief["mean"].copy()
-        filter_tick(run, tick)
-        if (belief["mean"] != before).any():
-            renewed.append(tick)
+        before = {name: belief[name].copy() for name in changed}
+        filter_tick(run, tick, every=8)
+        for name, ticks in changed.items():
+            if (belief[name] != before[name]).any():
+                ticks.append(tick)
         if scratch["verdict"] == SURPRISING:
             surprising.append(tick)
     assert surprising
-    assert renewed == sorted({19, 39, 79, *surprising})
+    assert changed["point"] == sorted({19, 39, 79, *surprising})
+    assert changed["mean"] == sorted({*changed["point"], *range(8, 100, 8)})
 
 
 @pytest.mark.parametrize(("moved", "expected"), [(0.99 * MOVED, False), (1.01 * MOVED, True)])

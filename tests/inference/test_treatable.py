@@ -6,13 +6,16 @@ import pytest
 from scipy.stats import ks_2samp
 
 import jawenv
+from jawenv.anatomy import Cohort, Stiffness
 from jawenv.ladder import MODELS, model_named
 
 PATIENTS = 400
+_SO_SOFT = Stiffness(F_o_N=0.25, F_o_sd=0.5, b=7.0, b_sd=0.3)
+SOFT = Cohort("soft", "too soft to hold the jaw up, in more than half of all patients", "made up", ((_SO_SOFT,) * 2,))
 
 
-def theta_of(model, cohort="healthy", n=24):
-    return jawenv.cohort(cohort, model_named(model).muscles).sample(n, 7)
+def theta_of(model, n=24):
+    return jawenv.cohort(SOFT, model_named(model).muscles).sample(n, 7)
 
 
 def taken(env, row, muscles):
@@ -40,12 +43,11 @@ def test_there_are_both_kinds_in_these_tests():
 
 
 def test_the_treatable_of_a_sample_are_as_those_whom_a_reset_draws():
-    cohort = jawenv.cohort("healthy")  # of which two thirds cannot be treated
-    sample = cohort.sample(PATIENTS, 0, accept=jawenv.treatable)
+    sample = SOFT.sample(PATIENTS, 0, accept=jawenv.treatable)
     assert sample.shape == (PATIENTS, 12) and jawenv.treatable(sample).all()
-    vec = gym.make_vec("jawenv/Jaw-v3", num_envs=PATIENTS, cohort="healthy")
+    vec = gym.make_vec("jawenv/Jaw-v3", num_envs=PATIENTS, cohort=SOFT)
     drawn = vec.reset(seed=0)[1]["truth"]
-    whole = cohort.sample(PATIENTS, 1)
+    whole = SOFT.sample(PATIENTS, 1)
     # Kolmogorov's test of each parameter, and of the ratio of two that the condition binds.
     p = [ks_2samp(drawn[:, i], sample[:, i]).pvalue for i in range(12)]
     p.append(ks_2samp(drawn[:, 2] - drawn[:, 8], sample[:, 2] - sample[:, 8]).pvalue)

@@ -85,7 +85,7 @@ class Belief:
     cov: Annotated[Array, "parameters", "parameters"]
     replayed_at: Annotated[Array, "parameters"]  # mean at which the readings were last filtered from the first on
     trend: Annotated[Array, N_WRENCH]  # of the load cell
-    readings: int  # ticks at the end of which an encoder was used
+    readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
