@@ -10,7 +10,7 @@ from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.tick import add_tooth_noise
+from jawenv.filter.tick import add_lasting_noise, add_tooth_noise
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
@@ -40,8 +40,9 @@ class Running:
         record = self.record
         noise = record.noise_variance[:N_WRENCH].copy()
         if self.teeth:
-            add_tooth_noise(record.jaw, self.belief["motion"], noise)
-            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"])
+            bites = add_tooth_noise(record.jaw, self.belief["motion"], noise)
+            add_lasting_noise(record.jaw, self.belief, self.settings, noise)
+            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"]) and not bites
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 

@@ -63,7 +63,7 @@ def point_forces(jaw, log_parameters, q, u, disc_force=disc_force):
         stretch = twin.length(line) / jaw["l_o"][i] - 1
         tension = np.exp(log_parameters[2 * i] + np.exp(log_parameters[2 * i + 1]) * stretch)
         places.append(insertion)
-        forces.append(tension * line / twin.length(line))
+        forces.append((tension + jaw["tone"]) * line / twin.length(line))
     for closed in jaw["teeth"]:
         tooth = r + R @ closed
         places.append(tooth)
@@ -97,6 +97,7 @@ def energy(jaw, log_parameters, q, u):
         b = np.exp(log_parameters[2 * i + 1])
         length = twin.length(jaw["origin"][i] - r - R @ jaw["insertion"][i])
         total = total + jaw["l_o"][i] / b * np.exp(log_parameters[2 * i] + b * (length / jaw["l_o"][i] - 1))
+        total = total + jaw["tone"] * length
     for closed in jaw["teeth"]:
         total = total + jaw["tooth_stiffness"] * twin.ramp_energy((r + R @ closed)[2] - closed[2], width)
     onset = jaw["disc_onset"] / jaw["disc_stiffness"]

@@ -52,6 +52,7 @@ class MujocoTwin:
         self.mandible = mandible or default_mandible()
         self.fossa = fossa or default_fossa()
         self.muscles = muscles or muscle_set()
+        self.tone = self.mandible.closing_tone_N * self.muscles.whole_muscles_per_line
         down = np.array([0.0, 0.0, -self.mandible.gravity])
         self.gravity = Rotation.from_euler("y", head_tilt_deg, degrees=True).inv().apply(down)
         self.model = mujoco.MjModel.from_xml_string(mjcf(self.mandible, self.muscles.insertion_m, self.gravity))
@@ -115,7 +116,7 @@ class MujocoTwin:
         """Per muscle, the force on the mandible in head axes."""
         strain, lines = self.strains()
         tension = np.exp(log_parameters[0::2] + np.exp(log_parameters[1::2]) * strain)
-        return tension[:, None] * lines / np.linalg.norm(lines, axis=1)[:, None]
+        return (tension + self.tone)[:, None] * lines / np.linalg.norm(lines, axis=1)[:, None]
 
     def stop(self, depth):
         """Depth of a stop with a quadratic beginning."""
@@ -165,8 +166,8 @@ class MujocoTwin:
         """Kinetic and potential energy (J): of weight, muscles, teeth and capsule."""
         self.move(state)
         kinetic = 0.5 * self.data.qvel @ self.mass_matrix() @ self.data.qvel
-        F_o, b = np.exp(log_parameters[0::2]), np.exp(log_parameters[1::2])
-        muscles = np.sum(F_o * self.muscles.l_o_m / b * np.exp(b * self.strains()[0]))
+        F_o, b, strain = np.exp(log_parameters[0::2]), np.exp(log_parameters[1::2]), self.strains()[0]
+        muscles = np.sum(self.muscles.l_o_m * (F_o / b * np.exp(b * strain) + self.tone * (1.0 + strain)))
         weight = -self.mandible.mass_kg * self.gravity @ self.place(self.centre)
         rise = self.data.site_xpos[self.teeth, 2] - self.mandible.teeth_m[:, 2]
         teeth = self.mandible.tooth_stiffness * sum(map(self.stop_energy, rise))
