@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jawenv.controls import Control
+from jawenv.filter.learn import learn
 from jawenv.kernels.compiled import njit
 
 FILTER = "jawenv.filter."
@@ -50,6 +51,12 @@ def along_own_motion(belief, scratch):
     for i in range(scratch.instrument.motion.shape[0]):
         scratch.instrument.motion[i] = belief.motion[i]
     return scratch.step.total
+
+
+@njit
+def as_read(jaw, belief, pose, scratch):
+    """In place of ``set_balanced_trend``: the load cell's trend as it is."""
+    scratch.trend[:] = belief.trend
 
 
 class Biting:
@@ -91,6 +98,10 @@ ROWS = (
     Variant("series of the second order", {"model.motion_step.ORDER": 2}),
     Variant("no instrument", {"updates.time_update.jacobian_of_tick": along_own_motion}),
     Variant("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
+    Variant("learning while teeth press", {"tick.LIGHTEST_BITE": math.inf}),
+    Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
+    Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
+    Variant("the point follows the belief", {"learn.conclude": learn}),
     Variant("motors of 50 N/s", device={"slew_N_s": 50.0}),
     Variant("load cell of 0.07 N", device={"cell_force_N": 0.07, "cell_moment_N_m": 0.0014}),
     Variant("servos of 2,500 N/m and 15 N s/m", device=STIFF_SERVO),

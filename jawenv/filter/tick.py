@@ -42,7 +42,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 SETTLING_TICKS = 5
 # At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
-FIRST_WINDOW, LAST_WINDOW = 20, 20480
+FIRST_WINDOW, LAST_WINDOW = 5, 20480
 MOVED = 0.3  # of a natural logarithm
 # What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
 # m/s on, and up to so many. The moment's error is the force's at so many m.
