@@ -65,11 +65,15 @@ def equilibrium() -> Figure:
     """Force and condyle over opening on the branch that starts at rest, with its folds."""
     jaw = build_jaw()
     figure, (pull, slide) = canvas(7.6, 6.4, 2, 1, sharex=True, height_ratios=(1.5, 1.0))
-    for F_o, name, colour in ((0.25, "healthy", BLUE), (1.2, "trismus", RED), (4.0, "severe", PINK)):
-        branch = opened_slowly(F_o, 7.0)
+    for F_o, b, name, colour in (
+        (0.7, 7.0, "healthy", BLUE),
+        (4.0, 10.0, "trismus", RED),
+        (10.0, 10.0, "severe", PINK),
+    ):
+        branch = opened_slowly(F_o, b)
         x, opening, force = branch.T
         of_force, of_opening, end = first_fold(force), first_fold(opening), painless_end(branch)
-        label = rf"{name}: $F_o$ = {F_o:g} N, $b$ = 7"
+        label = rf"{name}: $F_o$ = {F_o:g} N, $b$ = {b:g}"
         for axes, values in ((pull, force), (slide, 1e3 * x)):
             first = min(of_force, of_opening)
             axes.plot(1e3 * opening[: first + 1], values[: first + 1], color=colour, label=label)
@@ -90,7 +94,7 @@ def equilibrium() -> Figure:
     pull.text(0.4, COMFORT["painless_force"] + 0.3, f"{COMFORT['painless_force']:g} N", color=GREY, size=8)
     slide.axhline(1e3 * jaw["crest"], color=GREY, lw=0.9, ls=(0, (4, 3)))
     slide.text(0.4, 1e3 * jaw["crest"] - 0.3, "crest", color=GREY, size=8, va="top")
-    pull.set(title="Vertical force that holds the mouth open", ylabel="force down (N)", ylim=(0, 34), xlim=(-1.5, 50))
+    pull.set(title="Vertical force that holds the mouth open", ylabel="force down (N)", ylim=(0, 60), xlim=(-1.5, 50))
     slide.set(title="The condyle slides as the jaw opens", ylabel="x of the condyle (mm)", ylim=(0, 15))
     slide.set(xlabel="opening at the incisors (mm)")
     figure.legend(*pull.get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -101,7 +105,7 @@ def midline_rests(wrenches: np.ndarray) -> np.ndarray:
     """Poses (n, 5) of the midline model at rest under wrenches (n, 6) that grow, by Newton's method from the last."""
     from scipy.optimize import root
 
-    jaw, log_parameters = build_jaw(), np.log(np.tile([1.2, 7.0], 6))
+    jaw, log_parameters = build_jaw(), np.log(np.tile([4.0, 10.0], 6))
     pose, units, rows = np.array([3e-3, 0.0, 0.05, 0.0, 0.0]), np.array([1e-3, 1e-3, 0.1, 0.1, 0.1]), []
     muscles, scratch = np.exp(log_parameters).reshape(6, 2), np.zeros(1, dtype=linear_dtype(6))[0]
     settle(jaw, muscles, pose, 0.0, False, scratch, np.empty((5, 5)), np.empty(5))
@@ -125,11 +129,11 @@ def bilateral() -> Figure:
     """Rest under a side force and under a roll moment: one point in the middle against two condyles on discs."""
     from jawenv.mechanics.bilateral import condyle_pressures, put_on_fossa, settle_bilateral, split_body
 
-    jaw, muscles = build_jaw(), np.tile([1.2, 7.0], (6, 1))
+    jaw, muscles = build_jaw(), np.tile([4.0, 10.0], (6, 1))
     figure, axes = canvas(9.6, 5.6, 2, 2, sharex="col", height_ratios=(1.3, 1.0))
     for column, (index, most, sign, title, xlabel) in enumerate((
-        (1, 1.5, 1.0, "Side force to the left", "force at the mouthpiece (N)"),
-        (3, 0.5, 1.0, "Moment that rolls the jaw", "moment (N m)"),
+        (1, 5.0, 1.0, "Side force to the left", "force at the mouthpiece (N)"),
+        (3, 1.5, 1.0, "Moment that rolls the jaw", "moment (N m)"),
     )):  # fmt: skip
         size = np.linspace(0, most, 41)
         wrenches = np.zeros((len(size), 6))
@@ -159,5 +163,5 @@ def bilateral() -> Figure:
         turn.set(title=title, ylabel="angle (degrees)", xlim=(0, most))
         load.set(xlabel=xlabel, ylabel="force on the disc (N)", ylim=(0, None))
     axes[1].legend(loc="upper left")
-    axes[2].legend(loc="upper left")
+    axes[2].legend(loc="lower left")
     return figure

@@ -24,7 +24,6 @@ BASELINES = (
     "refined_imaged",
     "ppo_trismus",
     "ppo_one_sided",
-    "distilled_one_sided",
     "ppo_force",
     "ppo_imaged",
 )

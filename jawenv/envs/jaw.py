@@ -85,7 +85,8 @@ class JawEnv(gym.Env[Observation, Action]):
     With ``sensors="point"`` the filter's claims are not calibrated: three coordinates do not determine five motions.
 
     ## Version History
-    * v3: patients two to ten times stiffer, a stronger device, and a closing tone.
+    * v3: patients as stiff as trismus is, a closing tone, a stronger device, comfort to 20 N; the filter's point of
+      linearisation stays between replays, and its column of the cell's gain is the model's.
     * v2: targets control is the default.
     * v1: a gentler device (12 N/s, softer servos), a filter without corrections and with a gate; ``info["gated"]``.
     * v0: first version.

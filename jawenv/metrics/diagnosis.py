@@ -21,10 +21,9 @@ from jawenv.errors import InputError
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-# Boundaries between the ranges of healthy and of pathological muscles: passive force of a whole muscle at closed jaw up
-# to 1 N against 1 to 10 N, exponent 5 to 10 against 10 to 35.
-FIBROSED_F_O_N = 1.0
-BLOCKED_B = 10.0
+# Half way, in logs, between the cohorts healthy and trismus, and between trismus and blockage.
+FIBROSED_F_O_N = 1.7
+BLOCKED_B = 14.0
 CONFIDENCE = 0.95
 
 
