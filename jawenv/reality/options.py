@@ -20,10 +20,19 @@ class RealityRecord:
     reflex_gain: float
     reflex_latency: float
     reflex_lag: float
+    guarding_gain: float
+    guarding_onset: float
     creep_share: float
     creep_time: float
+    creep_slow_share: float
+    creep_slow_time: float
+    swallow_force: float
+    swallow_every: float
     articular_stiffness: float
     articular_onset: float
+    articular_side_stiffness: float
+    scar_stiffness: float
+    other_muscles_force: float
     cell_bias_force: float
     cell_bias_moment: float
     play_position: float  # whole width of the dead band
@@ -50,11 +59,18 @@ class Reality(NumericFields):
             after taps on the chin of ten subjects, 42 and 69 ms for the later responses ('Short- and long-latency
             responses in human masseter muscle evoked by chin taps'; M).
         reflex_lag_ms: Time constant from excitation to tension and back (G).
+        guarding_gain: Muscles that are held against a stretch: stiffness that they add beyond ``guarding_onset``, with
+            the reflex's lag, as a share of that of the closed jaw, F_o b / l_o. 0.5 to 2 for one who guards (G).
+        guarding_onset: Strain above rest at which it begins: 0.1 is 7 mm of the default jaw's opening (G).
         creep_share: Share of the stretch above rest by which a muscle that is held long enough lengthens. Jaws of ten
             subjects that had been held 2 to 10 mm aside rested 0.7 to 1.8 mm off (Rugh et al. 1990, J Dent Res 69:470;
             M). Held 10 mm aside, the default jaw then rests 0.65 mm off for a share of 0.2 and 1.6 mm for 0.5, hence
             0.2 to 0.55 (D). The shift is about a third of the share, as only one side's muscles are stretched.
         creep_time_s: Time constant of that lengthening: the shift had no more to gain after 8 s, three of these (M/D).
+        creep_slow_share, creep_slow_time_s: The same of a second element, which relaxes while a treatment lasts: 0.1 to
+            0.3, 60 s (G: trismus is treated by minutes of stretch).
+        swallow_N, swallow_every_s: Tension that each closing muscle adds for a second, as half a sine wave, and how
+            often: people swallow once or twice a minute, at 30 to 60 s (M), the first time after half of that; 1 N (G).
         attachment_error: Errors of the filter's muscle attachments, in sds of the table of attachments: 1 when the
             filter knows the mean anatomy, 0.1 to 0.3 when it knows an image of the patient (M; the share G).
         fossa_error: Sd of the natural logs of the fossa's drop and spatial frequency; 0.1 spans with 2 sd about
@@ -73,6 +89,12 @@ class Reality(NumericFields):
             opening in healthy subjects'; M), by how much in N/m was not found: 1000 to 5000, 2 to 10 N at the end of a
             painless range of 20 mm (G).
         articular_onset: Share of the painless range at which it begins (G).
+        articular_side_stiffness_N_m: The same of ligaments and capsule aside, reached at the soft limit of side motion
+            and begun at the same share of it: 500 to 3000 (G).
+        scar_stiffness_N_m: Stiffness of a band of scar in the left cheek, slack until it is a tenth longer than with
+            the jaw closed (`reality.bands`): 300 to 1500 (G).
+        other_muscles_F_o_N: Passive tension with the jaw closed of each line of openers and lateral pterygoids: 0.1 to
+            0.5 N, as the healthy closers' (G).
         cell_bias_N: Sd of the load cell's constant offset in an episode, each component of the force. Makers' accuracy
             of miniature cells is 0.05 to 0.25 % of 100 N with drift: 0.05 to 0.25 N (G).
         cell_bias_N_m: The same for the moments: 0.001 to 0.005 N m, those forces at 2 cm (G).
@@ -88,8 +110,14 @@ class Reality(NumericFields):
     reflex_gain: float = number(0.0, 10.0, "1")
     reflex_latency_ms: float = number(9.0, 80.0, "ms")
     reflex_lag_ms: float = number(40.0, 1000.0, "ms", zero=False)
+    guarding_gain: float = number(0.0, 10.0, "1")
+    guarding_onset: float = number(0.1, 1.0, "1")
     creep_share: float = number(0.0, 0.9, "1")
     creep_time_s: float = number(2.7, 1e4, "s", zero=False)
+    creep_slow_share: float = number(0.0, 0.9, "1")
+    creep_slow_time_s: float = number(60.0, 1e4, "s", zero=False)
+    swallow_N: float = number(0.0, 20.0, "N", record="swallow_force")
+    swallow_every_s: float = number(30.0, 1e4, "s", zero=False)
     attachment_error: float = number(0.0, 2.0, "1")
     fossa_error: float = number(0.0, 0.5, "1")
     mass_error: float = number(0.0, 0.2, "1")
@@ -103,6 +131,9 @@ class Reality(NumericFields):
     cell_error_deg: float = number(0.0, 5.0, "deg")
     articular_stiffness_N_m: float = number(0.0, 1e5, "N/m")
     articular_onset: float = number(0.8, 0.95, "1")
+    articular_side_stiffness_N_m: float = number(0.0, 1e5, "N/m")
+    scar_stiffness_N_m: float = number(0.0, 1e4, "N/m")
+    other_muscles_F_o_N: float = number(0.0, 10.0, "N", record="other_muscles_force")
     cell_bias_N: float = number(0.0, 10.0, "N", record="cell_bias_force")
     cell_bias_N_m: float = number(0.0, 1.0, "N m", record="cell_bias_moment")
     encoder_play_mm: float = number(0.0, 10.0, "mm", record="play_position")

@@ -25,6 +25,8 @@ class RealityState:
     delay: Annotated[Array, DELAY_TICKS, "lines"]  # the reflex's excitation of past ticks, the last one first
     activation: Annotated[Array, "lines"]  # the reflex's tension
     creep: Annotated[Array, "lines"]  # lengthening over creep_share, relative to l_o
+    slow_creep: Annotated[Array, "lines"]  # the same over creep_slow_share
+    swallow_clock: float  # s since the last swallow began
     rest_length: Annotated[Array, "lines"]
     bias: Annotated[Array, 6]  # of the load cell, body axes
     play: Annotated[Array, 6]  # what the encoders show of the mouthpiece's place and angles
@@ -56,9 +58,10 @@ def reset_reality(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
         _, _, length, _ = muscle_pull(jaw, muscles, i, contact, body_to_head)
         state.rest_length[i] = length
         state.activation[i] = 0.0
-        state.creep[i] = 0.0
+        state.creep[i], state.slow_creep[i] = 0.0, 0.0
         for tick in range(state.delay.shape[0]):
             state.delay[tick, i] = 0.0
+    state.swallow_clock = 0.5 * reality.swallow_every
     for k in range(6):
         state.bias[k] = (reality.cell_bias_force if k < 3 else reality.cell_bias_moment) * normals[k]
         state.play[k] = measured[k]

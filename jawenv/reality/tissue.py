@@ -6,7 +6,8 @@ Creep. The lengthening c xi l_o of a line, c the creep's share, is taken off its
 
 So log T relaxes as the stress of a standard linear solid does: after a stretch by the strain e above rest it rises by
 b e and falls with the creep's time constant to b e (1 - c). For small c xi the tension is T (1 - b c xi). It is
-also F_o that is multiplied by exp(-b c xi), the form in which the kernels of the mechanics take it.
+also F_o that is multiplied by exp(-b c xi), the form in which the kernels of the mechanics take it. A second element
+with a share and a time of its own lengthens beside it.
 
 Reflex. The passive tension's rate while it rises, delayed by the latency, excites an active tension A that leaks away
 with the lag of muscle:
@@ -14,7 +15,8 @@ with the lag of muscle:
     A' = gain max(0, T')(t - latency) - A / lag.
 
 A stretch that is quick against the lag adds A = gain times the passive rise of tension, a steady one gain lag T', and
-a held one nothing.
+a held one nothing. Guarding is the active tension that stays: beyond its onset A goes, with the same lag, to
+guarding_gain F_o b times the strain above rest less the onset. A swallow adds half a sine wave to all muscles.
 
 Both are held for a tick at their value at its start. Where a line is excited, its F_o and b of the tick are those of
 the law that has the tension T + A and the slope T b / l_o at the length at the start of the tick: the active tension
@@ -24,7 +26,7 @@ latency exceeds it by is taken from the delay line.
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, pi, sin
 
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.vec3 import add, apply, cross, dot, row3
@@ -33,6 +35,8 @@ from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import RealityState
+
+SWALLOW_TIME = 1.0  # s
 
 
 @njit
@@ -52,9 +56,12 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
     q, u, lift = motion
     for i in range(muscles.shape[0]):
         effective[i, 0], effective[i, 1] = muscles[i, 0], muscles[i, 1]
-    if reality.creep_share == 0.0 and reality.reflex_gain == 0.0:
+    creeps = reality.creep_share > 0.0 or reality.creep_slow_share > 0.0
+    reacts = reality.reflex_gain > 0.0 or reality.guarding_gain > 0.0
+    if not (creeps or reacts or reality.swallow_force > 0.0):
         return
-    keep = 1.0 - exp(-dt / reality.creep_time)
+    keep, keep_slow = 1.0 - exp(-dt / reality.creep_time), 1.0 - exp(-dt / reality.creep_slow_time)
+    swallowed = swallow(reality, state, dt)
     body_to_head = rotation(q)
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
     _, slope, _, _ = fossa(jaw, q[0])
@@ -62,30 +69,48 @@ def update_tissue(reality: RealityRecord, state: RealityState, jaw: Jaw, muscles
     omega = (u[2], u[3], u[4])
     for i in range(muscles.shape[0]):
         F_o, b = muscles[i, 0], muscles[i, 1]
-        if reality.creep_share > 0.0:
-            effective[i, 0] = F_o * exp(-b * reality.creep_share * state.creep[i])
+        if creeps:
+            lengthened = reality.creep_share * state.creep[i] + reality.creep_slow_share * state.slow_creep[i]
+            effective[i, 0] = F_o * exp(-b * lengthened)
         _, direction, length, tension = muscle_pull(jaw, effective, i, contact, body_to_head)
         stretch = max(0.0, length - state.rest_length[i]) / jaw.l_o[i]
         state.creep[i] += keep * (stretch - state.creep[i])
-        if reality.reflex_gain > 0.0:
-            active = state.activation[i]
-            if active > 0.0:
-                total = tension + active
-                effective[i, 1] = b * tension / total
-                effective[i, 0] = total * exp(-effective[i, 1] * (length / jaw.l_o[i] - 1.0))
+        state.slow_creep[i] += keep_slow * (stretch - state.slow_creep[i])
+        active = state.activation[i] + swallowed
+        if active > 0.0:
+            total = tension + active
+            effective[i, 1] = b * tension / total
+            effective[i, 0] = total * exp(-effective[i, 1] * (length / jaw.l_o[i] - 1.0))
+        if reacts:
             end = add(velocity, apply(body_to_head, cross(omega, row3(jaw.insertion, i))))
             rise = max(0.0, -tension * b / jaw.l_o[i] * dot(direction, end))
-            excite(reality, state, i, rise, dt)
+            held = reality.guarding_gain * F_o * b * max(0.0, stretch - reality.guarding_onset)
+            excite(reality, state, i, rise, held, dt)
 
 
 @njit
-def excite(reality: RealityRecord, state: RealityState, i, rise, dt):
-    """Advance the active tension of line i by ``dt``, the passive tension rising by ``rise`` N/s; shifts its delay."""
+def swallow(reality: RealityRecord, state: RealityState, dt):
+    """Active tension (N) of a swallow in the coming ``dt``; advances its clock."""
+    if reality.swallow_force == 0.0:
+        return 0.0
+    if state.swallow_clock >= reality.swallow_every:
+        state.swallow_clock -= reality.swallow_every
+    since = state.swallow_clock
+    state.swallow_clock += dt
+    return reality.swallow_force * sin(pi * since / SWALLOW_TIME) if since < SWALLOW_TIME else 0.0
+
+
+@njit
+def excite(reality: RealityRecord, state: RealityState, i, rise, held, dt):
+    """Advance the active tension of line i by ``dt``, the passive tension rising by ``rise`` N/s; shifts its delay.
+
+    ``held`` (N) is what guarding goes to.
+    """
     last = state.delay.shape[0]
     late = min(max(round(reality.reflex_latency / dt) - 1, 0), last)
     excitation = rise if late == 0 else state.delay[late - 1, i]
     for tick in range(last - 1, 0, -1):
         state.delay[tick, i] = state.delay[tick - 1, i]
     state.delay[0, i] = rise
-    level = reality.reflex_gain * reality.reflex_lag * excitation
+    level = reality.reflex_gain * reality.reflex_lag * excitation + held
     state.activation[i] += (1.0 - exp(-dt / reality.reflex_lag)) * (level - state.activation[i])

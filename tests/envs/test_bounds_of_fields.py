@@ -14,7 +14,10 @@ SMALLEST = np.nextafter(0.0, 1.0)
 NEEDS = {  # what a field that shapes an effect needs to act
     "reflex_latency_ms": {"reflex_gain": 0.5},
     "reflex_lag_ms": {"reflex_gain": 0.5},
+    "guarding_onset": {"guarding_gain": 1.0},
     "creep_time_s": {"creep_share": 0.3},
+    "creep_slow_time_s": {"creep_slow_share": 0.3},
+    "swallow_every_s": {"swallow_N": 1.0},
     "articular_onset": {"articular_stiffness_N_m": 3000.0},
 }
 BOUNDS = [

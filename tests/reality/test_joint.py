@@ -9,12 +9,13 @@ from jawenv.reality import Reality
 from jawenv.reality.joint import articular_force, articular_push
 
 REST_OPENING, RANGE, ONSET, STIFFNESS = 0.004, 0.020, 0.8, 3000.0
+SIDE = 0.008
 
 
 @pytest.fixture
 def limits():
     record = np.zeros(1, dtype=limits_dtype(6))[0]
-    record["rest_opening"], record["opening"] = REST_OPENING, RANGE
+    record["rest_opening"], record["opening"], record["side"] = REST_OPENING, RANGE, SIDE
     return record
 
 
@@ -57,3 +58,13 @@ def test_the_push_on_the_body_is_the_force_turned(jaw, limits):
     up = lift(jaw, limits, jaw["mouthpiece"][2] - place[2] - 0.5e-3 - REST_OPENING)
     assert up > 1.0
     np.testing.assert_allclose(twin.rotation(q) @ push, [0, 0, up], atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_ligaments_push_to_the_middle_from_the_onset_on(jaw, limits, sign):
+    reality = Reality(articular_side_stiffness_N_m=STIFFNESS).records()[0]
+    for share, ramp in ((0.79, 0.0), (0.9, 0.5 * 0.25), (1.0, 0.5)):
+        place = (0.09, sign * share * SIDE, jaw["mouthpiece"][2] - REST_OPENING)
+        force = np.array(articular_force(reality, limits, jaw, place))
+        expected = [0.0, -sign * STIFFNESS * ramp * (1 - ONSET) * SIDE, 0.0]
+        np.testing.assert_allclose(force, expected, atol=1e-12)

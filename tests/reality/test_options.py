@@ -8,7 +8,15 @@ from scipy.stats import norm
 
 from jawenv.reality import Reality
 
-SHAPES = {"reflex_latency_ms", "reflex_lag_ms", "creep_time_s", "articular_onset"}  # of effects that may be off
+SHAPES = {  # of effects that may be off
+    "reflex_latency_ms",
+    "reflex_lag_ms",
+    "guarding_onset",
+    "creep_time_s",
+    "creep_slow_time_s",
+    "swallow_every_s",
+    "articular_onset",
+}
 
 
 def test_every_effect_is_off_by_default():

@@ -30,7 +30,7 @@ from jawenv.kernels.records import record_zeros
 from jawenv.kernels.vec3 import apply
 from jawenv.mechanics.kinematics import fossa, rotation, split
 from jawenv.mechanics.sagittal_forces import turned
-from jawenv.reality.joint import articular_push
+from jawenv.reality.joint import tissue_push
 
 
 @njit
@@ -80,7 +80,7 @@ def contact_wrench(devices, worlds, i, all_settings, scratches, step, motion):
     wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
     scratch.acted = max(scratch.acted, acted)
     add_moments(scratch.wrench, wrench, step / TICK, (2.0 * since - step) / TICK - 1.0)
-    push = articular_push(settings.reality, known.limits, truth.jaw, q, lift)
+    push = tissue_push(settings.reality, known.limits, truth.jaw, q, lift)
     total = plus_wrench(wrench, truth.unmodelled, push)
     force = apply(rotation(q), (total[0], total[1], total[2]))
     return force[0], force[2], total[4]

@@ -19,7 +19,7 @@ from jawenv.mechanics.dynamics import state_rate
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import split
 from jawenv.mechanics.stiffness import fastest_rate, parts_needed
-from jawenv.reality.joint import articular_push
+from jawenv.reality.joint import tissue_push
 
 TICK = 0.01  # s: sensors, filter and motor commands run at 100 Hz
 SUBSTEPS = 2  # Runge-Kutta steps of the midline plant per tick, more where the jaw is stiff
@@ -40,14 +40,14 @@ def true_state(model: Jaw, truth: Truth, i):
 
 @njit_inlined
 def plus_wrench(wrench, extra, push):
-    """The device's wrench, the unmodelled one and the joint's push on the mouthpiece together."""
+    """The device's wrench, the unmodelled one and the push of the reality's tissue on the mouthpiece together."""
     return (
         wrench[0] + extra[0] + push[0],
         wrench[1] + extra[1] + push[1],
         wrench[2] + extra[2] + push[2],
-        wrench[3] + extra[3],
-        wrench[4] + extra[4],
-        wrench[5] + extra[5],
+        wrench[3] + extra[3] + push[3],
+        wrench[4] + extra[4] + push[4],
+        wrench[5] + extra[5] + push[5],
     )
 
 
@@ -60,9 +60,7 @@ def wrench_at_stage(device: DeviceRecord, world: World, scratch: Scratch, settin
     )
     scratch.acted = max(scratch.acted, governed)
     add_moments(scratch.wrench, wrench, stage_weight(stage, h) / TICK, 2.0 * since / TICK - 1.0)
-    push = (0.0, 0.0, 0.0)
-    if settings.reality.articular_stiffness > 0.0:
-        push = articular_push(settings.reality, world.known.limits, world.truth.jaw, motion[0], motion[2])
+    push = tissue_push(settings.reality, world.known.limits, world.truth.jaw, motion[0], motion[2])
     return plus_wrench(wrench, world.truth.unmodelled, push)
 
 
