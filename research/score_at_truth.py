@@ -8,7 +8,7 @@ score itself has a bias.
 
 from __future__ import annotations
 
-import sys
+import argparse
 from typing import Any
 
 import gymnasium as gym
@@ -54,8 +54,13 @@ def step_from_truth(record: Any, gain: float) -> tuple[NDArray[np.float64], NDAr
     return (covariance @ score)[:size], covariance[:size, :size]
 
 
-def main(cohort: str, maneuver: str) -> None:
+def main() -> None:
     """Print mean z and mean square of the whitened error over patients."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cohort", nargs="?", default="severe")
+    parser.add_argument("maneuver", nargs="?", default="slow_opening")
+    options = parser.parse_args()
+    cohort, maneuver = options.cohort, options.maneuver
     kwargs: dict[str, Any] = {"cohort": cohort, "episode_s": EPISODE_S, "control": "targets"}
     seeds = [FIRST_SEED + i for i in range(PATIENTS)]
     env_id = jawenv.ladder.DEFAULT_ENV
@@ -71,4 +76,4 @@ def main(cohort: str, maneuver: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()
