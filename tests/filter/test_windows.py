@@ -29,7 +29,7 @@ from jawenv.metrics.calibration import nees, nees_band
 
 @pytest.fixture(scope="module")
 def record():
-    return recording(cohort="healthy").records[0]
+    return recording(cohort="healthy", push=0.15).records[0]
 
 
 def filter_tick(run, tick, every=1_000_000):
