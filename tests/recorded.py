@@ -25,23 +25,20 @@ class Waves:
 
     frequencies = np.array([0.9, 0.6, 1.1, 0.7])  # Hz
 
-    def __init__(self, push=0.35):
-        self.push = push
-
     def reset(self, num_envs, seed):
         self.time = 0.0
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         self.time += 0.05
-        action = self.push * np.sin(2.0 * np.pi * self.frequencies * self.time)
+        action = 0.35 * np.sin(2.0 * np.pi * self.frequencies * self.time)
         return np.tile(action, (len(observation), 1)).astype(np.float32), state
 
 
 @cache
-def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus", push=0.35):
-    """Quick to play and rich, but it presses the teeth together, unless a healthy jaw is pushed less."""
+def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
+    """Quick to play and rich, but it presses the teeth together."""
     kwargs = {"record": True, "control": "force", "model": model, "episode_s": seconds, "cohort": cohort}
-    return jawenv.play(Waves(push), patients=patients, seed=5000, env_kwargs=kwargs)
+    return jawenv.play(Waves(), patients=patients, seed=5000, env_kwargs=kwargs)
 
 
 @cache

@@ -87,7 +87,7 @@ def test_what_acts_at_once_on_two_discs_is_what_newton_and_euler_say():
 @pytest.mark.parametrize("model", ["jaw", "bilateral"])
 def test_the_separated_filter_is_the_joint_one(model, rng):
     """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes."""
-    running = Running(recording(model).records[0])
+    running = Running(recording(model, cohort="healthy").records[0])
     joint, n = Joint(running), running.size
     for k in range(101):
         if k > 0:
