@@ -98,7 +98,7 @@ ROWS = (
     Variant("series of the second order", {"model.motion_step.ORDER": 2}),
     Variant("no instrument", {"updates.time_update.jacobian_of_tick": along_own_motion}),
     Variant("teeth whose force is certain", {"tick.TOOTH_NOISE": (0.0,) * 6}),
-    Variant("learning while teeth press", {"tick.LIGHTEST_BITE": math.inf}),
+    Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
     Variant("nothing wrong at a pose", {"settings.LASTING": 0.0}),
     Variant("the gain's column as the cell reads", {"updates.time_update.set_balanced_trend": as_read}),
     Variant("the point follows the belief", {"learn.conclude": learn}),

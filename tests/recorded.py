@@ -36,7 +36,7 @@ class Waves:
 
 @cache
 def recording(model="jaw", patients=1, seconds=3.0, cohort="trismus"):
-    """Quick to play and rich, but it presses the teeth together, unless the jaw hangs open as a healthy one does."""
+    """Quick to play and rich, but it presses the teeth together."""
     kwargs = {"record": True, "control": "force", "model": model, "episode_s": seconds, "cohort": cohort}
     return jawenv.play(Waves(), patients=patients, seed=5000, env_kwargs=kwargs)
 

@@ -10,7 +10,7 @@ from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.tick import add_lasting_noise, add_tooth_noise
+from jawenv.filter.tick import NEAR, add_lasting_noise, add_tooth_noise, bite_of
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
@@ -40,10 +40,13 @@ class Running:
         record = self.record
         noise = record.noise_variance[:N_WRENCH].copy()
         if self.teeth:
-            bites = add_tooth_noise(record.jaw, self.belief["motion"], noise)
+            add_tooth_noise(bite_of(record.jaw, self.belief["motion"]), noise)
+            bite = bite_of(record.jaw, self.belief["motion"], NEAR)
             add_lasting_noise(record.jaw, self.belief, self.settings, noise)
-            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"]) and not bites
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
+        if self.teeth:
+            bites = max(bite, bite_of(record.jaw, self.belief["motion"], NEAR)) > 0.0
+            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"], bites)
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
     def update(self, k, used=ALL):
@@ -113,6 +116,26 @@ def line_wrenches(jaw, basis, place, R, trend):
             wrenches[:, muscle * K + k] += np.exp(basis["nodes"][muscle, k] * strain) * wrench
     wrenches[:, -1] = trend
     return wrenches
+
+
+def balanced(running, before, trend):
+    """(6,) ``trend`` changed so that, half way from the motion ``before``, the model needs no acceleration.
+
+    By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles not at all.
+    """
+    jaw, unknown = running.record.jaw, np.zeros((5, 6))
+    if jaw["condyles"] == 2:
+        return trend
+    pose = 0.5 * (before + coasted(before, running.record.dt))[:5]
+    tangents = np.array([[1.0, 0.0, twin.fossa(jaw, pose[0])[1]], [0.0, 1.0, 0.0]])
+    unknown[:2, :3], unknown[2:, 3:] = tangents @ twin.rotation(pose), np.eye(3)
+
+    def acceleration(wrench):
+        return twin.state_rate(jaw, running.belief["point"], np.concatenate([pose, before[5:]]), wrench)[5:]
+
+    found = acceleration(trend)
+    by_unknown = np.array([acceleration(trend + wrench) - found for wrench in unknown]).T
+    return trend - unknown.T @ np.linalg.solve(by_unknown, found)
 
 
 def half_way(jaw, before, after):

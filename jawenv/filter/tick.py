@@ -47,8 +47,9 @@ MOVED = 0.3  # of a natural logarithm
 # What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
 # m/s on, and up to so many. The moment's error is the force's at so many m.
 ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
-# N: nothing is learnt while teeth press harder. The error of their force lasts as long as they do, and is no noise.
-LIGHTEST_BITE = 0.2
+# m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
+# nor do the encoders show whether they press lightly.
+NEAR = 1e-4
 # Sd of each component of the wrench over the teeth's force; the last three in m.
 TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
@@ -112,24 +113,29 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
 
 
 @njit
-def add_tooth_noise(jaw: Jaw, motion, variance):
-    """Add to the process noise ``variance`` (6) what the force of the teeth may be off by; whether they press.
-
-    Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
-    both about the mouthpiece.
-    """
+def bite_of(jaw: Jaw, motion, nearer=0.0):
+    """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
     first = 3 if jaw.condyles == 2 else 2  # of the angles
     pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
     contact, body_to_head = contact_point(jaw, pose), rotation(pose)
     bite = 0.0
     for i in range(N_TEETH):
         arm = apply(body_to_head, row3(jaw.teeth, i))
-        ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2] + nearer, jaw.stop_width)
         bite += jaw.tooth_stiffness * ramp
+    return bite
+
+
+@njit
+def add_tooth_noise(bite, variance):
+    """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
+
+    Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
+    both about the mouthpiece.
+    """
     for k in range(N_WRENCH):
         sd = TOOTH_NOISE[k] * bite
         variance[k] += sd * sd
-    return bite > LIGHTEST_BITE
 
 
 @njit
@@ -180,12 +186,14 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         left_out += repair_samples(
             belief, samples, scratch.frozen, settings.dt, scratch.wrench_variance, scratch.samples
         )
-        bites = add_tooth_noise(jaw, belief.motion, scratch.wrench_variance)
+        add_tooth_noise(bite_of(jaw, belief.motion), scratch.wrench_variance)
+        bite = bite_of(jaw, belief.motion, NEAR)
         add_lasting_noise(jaw, belief, settings, scratch.wrench_variance)
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
-        resolved = is_resolved(belief, scratch.samples, settings.rough) and not bites
+        bite = max(bite, bite_of(jaw, belief.motion, NEAR))
+        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     scratch.verdict = EXPECTED

@@ -139,7 +139,7 @@ def test_a_sample_of_those_accepted_is_the_cohort_without_the_others() -> None:
 
 
 def soft(theta: np.ndarray) -> np.ndarray:
-    return theta[:, 0] < 0.0
+    return theta[:, 0] < np.log(3.5)
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_full_thrust_for_ever_is_held_by_the_governor(control, way):
     for name, hard in zip(COMFORT_LIMITS, Comfort().records()["hard"][0], strict=True):
         assert worst[name] <= (1.03 * hard if VIOLATIONS[way] else hard), worst
     assert worst["force"] <= 1 + GOVERNOR_ONSET * (Comfort().force_hard - 1) + 1e-9
-    assert np.mean(governor) > 0.3, "the governor is at work"
+    assert np.mean(governor) > 0.25, "the governor is at work"
 
 
 def test_the_governor_leaves_small_motion_alone():
@@ -62,7 +62,7 @@ def test_the_servo_takes_the_jaw_where_the_target_goes():
     rise = worlds["known"]["motors"]["thrust"][:, :2].mean(axis=1) - thrust
     given_way = rise / env.simulation.device["servo_stiffness"][0]
     assert (np.abs(moved + given_way - 0.010) < 2e-4).all(), moved + given_way
-    assert (moved > 0.007).all() and given_way.max() > 1e-3
+    assert (moved > 0.0055).all() and given_way.max() > 1e-3
 
 
 def opening_and_turning(t):
@@ -107,7 +107,7 @@ def simulate(environment, motion, trajectory, substeps):
 @pytest.mark.parametrize(("motion", "place_m", "angle"), [(opening_and_turning, 1e-6, 1e-5), (biting, 5e-6, 8e-5)])
 def test_half_the_integration_step_changes_nothing_that_matters(control, motion, place_m, angle):
     """On the teeth less than a twentieth of the encoders' noise, off them much less."""
-    env = gym.make(ID, control=control).unwrapped
+    env = gym.make(ID, control=control, cohort="healthy").unwrapped
     env.reset(seed=2)
     coarse, fine = (simulate(env, motion, control == "trajectory", n) for n in (SUBSTEPS, 2 * SUBSTEPS))
     assert np.ptp(coarse[:, 2]) > 0.02, "it does open"

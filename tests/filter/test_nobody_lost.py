@@ -47,7 +47,8 @@ def test_nobody_is_lost(cohort, control):
     )
     observation, info = env.reset(seed=6000)
     worlds = env.unwrapped.simulation.worlds
-    refused, active, moved = np.zeros(everybody.worlds), np.ones(everybody.worlds, dtype=bool), 0.0
+    refused, active = np.zeros(everybody.worlds), np.ones(everybody.worlds, dtype=bool)
+    opened = np.zeros(everybody.worlds)
     for _ in range(round(20 * SECONDS)):
         observation, reward, terminated, truncated, info = env.step(everybody.act())
         refused += np.where(active, 5.0 * worlds["known"]["gated"], 0.0)
@@ -55,13 +56,14 @@ def test_nobody_is_lost(cohort, control):
         assert np.isfinite(observation).all() and np.isfinite(reward).all()
         for name, values in info.items():
             assert not isinstance(values, np.ndarray) or values.dtype.kind != "f" or np.isfinite(values).all(), name
-        moved = max(moved, np.abs(info["jaw_state"][:, 2]).max())
+        opened = np.maximum(opened, info["jaw_state"][:, 2])
     lost = info["nees"] / 12.0 > 10.0
     assert not lost.any(), dict(zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True))
     np.testing.assert_allclose(refused, worlds["known"]["belief"]["gated"], atol=1e-9)
     assert (terminated == info["violation"]).all()
-    assert moved > 0.1
-    assert (info["information_claimed"] > 1.0).all(), "and everybody teaches it something"
+    assert opened.max() > 0.08
+    swings = (opened > 0.05) & ~terminated & (np.repeat(everybody.names, EACH) != "corners")
+    assert (info["information_claimed"] > 1.0)[swings].all(), "and who swings off the teeth teaches it something"
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded import recording
-from running import Running, coasted, half_way, line_wrenches
+from running import Running, balanced, coasted, half_way, line_wrenches
 
 from jawenv.filter.updates.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
 from jawenv.kernels.compiled import njit
@@ -62,14 +62,14 @@ def test_one_value_that_is_no_number_is_noticed():
 
 
 def test_a_tick_takes_all_of_it_together():
-    """Samples of the load cell, the lines half way at the rates before the tick, and the trend before it."""
+    """Samples of the load cell, the lines half way at the rates before the tick, and the trend before it, balanced."""
     running = Running(recording().records[0]).run(30)
     belief, record = running.belief, running.record
     before, V, P, trend = (belief[name].copy() for name in ("motion", "by_tension", "motion_cov", "trend"))
     running.predict(30)
     A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
     middle = half_way(record.jaw, before, coasted(before, record.dt))
-    lines = line_wrenches(record.jaw, belief["basis"], *middle, trend)
+    lines = line_wrenches(record.jaw, belief["basis"], *middle, balanced(running, before, trend))
     expected = A @ V[:, : running.columns] + G @ lines
     np.testing.assert_allclose(running.by_tension, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
     P = A @ P @ A.T + G @ np.diag(record.noise_variance[:6]) @ G.T

@@ -25,7 +25,7 @@ def plant(jaw, **options):
 
 def weightless(jaw):
     """The jaw without weight, and muscles that hardly pull: what is left is contact."""
-    jaw["gravity"] = 0.0
+    jaw["gravity"] = jaw["tone"] = 0.0
     return jaw, plane.muscles((1e-9, 7.0))
 
 
