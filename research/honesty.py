@@ -249,7 +249,7 @@ def change(arguments):
 
 
 def jaws(arguments):
-    """In the last rows the disturbance has a memory as well: ``JawImaged-v3``."""
+    """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
     head(
         "agent",
         "knowledge",
@@ -260,11 +260,10 @@ def jaws(arguments):
         "worst / median sd",
         "rings, %",
     )
-    mujoco = {"plant": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
-    levels = {"exact": {}, "imaged": {}, "imaged, memory": {"device": {"unmodelled_time_s": 0.5}}}
-    for level, (title, plant), name in product(levels, (("midline", {}), ("MuJoCo", mujoco)), (RICH, PLAIN)):
-        kwargs = {"knowledge": level.split(",")[0]} | levels[level] | plant
-        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs)
+    plants = {"midline": None, "MuJoCo": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
+    levels = {"exact": None, "imaged": {"unmodelled_time_s": 0.5}}
+    for (level, device), name, (title, plant) in product(levels.items(), (RICH, PLAIN), plants.items()):
+        (sample,) = beliefs(load_agent(name), (30.0,), arguments, knowledge=level, device=device, plant=plant)
         row(name, level, title, sample.figures(), sample.sds(), sample.ringing())
 
 
