@@ -250,21 +250,16 @@ def change(arguments):
 
 def jaws(arguments):
     """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
-    head(
-        "agent",
-        "knowledge",
-        "true jaw",
-        "NEES/12, 30 s",
-        "inside 2 sd, %",
-        "beyond 10",
-        "worst / median sd",
-        "rings, %",
-    )
-    plants = {"midline": None, "MuJoCo": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
-    levels = {"exact": None, "imaged": {"unmodelled_time_s": 0.5}}
-    for (level, device), name, (title, plant) in product(levels.items(), (RICH, PLAIN), plants.items()):
-        (sample,) = beliefs(load_agent(name), (30.0,), arguments, knowledge=level, device=device, plant=plant)
-        row(name, level, title, sample.figures(), sample.sds(), sample.ringing())
+    head("filter", "agent", "true jaw", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "worst / median sd", "rings, %")
+    plants = {"its own": None, "MuJoCo": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
+    filters = {
+        "one point": {"knowledge": "exact"},
+        "one point, imaged": {"knowledge": "imaged", "device": {"unmodelled_time_s": 0.5}},
+        "two condyles": {"knowledge": "exact", "model": "bilateral"},
+    }
+    for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
+        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs, plant=plant)
+        row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
 
 
 def _sds(name):

@@ -154,21 +154,8 @@ class Configuration:
             why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
             raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
         self._check_force_sensor()
-        self._check_plant()
-
-    def _check_plant(self) -> None:
-        """A plant of the user's; its module is not imported before it is to move.
-
-        Raises:
-            InputError: it is none, or the filter's motion is that of two condyles, which it does not tell.
-        """
-        plant, model = self.plant, model_named(self.model)
-        if plant is None:
-            return
-        if not (isinstance(plant, str) and is_named(plant)):
-            plant_of(plant)
-        if self.filter_model == "bilateral":
-            raise InputError(f"plant is {shown(plant)}; allowed in {model.title} with estimator='midline' only")
+        if not (self.plant is None or isinstance(self.plant, str) and is_named(self.plant)):
+            plant_of(self.plant)  # one that is named is not imported before it is to move
 
     def _check_force_sensor(self) -> None:
         """A force without a load cell is for one reference point.

@@ -71,8 +71,8 @@ class Simulation:
         self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
         own_plant = configuration.own_plant
-        bilateral = self.model.plant == "bilateral" and own_plant is None
         filter_bilateral = configuration.filter_model == "bilateral"
+        bilateral = self.model.plant == "bilateral" and (own_plant is None or filter_bilateral)
         self._jaw = build_jaw(
             muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
         )

@@ -102,6 +102,7 @@ def gently(steps):
         (ID, Midline, {"control": "force", "reality": {"creep_share": 0.3, "articular_stiffness_N_m": 2000.0}}),
         (ID, Midline, {"control": "trajectory"}),
         ("jawenv/JawBilateral-v3", Bilateral, {"control": "force", "estimator": "midline"}),
+        ("jawenv/JawBilateral-v3", Bilateral, {"control": "force"}),
     ],
 )
 def test_jawenvs_own_mechanics_as_a_plant_give_the_belief_that_it_gives(env_id, plant, arguments):
@@ -215,7 +216,6 @@ def with_step(step_s):
         ({"plant": with_step(3e-3)}, "plant Midline: step_s is 0.003; allowed: 0.01 over a whole number"),
         ({"plant": with_step("long")}, "step_s is 'long'"),
         ({"plant": Still(), "reality": {"creep_share": 0.2}}, "plant Still has no take_muscles"),
-        ({"plant": Midline(), "model": "bilateral"}, "allowed in JawBilateral with estimator='midline' only"),
     ],
 )
 def test_plants_that_are_none_are_refused_in_one_line(arguments, told):

@@ -11,6 +11,7 @@ from jawenv.device.motors import device_wrench
 from jawenv.envs.world.condyles import count_from_rest
 from jawenv.envs.world.load_cell import add_moments, clear_moments
 from jawenv.envs.world.plants import TICK, end_motion, lift_of, plus_wrench, take_free_body
+from jawenv.envs.world.record import Truth
 from jawenv.envs.world.reset_kernel import begin_device, begin_reality, reset_belief
 from jawenv.envs.world.step_kernel import (
     StepRows,
@@ -21,9 +22,28 @@ from jawenv.envs.world.step_kernel import (
     end_tick,
     take_motion,
 )
-from jawenv.kernels.compiled import njit
+from jawenv.kernels.compiled import njit, where
+from jawenv.kernels.runge_kutta import set_state
 from jawenv.mechanics.kinematics import split
 from jawenv.reality.joint import articular_push
+
+
+def _without_body(truth: Truth, motion):
+    return False
+
+
+@where(lambda truth: truth.typeof("body").shape[0], otherwise=_without_body)
+def keep_body(truth: Truth, motion):
+    """The twelve numbers as they are, where the filter's model has two condyles and so believes in all of them."""
+    set_state(truth.body, motion[0], motion[1])
+    return True
+
+
+@njit
+def take_moved(truth: Truth, motion):
+    """Set what ``truth`` has of the motion of a jaw that Python has moved."""
+    keep_body(truth, motion)
+    take_free_body(truth, motion[0], motion[1])
 
 
 @njit
@@ -33,7 +53,7 @@ def plant_rest(devices, models, worlds, i, all_settings, scratches, rows: StepRo
     It has begun at the midline model's rest, whose random numbers are drawn again.
     """
     device, world, settings = devices[0], worlds[i], all_settings[0]
-    take_free_body(world.truth, motion[0], motion[1])
+    take_moved(world.truth, motion)
     treatable = count_from_rest(world.truth, world.known.limits)
     begin_device(device, models[i], world)
     begin_reality(world.truth, settings.reality, scratches[i])
@@ -69,7 +89,7 @@ def plant_wrench(devices, worlds, i, all_settings, scratches, motion, times):
         scratches[i],
         all_settings[0],
     )
-    take_free_body(truth, motion[0], motion[1])
+    take_moved(truth, motion)
     q, u = split(truth.state)
     lift, servo = lift_of(truth), settings.control.servo
     wrench, acted = device_wrench(device, truth.jaw, known.limits, known.motors, (q, u, lift), since, servo)
@@ -86,7 +106,7 @@ def plant_end(devices, models, worlds, i, all_settings, scratches, rows: StepRow
     if world.known.tick < 0:
         begin_first_tick(world.truth, scratch)
     else:
-        take_free_body(world.truth, motion[0], motion[1])
+        take_moved(world.truth, motion)
         acted = max(scratch.acted, end_motion(device, world, scratch, settings.control.servo))
         take_motion(device, world, scratch, 1.0 / settings.control.ticks_per_step, acted)
     end_tick(device, models[i], world, settings, scratch, rows.ticks[i], rows.paths[i])
