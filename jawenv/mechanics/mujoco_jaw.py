@@ -42,7 +42,7 @@ WRAP_RADIUS, WRAP_BULGE = 12e-3, 1.5e-3  # m, of a sphere on the ramus, beyond t
 
 
 class Ligament(NamedTuple):
-    """A ligament of the right side, jaw closed; grade G but for its course, which is that of anatomy books.
+    """A ligament of the right side, jaw closed; grade G but for its course (R).
 
     Attributes:
         skull_mm: its end on the skull.
