@@ -60,6 +60,7 @@ class Environment(InputModel):
         """Where a policy was trained, with the content of the files that the world was given."""
         stated = ("control", "control_hz", "sensors", "reward", "episode_s")
         others = world.arguments
+        others.pop("plant", None)  # a policy plays any jaw, and a card names no code
         cohort = others.pop("cohort")
         others = {name: value for name, value in others.items() if name not in stated}
         fields: dict[str, Any] = {name: getattr(world, name) for name in stated}
@@ -69,8 +70,12 @@ class Environment(InputModel):
         """The same as a description of a world to be played.
 
         Raises:
-            InputError: an environment or an argument that this jawenv does not know.
+            InputError: an environment or an argument that this jawenv does not know, or a plant.
         """
+        if "plant" in self.others:
+            raise InputError(
+                f"plant is {shown(self.others['plant'])}; allowed in a card: none, as its module would run"
+            )
         return Configuration.from_mapping({"env": self.id, **self.kwargs()})
 
     def kwargs(self) -> dict[str, Any]:

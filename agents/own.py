@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
-import os
-import re
-import sys
 from collections.abc import Callable, Mapping
 from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
 from jawenv.errors import InputError
+from jawenv.named_objects import add_current_folder, import_named, is_named, no_module, reason
 from jawenv.playing.protocol import Agent
 
-_SPEC = re.compile(r"(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 _MEMBERS = ("name", "reset", "predict")
-
-
-def names_own(spec: str) -> bool:
-    """Whether a text has the form ``package.module:Name``."""
-    return _SPEC.fullmatch(spec) is not None
 
 
 def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
@@ -40,7 +31,7 @@ def load_own(spec: str, settings: Mapping[str, Any]) -> Agent:
     try:
         agent = make(**_taken(make, settings))
     except (Exception, SystemExit) as error:  # code of the user's can raise anything, and end the program
-        raise InputError(f"agent '{spec}': cannot be made: {_reason(error)}") from error
+        raise InputError(f"agent '{spec}': cannot be made: {reason(error)}") from error
     missing = [member for member in _MEMBERS if not hasattr(agent, member)]
     if missing or not isinstance(agent, Agent):
         raise InputError(
@@ -58,47 +49,22 @@ def source_of(spec: str) -> Path | None:
     Raises:
         InputError: no such module.
     """
-    if not names_own(spec):
+    if not is_named(spec):
         return None
-    _add_current_folder()
+    add_current_folder()
     name, places, file = "", None, None
     for part in spec.partition(":")[0].split("."):
         name = f"{name}.{part}".lstrip(".")
         module_spec = PathFinder.find_spec(name, places)
         if module_spec is None:
-            raise _absent(spec, name)
+            raise no_module(spec, "agent", name)
         places, file = module_spec.submodule_search_locations or [], module_spec.origin
     return None if file is None else Path(file)
 
 
-def _add_current_folder() -> None:
-    if not {"", os.getcwd()} & set(sys.path):
-        sys.path.append(os.getcwd())  # last: no file here shall stand in for an installed package
-
-
-def _absent(spec: str, module: str) -> InputError:
-    return InputError(f"agent '{spec}': no module '{module}'; allowed: one in the current folder, or an installed one")
-
-
-def _module(spec: str) -> Any:
-    """Import the module of a spec."""
-    name = spec.partition(":")[0]
-    _add_current_folder()
-    try:
-        return importlib.import_module(name)
-    except (Exception, SystemExit) as error:  # a module of the user's can raise anything, and end the program
-        absent = error.name if isinstance(error, ModuleNotFoundError) else None
-        if absent is not None and (name == absent or name.startswith(f"{absent}.")):
-            raise _absent(spec, absent) from None
-        raise InputError(f"agent '{spec}': module '{name}' cannot be imported: {_reason(error)}") from error
-
-
 def _named(spec: str) -> Callable[..., Any]:
     """The class or function that a spec names."""
-    module, name = _module(spec), spec.partition(":")[2]
-    if not hasattr(module, name):
-        raise InputError(f"agent '{spec}': module '{module.__name__}' has no '{name}'")
-    make = getattr(module, name)
+    make = import_named(spec, "agent")
     if not callable(make):
         raise InputError(
             f"agent '{spec}': is of type {type(make).__name__}; allowed: a class or function that makes an agent"
@@ -116,7 +82,3 @@ def _taken(make: Callable[..., Any], settings: Mapping[str, Any]) -> dict[str, A
         return dict(settings)
     by_name = {p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
     return {key: value for key, value in settings.items() if key in by_name}
-
-
-def _reason(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())[:160]}".removesuffix(": ")

@@ -7,7 +7,7 @@ from agents.card import CARD, WEIGHTS, card_of, policy_folder, policy_names
 from agents.controller import ControlledAgent
 from agents.excitation import EXCITATIONS
 from agents.following import TargetsLaw
-from agents.own import load_own, names_own, source_of
+from agents.own import load_own, source_of
 from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
@@ -16,6 +16,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, meant
 from jawenv.ladder import model_of_env
+from jawenv.named_objects import is_named
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.protocol import Agent
@@ -69,7 +70,7 @@ def load_agent(
         return _in_control(Replay.load(path), control, control_hz)
     if is_policy or path.exists() or path.suffix == ".zip":
         return _in_control(load_policy(path, env_id=model.env_id, trust=trust), control, control_hz)
-    if names_own(str(spec)):
+    if is_named(str(spec)):
         own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
         control_of(own, {"control": control})
         return own

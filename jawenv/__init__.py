@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from jawenv.laboratory.analysis.identifiability import identifiability
     from jawenv.laboratory.online import OnlineFilter
     from jawenv.mechanics.acceleration import acceleration
+    from jawenv.mechanics.plant import Motion, PatientJaw, Plant
     from jawenv.metrics.score import score
     from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
     from jawenv.playing.rollout import information_bound, play
@@ -41,10 +42,13 @@ _HOMES = {
     "Knowledge": "jawenv.anatomy.knowledge",
     "MUSCLE_NAMES": "jawenv.anatomy",
     "Maneuver": "jawenv.playing.maneuvers",
+    "Motion": "jawenv.mechanics.plant",
     "OnlineFilter": "jawenv.laboratory.online",
     "PARAMETER_NAMES": "jawenv.anatomy",
     "Patient": "jawenv.anatomy",
+    "PatientJaw": "jawenv.mechanics.plant",
     "PatientLaw": "jawenv.inference.patient_law",
+    "Plant": "jawenv.mechanics.plant",
     "Player": "jawenv.playing.maneuvers",
     "acceleration": "jawenv.mechanics",
     "bound_along": "jawenv.laboratory.analysis.bound",
@@ -80,9 +84,12 @@ __all__ = [
     "InputError",
     "Knowledge",
     "Maneuver",
+    "Motion",
     "OnlineFilter",
     "Patient",
+    "PatientJaw",
     "PatientLaw",
+    "Plant",
     "Player",
     "Simulations",
     "acceleration",

@@ -6,7 +6,8 @@ still: a servo holds the jaw at 40 % of its opening for two minutes. corners: mo
 their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is
 not told. groups: each group of what is known within sds alone, and what it costs. bias: the largest mean z of all
 parameters, six cohorts, three controls. alarm: what rings, of honest episodes and of those that are not. change: how
-much the muscles have changed between two treatments. A row is printed as soon as it is there.
+much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo moves, beside the filter's own. A row
+is printed as soon as it is there.
 """
 
 import argparse
@@ -247,11 +248,25 @@ def change(arguments):
         row(name, f"{seconds:g} s", len(sd), inside, spread, width, f"{np.mean(np.square(z)):.2f}")
 
 
+def jaws(arguments):
+    """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
+    head("filter", "agent", "true jaw", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "worst / median sd", "rings, %")
+    plants = {"its own": None, "MuJoCo": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
+    filters = {
+        "one point": {"knowledge": "exact"},
+        "one point, imaged": {"knowledge": "imaged", "device": {"unmodelled_time_s": 0.5}},
+        "two condyles": {"knowledge": "exact", "model": "bilateral"},
+    }
+    for (title, kwargs), name, (jaw, plant) in product(filters.items(), (RICH, PLAIN), plants.items()):
+        (sample,) = beliefs(load_agent(name), (30.0,), arguments, **kwargs, plant=plant)
+        row(title, name, jaw, sample.figures(), sample.sds(), sample.ringing())
+
+
 def _sds(name):
     return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
 
 
-TABLES = {table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change)}
+TABLES = {table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change, jaws)}
 
 
 def main() -> None:

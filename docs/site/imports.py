@@ -18,7 +18,7 @@ PAGE = ROOT / "docs" / "architecture.md"
 
 SHARED = (
     *("errors", "extras", "checks", "plain_yaml", "reading", "files", "locks", "versions", "seeds", "progress"),
-    *("controls", "numeric_fields"),
+    *("controls", "numeric_fields", "named_objects"),
 )
 """Single modules that every room may import."""
 LOOP = ("kernels", "anatomy", "mechanics", "ladder", "device", "reality", "filter", "rendering", "envs")

@@ -18,9 +18,9 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from agents import registry
-from agents.own import names_own
 from jawenv.controls import CONTROLS
 from jawenv.errors import InputError, shown
+from jawenv.named_objects import is_named
 from jawenv.playing.protocol import Action, Agent, Mask, Observation, State, checked_decision
 
 _LONGEST_LINE = 2**24  # bytes
@@ -34,7 +34,7 @@ def load_apart(spec: str | Path, *, trust: bool = False, **settings: Any) -> Age
     Raises:
         InputError: as `load_agent`.
     """
-    if names_own(str(spec)) or (trust and Path(spec).suffix == ".zip"):
+    if is_named(str(spec)) or (trust and Path(spec).suffix == ".zip"):
         return AgentProcess(str(spec), trust=trust, **settings)
     return registry.load_agent(spec, trust=trust, **settings)
 

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from agents.own import names_own
 from eval.benchmark import differences, submission, tables
 from eval.benchmark.run import cell_of
 from eval.benchmark.scores import by_cell
@@ -24,6 +23,7 @@ from eval.rows.times import COLUMNS
 from jawenv import versions
 from jawenv.controls import mode_of
 from jawenv.errors import InputError, shown
+from jawenv.named_objects import is_named
 from jawenv.reading import read_text
 
 _ROUNDING = 1e-9
@@ -139,7 +139,7 @@ def _of_agents(submitted: Submission, folder: Path, trust: bool) -> list[str]:
         if score.agent not in labels
     ]
     for agent in submitted.agents:
-        if agent.copy_at is None and names_own(agent.spec) and not trust:
+        if agent.copy_at is None and is_named(agent.spec) and not trust:
             raise InputError(
                 f"{agent.agent} is the module {shown(agent.spec)}, which runs code; allowed if you trust it: --trust"
             )

@@ -24,13 +24,13 @@ from pydantic import AfterValidator, Field, JsonValue, model_validator
 from agents import registry
 from agents.card import card_of, policy_names
 from agents.excitation import EXCITATIONS
-from agents.own import names_own
 from agents.planners import PLANNERS
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
 from eval.kept.cells import Cell
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, atomic_write, read_model
+from jawenv.named_objects import is_named
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"
@@ -202,7 +202,7 @@ def keep_agents(agents: Mapping[str, str], folder: Path) -> tuple[SubmittedAgent
         shutil.rmtree(folder / AGENTS)
     submitted = []
     for number, (agent, spec) in enumerate(agents.items()):
-        copies = _comes_with_jawenv(spec) or names_own(spec)
+        copies = _comes_with_jawenv(spec) or is_named(spec)
         copy_at = None if copies else _copied(spec, folder, number)
         held = spec if copy_at is None else str(folder / copy_at)
         submitted.append(SubmittedAgent(agent=agent, spec=spec, copy_at=copy_at, fingerprint=fingerprint_of(held)))
@@ -217,7 +217,7 @@ def refuse_copies(specs: Iterable[str], folder: Path) -> None:
     """
     copies = (folder / AGENTS).resolve()
     for spec in specs:
-        if not names_own(spec) and Path(spec).resolve().is_relative_to(copies):
+        if not is_named(spec) and Path(spec).resolve().is_relative_to(copies):
             raise InputError(f"{spec} lies in the output's own {AGENTS}, which is written anew: name another output")
 
 
@@ -265,7 +265,7 @@ def _copied(spec: str, folder: Path, number: int) -> str:
 def _check_origin(agent: SubmittedAgent, file: Path) -> None:
     """A submission names copies in its folder, agents of jawenv, and modules; nothing else on this machine."""
     if agent.copy_at is None:
-        if not (_comes_with_jawenv(agent.spec) or names_own(agent.spec)):
+        if not (_comes_with_jawenv(agent.spec) or is_named(agent.spec)):
             raise InputError(f"{file}: agent {shown(agent.spec)} is none of jawenv's, and the folder has no copy of it")
         return
     copy_at = PurePosixPath(agent.copy_at)

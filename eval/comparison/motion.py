@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from agents.own import names_own
 from eval.comparison.results import Results
 from eval.figures import words
 from eval.kept.entries import load_entry
 from eval.kept.settings import Settings
 from jawenv.controls import CONTROLS
 from jawenv.errors import InputError, shown
+from jawenv.named_objects import is_named
 from jawenv.playing.protocol import Action
 
 LARGEST_RATE = 10.0  # frames per second; between them the page interpolates
@@ -54,7 +54,7 @@ def play_patient(
             continue
         recorder = MotionRecorder()
         try:
-            if names_own(metadata["spec"]) and not (own_modules or trust):
+            if is_named(metadata["spec"]) and not (own_modules or trust):
                 raise InputError(
                     f"{shown(metadata['spec'])} is a module, which runs code; allowed if you trust it: --trust"
                 )

@@ -125,10 +125,10 @@ def motor_forces(linkage: DeviceRecord | Linkage, body_to_head, wrench):
 
 
 @njit
-def motor_rates(linkage: DeviceRecord | Linkage, jaw: Jaw, q, u):
-    """Rates (m/s) of the four motors' points along their directions, of a jaw on its path."""
+def motor_rates(linkage: DeviceRecord | Linkage, jaw: Jaw, q, u, lift=ON_PATH):
+    """Rates (m/s) of the four motors' points along their directions; ``lift`` as ``mouthpiece_motion`` takes it."""
     body_to_head = rotation(q)
-    point, velocity = mouthpiece_motion(jaw, q, u, ON_PATH, body_to_head)
+    point, velocity = mouthpiece_motion(jaw, q, u, lift, body_to_head)
     omega = (u[2], u[3], u[4])
     _, _, _, one = motor_point(linkage, jaw, 0, body_to_head, point, velocity, omega)
     _, _, _, two = motor_point(linkage, jaw, 1, body_to_head, point, velocity, omega)
@@ -206,7 +206,8 @@ def read_force(device: DeviceRecord, jaw: Jaw, truth, dt, samples):
     """
     errors, shares = truth.motor_errors, truth.friction_share
     q, u = split(truth.state)
-    body_to_head, rates, before = rotation(q), motor_rates(device, jaw, q, u), truth.motor_rate
+    lift = truth.lift[0], truth.lift[1]
+    body_to_head, rates, before = rotation(q), motor_rates(device, jaw, q, u, lift), truth.motor_rate
     for i in range(samples.shape[0]):
         acting = motor_forces(device, body_to_head, samples[i])
         if min(min(acting[0], acting[1]), min(acting[2], acting[3])) < truth.slack_below:

@@ -25,6 +25,8 @@ from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.errors import InputError, UnknownArgumentError, meant, not_among, shown
 from jawenv.files import Source
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
+from jawenv.mechanics.plant import Plant, plant_of
+from jawenv.named_objects import is_named
 from jawenv.numeric_fields import NumericFields
 from jawenv.reality import Reality, check_reality
 
@@ -101,6 +103,9 @@ class Configuration:
     anatomy: Anatomy | Source | None = _argument(
         None, "File of attachments, mandible and fossa that differ from the default's.", "FILE", "value"
     )
+    plant: str | Plant | None = _argument(
+        None, "Mechanics of the true jaw that are the user's own, a class as my_module:MyJaw.", "MODULE:NAME", "value"
+    )
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -149,6 +154,8 @@ class Configuration:
             why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
             raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
         self._check_force_sensor()
+        if not (self.plant is None or isinstance(self.plant, str) and is_named(self.plant)):
+            plant_of(self.plant)  # one that is named is not imported before it is to move
 
     def _check_force_sensor(self) -> None:
         """A force without a load cell is for one reference point.
@@ -193,7 +200,7 @@ class Configuration:
         Control, sensors, cohort and length are always there.
 
         Raises:
-            InputError: an estimator of one's own, which is no plain value.
+            InputError: an estimator or a plant of one's own that is an object, and so no plain value.
         """
         own = configure({"control": self.control} | registered_arguments(self.env_id))
         changed = [
@@ -233,6 +240,22 @@ class Configuration:
     def own_estimator(self) -> OwnEstimator | None:
         """The user's estimator, which every world has a copy of."""
         return cast(OwnEstimator, self.estimator) if is_own_estimator(self.estimator) else None
+
+    @property
+    def own_plant(self) -> Plant | None:
+        """The user's plant, of which every episode has a copy; where it is named, its module is imported.
+
+        Raises:
+            InputError: there is none of that name, or tissue is to creep or be excited in one that does not take it.
+        """
+        if self.plant is None:
+            return None
+        plant = plant_of(self.plant)
+        reality = self.build_reality()
+        if (reality.creep_share or reality.reflex_gain) and not hasattr(plant, "take_muscles"):
+            name = type(plant).__name__
+            raise InputError(f"plant {name} has no take_muscles; allowed: creep_share and reflex_gain of 0")
+        return plant
 
     @property
     def steps_per_s(self) -> float:

@@ -48,7 +48,9 @@ class Fork:
     """
 
     def __init__(self, simulation: Any, copies: int, *, reward: Any, believed: bool) -> None:
-        if simulation.model.plant == "contact":
+        if simulation.configuration.plant is not None:
+            raise InputError("plant is the user's own; allowed for a planner: the environment's")
+        if simulation.moved is not None:
             raise InputError(f"model is {simulation.model.name!r}; allowed for a planner: one without pymunk")
         if simulation.own_estimators is not None:
             raise InputError("estimator is the user's own; allowed for a planner: the environment's filter")

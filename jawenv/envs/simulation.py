@@ -41,10 +41,11 @@ from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
 from jawenv.mechanics.jaw import build_jaw, gravity_in_head
+from jawenv.mechanics.plant import Plant
 from jawenv.mechanics.unknowns import Unknowns, along, directions
 
 if TYPE_CHECKING:
-    from jawenv.envs.world.contact import ContactPlants
+    from jawenv.envs.moved_plants import MovedJaw, MovedPlants
 
 REDRAWS = 200
 _FIRST_COUNTER: tuple[Any, Any, Any, Any] = (np.uint64(0), np.uint64(0), np.uint64(0), np.uint64(0))
@@ -69,7 +70,9 @@ class Simulation:
         self._motor_sds = sds_of_sensor(configuration.force_sensor, device)
         self._slack_below = slack_force(configuration.force_sensor, device)
         self.reality = configuration.build_reality()
-        bilateral, filter_bilateral = self.model.plant == "bilateral", configuration.filter_model == "bilateral"
+        own_plant = configuration.own_plant
+        filter_bilateral = configuration.filter_model == "bilateral"
+        bilateral = self.model.plant == "bilateral" and (own_plant is None or filter_bilateral)
         self._jaw = build_jaw(
             muscles, anatomy.mandible, anatomy.fossa, free=self.model.free, condyles=2 if bilateral else 1
         )
@@ -92,7 +95,9 @@ class Simulation:
         """(N, ticks) what was true then, as far as it is kept."""
         self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
         """(N, size) as of the last reset or step."""
-        self._contact = self._contact_plants(sizes) if self.model.plant == "contact" else None
+        moved = own_plant is not None or self.model.plant == "contact"
+        self.moved = self._moved_plants(own_plant, sizes) if moved else None
+        """The true jaws, where Python moves them."""
         bound_threads = threads if configuration.needs_bound else 0
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.reader = WorldReader(self.worlds, configuration.needs_bound)
@@ -100,12 +105,21 @@ class Simulation:
         self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
         """The user's estimators, where they are in the place of the device's filter."""
 
-    def _contact_plants(self, sizes: tuple[int, int, int, int, int]) -> ContactPlants:
-        import jawenv.mechanics.sagittal  # noqa: F401 - says here, not at the first reset, that pymunk is missing
-        from jawenv.envs.world.contact import ContactPlants
+    def _moved_plants(self, own: Plant | None, sizes: tuple[int, int, int, int, int]) -> MovedPlants:
+        from jawenv.envs.moved_plants import HeldWrench, MovedPlants
 
-        rows = self.ticks, self.paths, self.observation
-        return ContactPlants(self.device, self.models, self.worlds, self.settings, *rows, sizes)
+        plant: MovedJaw
+        if own is None:
+            from jawenv.envs.sagittal_plant import SagittalPlant
+
+            plant = SagittalPlant()
+        else:
+            plant = HeldWrench(own)
+        muscles = self.cohort.muscles
+        names = tuple(muscles.names[index] for index in muscles.muscle)
+        shared = Shared(self.device, self.settings, record_zeros(len(self.worlds), scratch_dtype(*sizes)))
+        rows = StepRows(self.ticks, self.paths, self.observation)
+        return MovedPlants(plant, names, shared, self.models, self.worlds, rows)
 
     def _kept_ticks(self) -> int:
         """How many ticks of an episode are kept: all to be recorded or read again, or those that the filter replays."""
@@ -177,6 +191,7 @@ class Simulation:
         numbers = np.flatnonzero(chosen)
         arrays = self.worlds, self.models, self.observation, self.ticks[:, 0], self.paths[:, 0]
         before = [array[numbers] for array in arrays]
+        plants = None if self.moved is None else self.moved.each
         try:
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
@@ -187,6 +202,8 @@ class Simulation:
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
                 array[numbers] = values
+            if self.moved is not None and plants is not None:
+                self.moved.each = plants
             raise
 
     def _begin(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
@@ -243,8 +260,8 @@ class Simulation:
 
     def _read_first(self, chosen: NDArray[np.bool_]) -> None:
         """Read the sensors of the chosen worlds, whose episodes have begun, for the first time."""
-        if self._contact is not None:
-            self._contact.reset(chosen)
+        if self.moved is not None:
+            self.moved.reset(chosen)
         else:
             self._advance_compiled(np.zeros((len(chosen), N_MOTORS)), chosen)
         self._track_bound(chosen)
@@ -253,13 +270,13 @@ class Simulation:
         """One control period of every active world with ``actions`` (N, 4) in [-1, 1].
 
         Raises:
-            InputError: an estimator of the user's gives no belief.
+            InputError: an estimator of the user's gives no belief, or a plant no motion.
         """
         own = self.own_estimators
         if own is not None:
             own.before_step(self.worlds, active)
-        if self._contact is not None:
-            self._contact.advance(actions, active)
+        if self.moved is not None:
+            self.moved.advance(actions, active)
         else:
             self._advance_compiled(actions, active)
         self._track_bound(active)

@@ -19,14 +19,14 @@ class Snapshot:
     Attributes:
         kind: what the environment is: only an environment of the same is restored from it.
         arrays: worlds, the filter's jaws, readings, truths and observation.
-        jaws: those that pymunk moves; None in other models.
+        plants: those that Python moves; None where none does.
         estimators: state of the user's estimators; None without.
         attributes: the environment's own, by name.
     """
 
     kind: tuple[Any, ...]
     arrays: tuple[NDArray[Any], ...]
-    jaws: Any
+    plants: Any
     estimators: Any
     attributes: dict[str, Any]
 
@@ -38,7 +38,7 @@ def take_snapshot(env: Any, names: tuple[str, ...]) -> Snapshot:
     attributes = copy.deepcopy({name: getattr(env, name) for name in names})
     own = simulation.own_estimators
     estimators = None if own is None else own.state()
-    return Snapshot(_kind(env), arrays, copy.deepcopy(_jaws(simulation)), estimators, attributes)
+    return Snapshot(_kind(env), arrays, copy.deepcopy(_plants(simulation)), estimators, attributes)
 
 
 def restore_snapshot(env: Any, snapshot: Any) -> None:
@@ -54,22 +54,21 @@ def restore_snapshot(env: Any, snapshot: Any) -> None:
     simulation = env.simulation
     for array, values in zip(_arrays(simulation), snapshot.arrays, strict=True):
         array[...] = values
-    if snapshot.jaws is not None:
-        simulation._contact._jaws = copy.deepcopy(snapshot.jaws)
+    if simulation.moved is not None:
+        simulation.moved.each = copy.deepcopy(snapshot.plants)
     if snapshot.estimators is not None:
         simulation.own_estimators.set_state(snapshot.estimators)
     vars(env).update(copy.deepcopy(snapshot.attributes))
 
 
 def _arrays(simulation: Simulation) -> tuple[NDArray[Any], ...]:
-    """All that an episode depends on, but for pymunk's jaws."""
+    """All that an episode depends on, but for plants that Python moves."""
     return simulation.worlds, simulation.models, simulation.ticks, simulation.paths, simulation.observation
 
 
-def _jaws(simulation: Simulation) -> Any:
-    """The jaws that pymunk moves, or None."""
-    contact = simulation._contact
-    return None if contact is None else contact._jaws
+def _plants(simulation: Simulation) -> Any:
+    """The plants that Python moves, or None."""
+    return None if simulation.moved is None else simulation.moved.each
 
 
 def _kind(env: Any) -> tuple[Any, ...]:
@@ -78,9 +77,11 @@ def _kind(env: Any) -> tuple[Any, ...]:
     arguments = tuple(
         getattr(configuration, argument.name)
         for argument in fields(configuration)
-        if argument.name not in ("cohort", "estimator")
+        if argument.name not in ("cohort", "estimator", "plant")
     )
+    # Copies of one object need not be equal.
     own = configuration.own_estimator
-    estimator = configuration.estimator if own is None else type(own)  # copies of one object need not be equal
+    estimator = configuration.estimator if own is None else type(own)
+    plant = configuration.plant if isinstance(configuration.plant, str | None) else type(configuration.plant)
     vector = getattr(env, "num_envs", None), getattr(env, "autoreset_mode", None), getattr(env, "_last_tick", None)
-    return type(env), vector, cohort.name, cohort.groups, estimator, arguments
+    return type(env), vector, cohort.name, cohort.groups, estimator, plant, arguments

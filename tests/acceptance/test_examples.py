@@ -119,6 +119,18 @@ def test_own_filter_names_what_is_not_allowed(refusal) -> None:
     assert refusal("own_filter.py", "--patients", "0") == "error: patients is 0; allowed: 1 or more\n"
 
 
+def test_own_patient() -> None:
+    done = run("examples/own_patient.py", "--patients", "2", "--seconds", "2")
+    assert done.returncode == 0, done.stderr
+    inside, own, rough = (float(line.split()[-1]) for line in done.stdout.splitlines())
+    assert own == pytest.approx(inside, rel=0.3)  # of the same patients and noise
+    assert rough > 2.0 * own
+
+
+def test_own_patient_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("own_patient.py", "--seconds", "0") == "error: seconds is 0; allowed: 1 or more\n"
+
+
 def test_real_time(tmp_path: Path) -> None:
     done = run("examples/real_time.py")
     assert done.returncode == 0, done.stderr

@@ -44,6 +44,14 @@ def test_the_world_of_a_training_is_told_whole_and_read_back(tmp_path: Path) -> 
     assert told.world() == world == configure(told.kwargs())
 
 
+def test_a_card_names_no_plant() -> None:
+    """Its module would run where the policy's world is made."""
+    told = Environment.of(configure({"plant": "my_module:MyJaw"}))
+    assert told.world().plant is None
+    with pytest.raises(InputError, match="plant is 'os:abort'; allowed in a card: none"):
+        told.model_copy(update={"others": {"plant": "os:abort"}}).world()
+
+
 def test_an_unknown_format_is_named_before_its_fields(tmp_path: Path) -> None:
     assert "format_version is 2; this jawenv reads 1" in refusal(tmp_path, format_version=2, colour="red")
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 import agents
-from agents.own import names_own, source_of
+from agents.own import source_of
 from jawenv.errors import InputError
+from jawenv.named_objects import is_named
 
 SOURCE = '''
 import numpy as np
@@ -112,9 +113,9 @@ def test_mistakes_get_one_line_that_names_them(spec: str, message: str) -> None:
 
 
 def test_the_form_of_a_name() -> None:
-    assert names_own("a:B") and names_own("a.b_2:c")
+    assert is_named("a:B") and is_named("a.b_2:c")
     for other in ("a", "a:", ":b", "a/b:c", "C:\\b.zip", "a.:b", "2a:b", "a:b:c"):
-        assert not names_own(other)
+        assert not is_named(other)
 
 
 def test_the_source_is_the_modules_file(tmp_path: Path) -> None:

@@ -58,6 +58,7 @@ NOT_DEFAULT = {
         "mandible": {"mass_kg": 0.4},
         "attachments": {"superficial_masseter_left": {"origin_m": [0.01, 0.05, 0.0]}},
     },
+    "plant": "my_module:MyJaw",
 }
 
 

@@ -10,6 +10,7 @@ BLOCKED = (
     "matplotlib",
     "filterpy",
     "pymunk",
+    "mujoco",
     "pygame",
     "yaml",
     "pandas",
@@ -49,6 +50,7 @@ REFUSED = {
     "contact": 'gym.make("jawenv/JawSagittal-v3")',
     "contact, several worlds": 'gym.make_vec("jawenv/JawSagittal-v3", num_envs=2)',
     "contact, mechanics": "import jawenv.mechanics.sagittal",
+    "MuJoCo": 'gym.make("jawenv/Jaw-v3", plant="jawenv.mechanics.mujoco_jaw:MujocoJaw")',
     "pictures": 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
     "filters": "import jawenv.laboratory.references.filterpy_filters",
 }
@@ -83,6 +85,7 @@ def test_the_default_environment_is_played_and_judged() -> None:
         ("contact", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
         ("contact, several worlds", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
         ("contact, mechanics", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
+        ("MuJoCo", 'MujocoJaw needs mujoco: pip install "jawenv[mujoco]"'),
         ("pictures", 'render_mode needs pygame: pip install "jawenv[render]"'),
         ("filters", 'a reference filter needs filterpy: pip install "jawenv[reference]"'),
     ],

@@ -45,19 +45,22 @@ def _rest_on_one_point(truth: Truth, limits: Limits, scratch):
 
 @where(lambda truth: truth.typeof("body").shape[0], otherwise=_rest_on_one_point)
 def rest_on_condyles(truth: Truth, limits: Limits, scratch):
-    """Where a world has a body: move the jaw to its rest on two condyles; False when that is not in reach.
-
-    The limits keep their widths, and are counted from the new pose of rest.
-    """
+    """Where a world has a body: move the jaw to its rest on two condyles; False when that is not in reach."""
     jaw = truth.jaw
     put_on_fossa(jaw, truth.state, truth.body)
     no_wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not settle_bilateral(jaw, truth.muscles, no_wrench, truth.body, scratch.body_matrix, scratch.body_right):
         return False
     take_body(truth)
+    return count_from_rest(truth, limits)
+
+
+@njit
+def count_from_rest(truth: Truth, limits: Limits):
+    """Count the limits, which keep their widths, from where the jaw rests; whether the device can treat it there."""
     q, u = split(truth.state)
-    point, _ = mouthpiece_motion(jaw, q, u, lift_of(truth), rotation(q))
-    limits.rest_opening = jaw.mouthpiece[2] - point[2]
+    point, _ = mouthpiece_motion(truth.jaw, q, u, lift_of(truth), rotation(q))
+    limits.rest_opening = truth.jaw.mouthpiece[2] - point[2]
     limits.rest_side = point[1]
     limits.rest_condyle_side = q[1]
     limits.path[0] = point[0]

@@ -2,7 +2,7 @@
 
 The plants share one description of the motion: the midline model's coordinates (q, u), and the *lift*, how far the
 condyles' midpoint is off the path of the fossa (m) and how fast it leaves it (m/s). In the midline plant the lift is
-zero. The plant of pymunk is moved from Python (``contact``).
+zero. Plants that Python moves have ``plant_kernel``.
 """
 
 from __future__ import annotations
@@ -142,6 +142,12 @@ def bilateral_tick(device: DeviceRecord, world: World, scratch: Scratch, setting
 def take_body(truth: Truth):
     """Set the midline coordinates and the lift of ``truth`` from its body with two condyles."""
     body_q, body_u = split_body(truth.body)
+    take_free_body(truth, body_q, body_u)
+
+
+@njit
+def take_free_body(truth: Truth, body_q, body_u):
+    """Set the midline coordinates and the lift of ``truth`` from the motion (6, 6) of a free mandible."""
     q, u, lift, lift_rate = midline_motion(truth.jaw, body_q, body_u)
     set_state(truth.state, q, u)
     truth.lift[0], truth.lift[1] = lift, lift_rate
