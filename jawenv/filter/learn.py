@@ -10,7 +10,7 @@ import numpy as np
 from jawenv.filter.alarm.misfit import move_block, set_misfit
 from jawenv.filter.belief.posterior import PosteriorScratch, posterior_dtype, update_belief
 from jawenv.filter.belief.refocus import refocus
-from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances, tension_columns
+from jawenv.filter.belief.state import Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
 from jawenv.kernels.compiled import njit
@@ -39,8 +39,12 @@ def learn_scratch_dtype(n_muscles: int, n_nuisances: int = 0) -> np.dtype[np.voi
 
 
 @njit
-def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
-    """Move motion and score to the belief's mean."""
+def set_steps(belief: Belief, scratch: LearnScratch):
+    """Into ``row`` (columns) how far coefficients and nuisances of the belief's mean are from its point.
+
+    The nuisances are the most probable ones at the new tensions, and none goes beyond ``FARTHEST``, where a model is
+    none any more. The gain error is where it is: its score stands for its mean.
+    """
     nodes = belief.nominal.shape[1]
     set_coefficients(belief.basis, belief.mean, scratch.after)
     row = scratch.row
@@ -48,28 +52,9 @@ def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     for i in range(belief.nominal.shape[0]):
         for k in range(nodes):
             row[i * nodes + k] = scratch.after[i, k] - belief.nominal[i, k]
-    move_nuisances(belief, belief.nominal.shape[0] * nodes, row, settings.nuisances, scratch.posterior)
-    for i in range(belief.motion.shape[0]):
-        for j in range(row.shape[0]):
-            belief.motion[i] += belief.by_tension[i, j] * row[j]
-    for i in range(row.shape[0]):
-        for j in range(row.shape[0]):
-            belief.score[i] -= belief.information[i, j] * row[j]
-    belief.nominal[:, :] = scratch.after
-    belief.point[:] = belief.mean
-    move_block(belief.block, row)
-
-
-@njit
-def move_nuisances(belief: Belief, first, row, nuisances: Nuisances, scratch: PosteriorScratch):
-    """The nuisances' mean moves to the most probable one at the new tensions, by ``row`` from ``first`` + 1 on.
-
-    None goes beyond ``FARTHEST``, where a model is none any more. The gain error, at ``first``, is where it is: its
-    score stands for its mean.
-    """
+    first, pulled = belief.nominal.shape[0] * nodes, scratch.posterior.pulled_nuisances
     if belief.nuisances.shape[0] == 0:
         return
-    pulled = scratch.pulled_nuisances
     for k in range(pulled.shape[0]):
         value = belief.score[first + k] - (belief.nuisances[k - 1] if k > 0 else 0.0)
         for j in range(first):
@@ -78,9 +63,28 @@ def move_nuisances(belief: Belief, first, row, nuisances: Nuisances, scratch: Po
     solve_decomposed(belief.nuisance_factor, pulled)
     for k in range(1, pulled.shape[0]):
         before = belief.nuisances[k - 1]
-        belief.nuisances[k - 1] = min(max(before + pulled[k], -FARTHEST), FARTHEST)
-        row[first + k] = belief.nuisances[k - 1] - before
-    move_jaw(belief.jaw, nuisances, row, first + 1)
+        row[first + k] = min(max(before + pulled[k], -FARTHEST), FARTHEST) - before
+
+
+@njit
+def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
+    """Move motion and score to the belief's mean."""
+    set_steps(belief, scratch)
+    row, first = scratch.row, belief.nominal.shape[0] * belief.nominal.shape[1] + 1
+    if belief.nuisances.shape[0] > 0:
+        for k in range(belief.nuisances.shape[0]):
+            belief.nuisances[k] += row[first + k]
+        move_jaw(belief.jaw, settings.nuisances, row, first)
+    for i in range(belief.motion.shape[0]):
+        for j in range(row.shape[0]):
+            belief.motion[i] += belief.by_tension[i, j] * row[j]
+    for i in range(row.shape[0]):
+        for j in range(row.shape[0]):
+            belief.score[i] -= belief.information[i, j] * row[j]
+    belief.nominal[:, :] = scratch.after
+    belief.point[:] = belief.mean
+    belief.steps[:] = 0.0
+    move_block(belief.block, row)
 
 
 @njit
@@ -116,5 +120,7 @@ def conclude(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     no reading tells apart at one point look different at each (Huang, Mourikis & Roumeliotis 2010, Int. J. Robot. Res.
     29:502). So the point moves where the readings are filtered again, and with a surprise.
     """
-    update_belief(belief, settings, scratch.posterior)
+    if update_belief(belief, settings, scratch.posterior):
+        set_steps(belief, scratch)
+        belief.steps[:] = scratch.row
     set_misfit(belief)

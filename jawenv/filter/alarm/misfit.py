@@ -9,8 +9,8 @@ stop, and what the model lacks comes again. What the belief takes in without a m
 
 Ticks that the load cell's samples do not resolve (``readings.screening``) are left out.
 
-The sum is kept at the belief's present mean: where that moves, it is corrected by M (``move_block``), and a replay
-begins it anew, so that every block is judged by what is believed after the last replay.
+The sum is kept at the belief's point: where that moves, it is corrected by M (``move_block``), and a replay begins it
+anew. It is judged at the belief's present mean (``belief.steps`` from the point).
 """
 
 from __future__ import annotations
@@ -53,6 +53,7 @@ def move_block(block: Block, steps):
 def judge_block(belief: Belief, scratch: UpdateScratch):
     """Keep the two largest misfits of blocks."""
     block, share = belief.block, 1.0 / sqrt(BLOCK)
+    move_block(block, belief.steps)
     for i in range(N_MEASUREMENTS):
         scratch.innovation[i] = share * block.innovation[i]
         for j in range(block.rows.shape[1]):

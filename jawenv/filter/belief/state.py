@@ -71,6 +71,7 @@ class Belief:
     block: Block
     drift: Drift
     misfit: float  # the alarm, see ``misfit``
+    steps: Annotated[Array, "columns"]  # coefficients, gain error and nuisances of the mean less those of the point
     point: Annotated[Array, "parameters"]  # natural logs about which motion and readings are linearised
     nominal: Annotated[Array, "muscles", N_NODES]  # c at ``point``
     nuisances: Annotated[Array, "nuisances"]  # their mean, in prior sds
@@ -263,6 +264,7 @@ def forget_readings(belief: Belief):
     belief.by_tension[:, :] = 0.0
     belief.information[:, :] = 0.0
     belief.score[:] = 0.0
+    belief.steps[:] = 0.0
     belief.trend[:] = 0.0
     belief.smoothed[:] = 0.0
     belief.friction_share[:] = 0.0
