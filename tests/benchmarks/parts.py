@@ -17,7 +17,7 @@ import numpy as np
 import jawenv  # noqa: F401 - registers the environments
 from jawenv.envs.world.condyles import true_motion
 from jawenv.envs.world.plants import SUBSTEPS
-from jawenv.envs.world.step_kernel import N_NORMALS
+from jawenv.envs.world.record import N_NORMALS
 from jawenv.filter.belief.state import tension_columns
 from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
@@ -110,7 +110,7 @@ def time_part(device, model, world, settings, scratch):
 @numba.njit
 def update_part(device, model, world, settings, scratch):
     known = settings.filter
-    update_motion(model, world.known.belief, scratch.measured, known.used, known, scratch.filter.update)
+    update_motion(model, world.known.belief, scratch.measured, known.used, True, known, scratch.filter.update)
 
 
 @numba.njit

@@ -1,5 +1,7 @@
-"""Each study of ``research`` is a command, and what the ablation changes exists."""
+"""Each study of ``research`` and the benchmark are commands, and what the ablation changes exists."""
 
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -24,3 +26,10 @@ def test_constants_that_the_ablation_changes_exist() -> None:
         for constant in row.constants:
             module, _, name = (ablation.FILTER + constant).rpartition(".")
             assert hasattr(import_module(module), name), constant
+
+
+def test_the_benchmark_is_a_command() -> None:
+    bench = Path(__file__).parents[1] / "benchmarks" / "bench.py"
+    ended = subprocess.run([sys.executable, bench, "--help"], capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert "--quick" in ended.stdout
