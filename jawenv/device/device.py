@@ -117,7 +117,7 @@ class Device(NumericFields):
     motor_no_load_mm_s: float = number(20.0, 2000.0, "mm/s", zero=False)
     thermal_s: float = number(10.0, 1000.0, "s", zero=False, record="thermal_time")
     force_cap_N: float = number(40.0, 4000.0, "N", zero=False)
-    slew_N_s: float = number(24.0, 100000.0, "N/s", zero=False)
+    slew_N_s: float = number(12.0, 100000.0, "N/s", zero=False)
     lag_s: float = number(0.02, 2.0, "s", zero=False)
     max_rate_mm_s: float = number(40.0, 4000.0, "mm/s", zero=False)
     servo_stiffness_N_m: float = number(1000.0, 60000.0, "N/m", zero=False)

@@ -1,8 +1,9 @@
 """How stiff the device makes the jaw, and so how short the steps must be while it holds it.
 
 As ``mechanics.stiffness``: stiffness k and damping d at a point of mobility w add k w and d w to bounds K and D of
-the body's. A mode x'' + d_x x' + k_x x = 0 has 0 <= k_x <= K and 0 <= d_x <= D, since both are symmetric and positive:
-it is no faster than sqrt(K) where it swings, and than D where it creeps.
+the body's. Motors that yield to stops and brake add their thrust's share of both, across its own direction: the sums
+are not symmetric, and a mode x'' + d_x x' + k_x x = 0 with |k_x| <= K and |d_x| <= D is no faster than the root of
+x^2 = D x + K.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from math import sqrt
 
 from jawenv.device.device import N_MOTORS, DeviceRecord
-from jawenv.device.motors import BRAKED, STOPPED, STOPPED_AND_BRAKED
+from jawenv.device.motors import BRAKED, STOPPED, STOPPED_AND_BRAKED, YIELD_FORCE
 from jawenv.kernels.compiled import njit
 from jawenv.mechanics.jaw import Jaw
 
@@ -27,15 +28,17 @@ def held_rate(device: DeviceRecord, jaw: Jaw, trajectory, acted, free_rate):
         free_rate: Bound on the rate without the device (1/s).
     """
     stiffness, damping = free_rate * free_rate, 0.0
+    # Half of the motors pull along the same line.
+    abreast = 0.5 * N_MOTORS
+    yielding = 1.0 + abreast * device.full_scale / YIELD_FORCE
     if acted == BRAKED or acted == STOPPED_AND_BRAKED:
-        damping += jaw.mouthpiece_mobility * device.brake
+        damping += yielding * jaw.mouthpiece_mobility * device.brake
     if acted >= STOPPED:
-        stops = jaw.mouthpiece_mobility + jaw.condyle_mobility
+        stops = yielding * (jaw.mouthpiece_mobility + jaw.condyle_mobility)
         stiffness += stops * device.stop_stiffness
         damping += stops * device.stop_damping
     if trajectory:
-        # Half of the motors pull along the same line.
-        motors = 0.5 * N_MOTORS * jaw.mouthpiece_mobility
+        motors = abreast * jaw.mouthpiece_mobility
         stiffness += motors * device.servo_stiffness
         damping += motors * device.servo_damping
-    return max(sqrt(stiffness), damping)
+    return 0.5 * (damping + sqrt(damping * damping + 4.0 * stiffness))
