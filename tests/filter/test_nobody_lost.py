@@ -67,13 +67,17 @@ def test_nobody_is_lost(cohort, control):
     assert (terminated == info["violation"]).all()
     assert opened.max() > 0.08
     swings = (opened > 0.1) & ~terminated & (np.repeat(everybody.names, EACH) != "corners")
-    assert (info["information_claimed"] > 0.5)[swings].all(), "and who swings off the teeth teaches it something"
+    assert ((info["information_claimed"] > 0.5) | (info["gated"] > 0.5))[swings].all(), (
+        "and who swings off the teeth teaches it something"
+    )
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
 
 
-@pytest.mark.parametrize("cohort", ["trismus", "wide"])
-def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort):
-    """Motors at full thrust, stops and the brake change their force several times in a tick, for seconds."""
+@pytest.mark.parametrize(
+    ("cohort", "slew_N_s", "rattling"), [("trismus", 24.0, 10), ("trismus", 12.0, 0), ("wide", 12.0, 0)]
+)
+def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort, slew_N_s, rattling):
+    """Full thrust; with quick motors stops and brake change their force several times in a tick, for seconds."""
     held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)
     actions = np.repeat(held, 8, axis=0)
     env = gym.make_vec(
@@ -81,7 +85,7 @@ def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(c
         len(actions),
         cohort=cohort,
         control="force",
-        device=jawenv.Device(slew_N_s=24.0),
+        device=jawenv.Device(slew_N_s=slew_N_s),
         episode_s=15.0,
         autoreset_mode="disabled",
     )
@@ -90,9 +94,8 @@ def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(c
     for _ in range(300):
         *_, terminated, _, info = env.step(actions)
         rough += env.unwrapped.simulation.worlds["known"]["belief"]["waits"] > 0
-    rattles = (rough > 100.0) & ~terminated
-    assert rattles.sum() >= 8
-    assert info["nees"][rattles].max() / 12.0 < 10.0
+    assert ((rough > 100.0) & ~terminated).sum() >= rattling
+    assert info["nees"][~terminated].max() / 12.0 < 10.0
 
 
 def test_nobody_is_lost_who_follows_targets_at_a_low_rate():
