@@ -44,7 +44,8 @@ def _format(hint: Any, dtype: Any, sizes: dict[str, Any]) -> tuple[Any, ...]:
     """What ``np.dtype`` takes for a field with this annotation."""
     if get_origin(hint) is Annotated:
         array, *lengths = get_args(hint)
-        (number,) = get_args(get_args(array)[1])
+        number = get_args(array)[-1]  # from NumPy 2.5 and Python 3.12 on; before, the dtype of it
+        number = get_args(number)[0] if get_origin(number) is np.dtype else number
         return number, tuple(sizes.get(length, length) for length in lengths)
     if hint in (int, float, bool) or issubclass(hint, np.generic):
         return (np.uint8 if hint is bool else hint,)
