@@ -38,7 +38,7 @@ def draw(profiles: pd.DataFrame, design: Design, path: Path) -> None:
     setting = [factor for factor in FACTORS if factor != "entry" and profiles[factor].nunique() > 1]
     table = profiles.assign(
         entry=profiles["entry"].map(words.label),
-        setting=[", ".join(map(_text, levels)) for levels in profiles[setting].itertuples(index=False)],
+        setting=[", ".join(map(_text, levels[1:])) for levels in profiles[setting].itertuples()],
     )
     settings, entries = list(dict.fromkeys(table["setting"])), list(dict.fromkeys(table["entry"]))
     panel, line = ("setting", "entry") if len(settings) <= len(entries) else ("entry", "setting")

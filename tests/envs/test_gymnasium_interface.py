@@ -170,7 +170,7 @@ ARGUMENTS = [
     ({"reward": "nats"}, "reward is 'nats'; allowed: uncertainty, bound, score, worst, mixed"),
     (
         {"cohort": "cats"},
-        "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, blockage, wide, "
+        "cohort is 'cats'; allowed: trismus, healthy, severe, one_sided, blockage, patchy, wide, "
         "or a file (.json, .toml, .yaml, .yml)",
     ),
     ({"cohort": 5}, "cohort is 5; allowed: a name, a Cohort, a mapping of its fields, or a file"),
@@ -184,7 +184,7 @@ ARGUMENTS = [
     ({"cohort": stiff_left(b_sd=2)}, "cohort 'cohort': sd of log b = 2; allowed: more than 0, at most 1.5"),
     (
         {"cohort": stiff_left(F_o_N=80)},
-        "cohort 'cohort': F_o_N = 80 with a log sd of 0.5 is drawn larger than 100; allowed: up to 100 at 2 sd "
+        "cohort 'cohort': F_o_N = 80 with a log sd of 0.5 is drawn larger than 200; allowed: up to 200 at 2 sd "
         "above the median",
     ),
     ({"episode_s": 0}, "episode_s is 0; allowed: a number, more than 0, at most 1e+06"),

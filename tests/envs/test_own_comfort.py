@@ -27,7 +27,7 @@ def played(steps=20, action=PUSH, **arguments):
 
 
 def test_the_default_given_is_the_default(tmp_path):
-    (tmp_path / "comfort.toml").write_text("force_N = 15\n")
+    (tmp_path / "comfort.toml").write_text("force_N = 24\n")
     wanted, _, _ = played()
     for given in (jawenv.Comfort(), {}, {"speed_mm_s": 40}, tmp_path / "comfort.toml"):
         np.testing.assert_array_equal(played(comfort=given)[0], wanted)
@@ -36,7 +36,7 @@ def test_the_default_given_is_the_default(tmp_path):
 def test_used_fractions_are_of_the_own_limits():
     """The governor acts at neither; the jaw moves alike."""
     _, default, _ = played(action=BARELY)
-    comfort = jawenv.Comfort(force_N=30.0, speed_mm_s=80.0, tension_margin=3.0, side_mm=20.0)
+    comfort = jawenv.Comfort(force_N=48.0, speed_mm_s=80.0, tension_margin=3.0, side_mm=20.0)
     _, own, _ = played(action=BARELY, comfort=comfort)
     for k in range(20):
         assert default[k]["governor"] == own[k]["governor"] == 0.0
@@ -47,10 +47,10 @@ def test_used_fractions_are_of_the_own_limits():
 
 def test_ranges_are_of_the_own_painless_pull():
     observations, _, _ = played(steps=1)
-    short, _, env = played(steps=1, comfort={"painless_range_mm": 8.0})
-    soft, weak = played(steps=1, comfort={"painless_force_N": 2.0})[2], played(steps=1)[2]
+    short, _, env = played(steps=1, comfort={"painless_range_mm": 5.0})
+    soft, weak = played(steps=1, comfort={"painless_force_N": 8.0})[2], played(steps=1)[2]
     opening = [each.simulation.worlds["known"]["limits"]["opening"][0] for each in (env, soft, weak)]
-    assert opening[0] == pytest.approx(8e-3, rel=0.01) and opening[1] < opening[2]
+    assert opening[0] == pytest.approx(5e-3, rel=0.01) and opening[1] < opening[2]
     assert short[0][37] == pytest.approx(opening[0] / 0.03, rel=1e-5) and observations[0][37] > short[0][37]
 
 

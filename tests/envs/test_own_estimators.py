@@ -10,7 +10,7 @@ from test_copies import actions, assert_same
 
 import jawenv
 from agents import load_agent
-from jawenv.envs.own_estimators import EpisodeStart, OwnEstimator
+from jawenv.envs.own_estimators import EpisodeStart
 
 ID = "jawenv/Jaw-v3"
 
@@ -95,7 +95,7 @@ def test_what_it_is_told():
     tilted = jawenv.cohort("trismus").draw(np.random.default_rng(0)).model_copy(update={"head_tilt_deg": 10.0})
     env.reset(seed=5000, options={"patient": tilted})
     start = env.simulation.own_estimators.each[0].start
-    assert isinstance(start, EpisodeStart) and isinstance(Shrinking(), OwnEstimator) is False  # no belief before
+    assert isinstance(start, EpisodeStart)
     assert start.parameter_names == env.parameter_names and start.prior is env.prior
     assert (start.tick_s, start.ticks_per_step, start.gain_sd) == (0.01, 5, 0.02)
     assert start.jaw["gravity"][0] == pytest.approx(9.81 * np.sin(np.radians(10.0)), rel=1e-3)

@@ -55,7 +55,7 @@ def test_a_governor_that_acts_all_the_time_is_shown():
     """Twenty ticks' shares add up to a little more than 1."""
     env = gym.make(ID, **SHORT).unwrapped
     env.reset(seed=0)
-    env.simulation.worlds["truth"]["governor"] = sum([1 / 20] * 20)
+    env.simulation.worlds["truth"]["governor"] = np.cumsum(np.full(20, 1 / 20))[-1]
     assert env.simulation.worlds["truth"]["governor"][0] > 1.0 and build_scene(env.simulation).governor == 1.0
 
 

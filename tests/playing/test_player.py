@@ -7,6 +7,7 @@ import pytest
 
 from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
+from jawenv.envs.world.observation import FORCE_SCALE
 from jawenv.errors import InputError
 from jawenv.playing.agents import Memory
 from jawenv.playing.maneuvers.maneuver import Maneuver
@@ -57,7 +58,9 @@ class SpringJaw:
         part["pose"][:, 2] = pitch / 0.25
         part["jaw"][:, 0], part["jaw"][:, 1] = self.opening / OPENING_MM, self.side / SIDE_MM
         part["jaw_range"][:] = OPENING_MM / 30.0, SIDE_MM / 10.0, 0.5
-        part["force"][:, 0], part["force"][:, 2] = np.array([np.cos(pitch), np.sin(pitch)]) * self.fore_aft_N / 15.0
+        part["force"][:, 0], part["force"][:, 2] = (
+            np.array([np.cos(pitch), np.sin(pitch)]) * self.fore_aft_N / FORCE_SCALE
+        )
         part["comfort_margin"][:] = 1.0
         part["comfort_margin"][:, 3] -= np.abs(self.fore_aft_N) / self.reach_N
         return seen
@@ -91,7 +94,7 @@ def play(agent: Player, jaw: SpringJaw, seconds: float) -> tuple[np.ndarray, np.
     for _ in range(round(seconds / DT)):
         action, _ = agent.predict(jaw.observe())
         jaw.step(action)
-        places.append(np.stack([jaw.opening / OPENING_MM, jaw.side / SIDE_MM, jaw.fore_aft_N / 15.0], axis=-1))
+        places.append(np.stack([jaw.opening / OPENING_MM, jaw.side / SIDE_MM, jaw.fore_aft_N / FORCE_SCALE], axis=-1))
         actions.append(action)
     return np.array(places), np.array(actions)
 
@@ -171,7 +174,7 @@ def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
     jaw = SpringJaw("force", np.ones(2), reach_N=3.0)
     agent = Player(swings(fore_aft=0.4), control="force")
     places, _ = play(agent, jaw, 28.0)
-    used = np.abs(places[..., 2]) * 15.0 / 3.0
+    used = np.abs(places[..., 2]) * FORCE_SCALE / 3.0
     assert used.max() < 1.1 and used[-140:].max() < 0.95
     _, state = agent.predict(jaw.observe())
     assert state is not None
@@ -180,7 +183,7 @@ def test_a_push_that_uses_up_a_limit_becomes_smaller() -> None:
 
 
 def test_a_push_within_the_limit_is_left_alone() -> None:
-    places, _ = play(Player(swings(fore_aft=0.1), control="force"), SpringJaw("force", np.ones(1), reach_N=3.0), 21.0)
+    places, _ = play(Player(swings(fore_aft=0.1), control="force"), SpringJaw("force", np.ones(1), reach_N=5.0), 21.0)
     assert np.abs(places[..., 2]).max() == pytest.approx(0.1, rel=0.02)
 
 

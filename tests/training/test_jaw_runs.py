@@ -49,7 +49,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     for name, text in files.items():
         (folder / name).write_text(text)
     own = ["--comfort", folder / "strict.toml", "--anatomy", folder / "jaw.toml", "--force-sensor", "straps"]
-    asked = [folder / "jaw.yaml", "--output", folder / "run", "--residual-on", "slow_opening", *own]
+    asked = [folder / "jaw.yaml", "--output", folder / "run", "--residual-on", "refined", *own]
     assert main(["train", *map(str, asked)]) == 0
     for name in files:
         (folder / name).unlink()
@@ -70,9 +70,9 @@ def test_a_correction_begins_as_its_maneuver_and_is_played_as_it_was_trained(tra
     def gained(agent: object) -> float:
         return float(jawenv.play(agent, patients=2, seed=seed, env_kwargs=ENV).information_claimed[:, -1].mean())
 
-    assert rows[0]["information_claimed"] == pytest.approx(gained(Player("slow_opening", control="targets")), abs=1e-3)
+    assert rows[0]["information_claimed"] == pytest.approx(gained(Player("refined", control="targets")), abs=1e-3)
     best = agents.load_agent(trained.path, control="targets")
-    assert isinstance(best, ResidualPolicy) and best.base.maneuver.name == "slow_opening"
+    assert isinstance(best, ResidualPolicy) and best.base.maneuver.name == "refined"
     (row,) = (row for row in rows if row["steps"] == read_card(trained.path).steps)
     assert row["information_claimed"] == pytest.approx(gained(best), abs=1e-3)
     assert rows[-1]["information_claimed"] != rows[0]["information_claimed"]
@@ -85,7 +85,7 @@ def test_the_best_policy_has_a_card(trained: RunFolder) -> None:
     card, config = read_card(trained.path), trained.open()
     assert card.environment.kwargs().items() >= ENV.items() and card.environment.id == "jawenv/Jaw-v3"
     assert card.residual is not None and card.residual.scale == 0.5
-    assert card.residual.maneuver == Maneuver.load(trained.path / BASE_FILE) == Maneuver.named("slow_opening")
+    assert card.residual.maneuver == Maneuver.load(trained.path / BASE_FILE) == Maneuver.named("refined")
     assert (card.algorithm, card.seed, card.steps in (0, 60)) == ("sac", config.seed, True)
     assert card.config_sha256 == config_sha256(trained.config_file)
     assert len(card.commands) == 1

@@ -97,7 +97,7 @@ def test_a_candidate_is_judged_as_it_is_played_alone(control):
 
 
 def test_a_candidate_is_played_in_the_environment_that_is_asked_for():
-    candidate = Maneuver.named("opening_with_swings")
+    candidate = Maneuver.named("refined")
     exact, imaged = (Judge(Refinement(**SHORT, env=env))([candidate])[0] for env in ("Jaw", "JawImaged"))
     assert imaged.worst_sd > 1.01 * exact.worst_sd
     with pytest.raises(InputError):

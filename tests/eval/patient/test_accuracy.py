@@ -6,6 +6,7 @@ import pytest
 from eval.comparison.ranking import rank
 from eval.figures.statistics import share, share_of_muscles
 from eval.patient.accuracy import ALL, SHARES, accuracy, markdown
+from jawenv.metrics.diagnosis import FIBROSED_F_O_N
 from tests.eval.studies import GOOD, IDLE, study
 
 
@@ -21,8 +22,9 @@ def table(made):
 
 def test_shares_are_counts(made, table):
     truth, error, sd = (made.array(GOOD, name)[:, 0::2] for name in ("truth", "error", "sd"))
-    above = (truth + error) / sd  # the threshold of 1 N is 0 in logs
-    up, down, raised = above > 1.6448536, above < -1.6448536, truth > 0.0
+    limit = np.log(FIBROSED_F_O_N)
+    above = (truth + error - limit) / sd
+    up, down, raised = above > 1.6448536, above < -1.6448536, truth > limit
     rows = table[(table["entry"] == GOOD) & (table["property"] == "stiff")].set_index("muscle")
     assert list(rows["raised"]) == [raised.sum(), *raised.sum(axis=0)]
     for name, hits, among in (

@@ -26,7 +26,7 @@ SHORT = ["--episode-s", "0.5", "--seed", "5200"]
 HEALTHY, LEFT, BLOCKED = "healthy", "left_side", "blockage"
 
 
-def patient(name, F_o=0.3, b=7.0, left_F_o=None):
+def patient(name, F_o=0.7, b=7.0, left_F_o=None):
     forces = {muscle: left_F_o if left_F_o and muscle.endswith("left") else F_o for muscle in MUSCLE_NAMES}
     return Patient(name=name, F_o_N=forces, b=dict.fromkeys(MUSCLE_NAMES, b))
 
@@ -73,7 +73,7 @@ class Balance(HTMLParser):
 def three(tmp_path_factory):
     """Pages and verdicts of a healthy, a one-sided and a blocked patient, 8 s each."""
     folder = tmp_path_factory.mktemp("patients")
-    given = [patient(HEALTHY), patient(LEFT, left_F_o=1.8), patient(BLOCKED, F_o=0.4, b=18.0)]
+    given = [patient(HEALTHY), patient(LEFT, left_F_o=4.0), patient(BLOCKED, F_o=0.8, b=20.0)]
     options = []
     for one in given:
         one.save(folder / f"{one.name}.json")
@@ -144,7 +144,7 @@ def test_the_truth_is_shown_where_it_is_asked_for(three, tmp_path):
     arguments = ["--patient", str(folder / f"{LEFT}.json"), "--cohort", "wide", *SHORT, "--show-truth"]
     assert run(tmp_path, RICH, *arguments) == 0
     text = words_of((tmp_path / f"patient-{LEFT}.html").read_text(encoding="utf-8"))
-    assert text.count("truly stiff") == 3 and text.count("true: 1.80 N") == 3 and text.count("true: 7.00") == 6
+    assert text.count("truly stiff") == 3 and text.count("true: 4.00 N") == 3 and text.count("true: 7.00") == 6
 
 
 def test_no_verdict_is_given_where_the_readings_do_not_fit_the_model(tmp_path, capsys):
