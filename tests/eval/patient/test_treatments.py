@@ -14,7 +14,7 @@ from jawenv.playing.rollout import play
 PATIENTS, TREATMENTS, FIRST_SEED = 16, 5, 5100
 
 
-def entry_of(cohort="trismus", episode_s=5.0, maneuver="opening_with_swings_and_fore_aft"):
+def entry_of(cohort="trismus", episode_s=8.0, maneuver="opening_with_swings_and_fore_aft"):
     settings = Settings.of(1, FIRST_SEED, cohort=cohort, control="force", episode_s=episode_s)
     return load_entries([maneuver], settings.world)[0]
 
