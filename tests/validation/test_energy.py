@@ -57,8 +57,8 @@ def balance(mandible, wrench, F_o, step):
     ],
 )
 def test_energy_is_accounted_for(mandible, wrench):
-    coarse, *_ = balance(mandible, wrench, F_o=0.4, step=2e-3)
-    fine, kinetic, work, loss = balance(mandible, wrench, F_o=0.4, step=1e-3)
+    coarse, *_ = balance(mandible, wrench, F_o=0.25, step=2e-3)
+    fine, kinetic, work, loss = balance(mandible, wrench, F_o=0.25, step=1e-3)
     print(f"left over: {coarse:.1e} J at 2 ms, {fine:.1e} J at 1 ms, of {kinetic:.1e} J; in {work:.1e}, out {loss:.1e}")
     assert (work != 0) == (wrench is driven) and (loss > 0) == (mandible is None)
     assert fine < 1e-5 * kinetic
