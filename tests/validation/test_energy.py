@@ -16,7 +16,8 @@ from jawenv.mechanics import build_jaw
 
 SECONDS = 2.0
 START = np.array([5e-3, 0.3e-3, 0.2, 0.02, -0.01, 0.01, 0.005, 0.1, 0.2, -0.1])
-UNDAMPED = replace(default_mandible(), damping_rotation=0.0, damping_sliding=0.0)
+# Without tone, which damps nothing either, weak muscles leave the jaw in the middle of its range, off kinks of stops.
+UNDAMPED = replace(default_mandible(), damping_rotation=0.0, damping_sliding=0.0, closing_tone_N=0.0)
 
 
 def free(_):
@@ -57,8 +58,8 @@ def balance(mandible, wrench, F_o, step):
     ],
 )
 def test_energy_is_accounted_for(mandible, wrench):
-    coarse, *_ = balance(mandible, wrench, F_o=0.25, step=2e-3)
-    fine, kinetic, work, loss = balance(mandible, wrench, F_o=0.25, step=1e-3)
+    coarse, *_ = balance(mandible, wrench, F_o=0.4, step=2e-3)
+    fine, kinetic, work, loss = balance(mandible, wrench, F_o=0.4, step=1e-3)
     print(f"left over: {coarse:.1e} J at 2 ms, {fine:.1e} J at 1 ms, of {kinetic:.1e} J; in {work:.1e}, out {loss:.1e}")
     assert (work != 0) == (wrench is driven) and (loss > 0) == (mandible is None)
     assert fine < 1e-5 * kinetic
