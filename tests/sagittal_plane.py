@@ -72,7 +72,7 @@ def opening(jaw, states):
 
 
 def energy(jaw, law, state):
-    """Kinetic energy, weight's and muscles' potential (J); the muscles' is the integral of F_o exp(b strain)."""
+    """Kinetic energy, weight's and muscles' potential (J); the muscles' is the integral of F_o exp(b strain) + tone."""
     x, z, theta, x_rate, z_rate, theta_rate = state
     turn, condyle = np.array(rotation((x, 0.0, theta, 0.0, 0.0))), np.array([x, 0.0, z])
     arm = turn @ jaw["centre_of_mass"]
@@ -81,4 +81,4 @@ def energy(jaw, law, state):
     total -= jaw["mass"] * jaw["gravity"] @ (condyle + arm)
     lengths = np.linalg.norm(condyle + jaw["insertion"] @ turn.T - jaw["origin"], axis=1)
     stretched = np.exp(law[:, 1] * (lengths / jaw["l_o"] - 1.0))
-    return total + np.sum(law[:, 0] * jaw["l_o"] / law[:, 1] * stretched)
+    return total + np.sum(law[:, 0] * jaw["l_o"] / law[:, 1] * stretched + jaw["tone"] * lengths)

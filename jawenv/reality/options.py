@@ -64,8 +64,8 @@ class Reality(NumericFields):
         guarding_onset: Strain above rest at which it begins: 0.1 is 7 mm of the default jaw's opening (G).
         creep_share: Share of the stretch above rest by which a muscle that is held long enough lengthens. Jaws of ten
             subjects that had been held 2 to 10 mm aside rested 0.7 to 1.8 mm off (Rugh et al. 1990, J Dent Res 69:470;
-            M). Held 10 mm aside, the default jaw then rests 0.65 mm off for a share of 0.2 and 1.6 mm for 0.5, hence
-            0.2 to 0.55 (D). The shift is about a third of the share, as only one side's muscles are stretched.
+            M). Held 10 mm aside, a healthy jaw then rests 0.61 mm off for a share of 0.2 and 1.5 mm for 0.5, hence
+            0.2 to 0.6 (D). The shift is about a third of the share, as only one side's muscles are stretched.
         creep_time_s: Time constant of that lengthening: the shift had no more to gain after 8 s, three of these (M/D).
         creep_slow_share, creep_slow_time_s: The same of a second element, which relaxes while a treatment lasts: 0.1 to
             0.3, 60 s (G: trismus is treated by minutes of stretch).

@@ -1,5 +1,7 @@
 """The law of an environment's patients has the density of what it draws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,8 @@ def test_its_integral_is_1_and_its_entropy_that_of_its_density(cohort):
 
 def test_two_groups_are_a_mixture_and_the_untreatable_have_no_density():
     model = model_named("sides")
-    law = PatientLaw.of("one_sided", env_id=model.env_id, draws=4000)
+    groups = jawenv.cohort("severe").groups + jawenv.cohort("trismus").groups
+    law = PatientLaw.of(replace(jawenv.cohort("severe"), groups=groups), env_id=model.env_id, draws=4000)
     assert 0.8 < law.share < 0.98
     rng = np.random.default_rng(1)
     low, high = (law.cohort.mean - 2 * law.cohort.sd).min(axis=0), (law.cohort.mean + 2 * law.cohort.sd).max(axis=0)

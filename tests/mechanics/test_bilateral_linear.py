@@ -8,7 +8,7 @@ from scipy.interpolate import lagrange
 
 from jawenv.filter.bound.joint_recursion import joint_scratch_dtype
 from jawenv.filter.model.encoders import measure_body
-from jawenv.filter.model.joint_step import BODY_PARTS, propagate
+from jawenv.filter.model.joint_step import BODY_PARTS, propagate, step_parts
 from jawenv.mechanics import build_jaw
 from jawenv.mechanics.bilateral_linear import linearise_body
 from jawenv.mechanics.dynamics import linear_dtype
@@ -58,7 +58,7 @@ def test_linearisation_is_the_exact_derivative(jaw, rng):
     assert 50 < pressed < 150, "some discs are pressed, some are not"
 
 
-def step_of_the_model(jaw, mean, samples, trend):
+def step_of_the_model(jaw, mean, samples, trend, parts):
     """The filter's step for complex arguments: Runge-Kutta in parts, the load cell's samples joined by a parabola."""
     wrench_at = [lagrange([0.0, 0.5, 1.0], samples[:, k]) for k in range(6)]
 
@@ -68,8 +68,8 @@ def step_of_the_model(jaw, mean, samples, trend):
         angles = np.linalg.solve(np.array(twin.angle_axes(pose)), s[9:])
         return np.concatenate([s[6:9], angles, two_condyles.acceleration(jaw, mean[12:24], s[:6], s[6:], wrench)])
 
-    state, h = mean[:12], DT / BODY_PARTS
-    for part in range(BODY_PARTS):
+    state, h = mean[:12], DT / parts
+    for part in range(parts):
         t = part * h
         k1 = rate(t, state)
         k2 = rate(t + h / 2, state + h / 2 * k1)
@@ -80,18 +80,21 @@ def step_of_the_model(jaw, mean, samples, trend):
 
 
 def test_the_filters_step_and_its_derivative(jaw, rng, scratch):
+    divided = []
     for _ in range(10):
         log_parameters, q, u, wrench = two_condyles.random_motion(jaw, rng)
         mean = np.concatenate([q, 0.1 * u, log_parameters, [0.01]])
         samples, trend = wrench / 5 + rng.normal(size=(3, 6)) * [0.5] * 6, wrench / 5
-        expected = step_of_the_model(jaw, mean, samples, trend)
-        state = mean.copy()
+        state, parts = mean.copy(), step_parts(jaw, muscles_of(log_parameters), mean, DT, scratch["linear"])
+        expected = step_of_the_model(jaw, mean, samples, trend, parts)
+        divided.append(parts)
         propagate(jaw, muscles_of(log_parameters), state, samples, trend, mean[24], DT, scratch)
         np.testing.assert_allclose(state[:12], expected, rtol=1e-9, atol=1e-11)
-        derivative = twin.derivative(lambda s, a=samples, b=trend: step_of_the_model(jaw, s, a, b), mean)
+        derivative = twin.derivative(lambda s, a=samples, b=trend, n=parts: step_of_the_model(jaw, s, a, b, n), mean)
         for rows in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)):
             for columns in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12), slice(12, 24), slice(24, 25)):
                 assert_close(scratch["total"][rows, columns], derivative[rows, columns], 1e-7)
+    assert min(divided) == BODY_PARTS < max(divided), "some are so stiff that they take more parts"
 
 
 def test_what_the_encoders_read(jaw, rng):

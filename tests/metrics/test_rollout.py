@@ -29,7 +29,7 @@ class Push:
         return np.tile(self.action, (len(observation), 1)), state
 
 
-REST, OPEN = Push(0, 0, 0, 0), Push(0.05, 0.05, 0, 0)
+REST, OPEN = Push(0, 0, 0, 0), Push(0.3, 0.3, 0, 0)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ def said(F_o, b, sd=0.05, correlation=0.0):
 
 @pytest.mark.parametrize(
     ("F_o", "b", "word"),
-    [(0.3, 7.0, NORMAL), (2.0, 7.0, STIFF), (0.3, 18.0, BLOCKED), (2.0, 18.0, BOTH), (1.0, 7.0, UNKNOWN)],
+    [(0.7, 7.0, NORMAL), (4.0, 10.0, STIFF), (0.8, 18.0, BLOCKED), (4.0, 18.0, BOTH), (1.7, 7.0, UNKNOWN)],
 )
 def test_good_knowledge_finds_the_word(F_o, b, word):
     found = said(F_o, b)
@@ -25,23 +25,23 @@ def test_good_knowledge_finds_the_word(F_o, b, word):
 
 
 def test_a_wide_belief_decides_nothing_and_says_what_is_likeliest():
-    found = said(1.2, 7.0, sd=0.6)
+    found = said(2.0, 7.0, sd=0.6)
     assert (found.word, found.likeliest) == (UNKNOWN, STIFF)
     assert 0.3 < found.probability < 0.95
 
 
 def test_what_is_not_known_of_a_stiff_muscle_is_said():
-    found = verdict(np.log([2.0, 9.5]), np.diag([0.05, 0.3]) ** 2)
+    found = verdict(np.log([4.0, 13.0]), np.diag([0.05, 0.3]) ** 2)
     assert (found.word, found.open_question) == (STIFF, BLOCKED)
-    assert said(2.0, 7.0).open_question == ""
-    assert verdict(np.log([0.9, 18.0]), np.diag([0.5, 0.05]) ** 2).open_question == STIFF
+    assert said(4.0, 10.0).open_question == ""
+    assert verdict(np.log([1.5, 18.0]), np.diag([0.5, 0.05]) ** 2).open_question == STIFF
 
 
 @pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.9])
 def test_probabilities_are_those_of_samples(correlation, rng):
-    found = said(0.9, 9.0, sd=0.2, correlation=correlation)
+    found = said(1.5, 12.5, sd=0.2, correlation=correlation)
     cov = np.array([[1.0, correlation], [correlation, 1.0]]) * 0.04
-    drawn = np.exp(rng.multivariate_normal(np.log([0.9, 9.0]), cov, size=200_000))
+    drawn = np.exp(rng.multivariate_normal(np.log([1.5, 12.5]), cov, size=200_000))
     stiff, blocked = drawn[:, 0] > FIBROSED_F_O_N, drawn[:, 1] > BLOCKED_B
     assert found.stiff == pytest.approx(stiff.mean(), abs=0.005)
     assert found.blocked == pytest.approx(blocked.mean(), abs=0.005)

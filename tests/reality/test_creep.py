@@ -52,10 +52,10 @@ def test_slack_tissue_does_not_shorten(jaw, rng):
     assert np.all(tissue.state["creep"] == 0.0)
 
 
-@pytest.mark.parametrize(("share", "shift"), [(0.2, 0.65e-3), (0.5, 1.63e-3)])
+@pytest.mark.parametrize(("share", "shift"), [(0.2, 0.61e-3), (0.5, 1.51e-3)])
 def test_a_jaw_held_10_mm_aside_comes_to_rest_aside(jaw, share, shift):
     """The shifts from which the plausible shares are concluded; measured ones are 0.7 to 1.8 mm (Rugh et al. 1990)."""
-    muscles = np.tile([1.2, 7.0], (6, 1))
+    muscles = np.tile([0.7, 7.0], (6, 1))  # healthy, as those who were measured
     rest = settled(jaw, muscles, np.array([3e-3, 0.0, 0.05, 0.0, 0.0]))
     tissue = Tissue(jaw, muscles, rest=tuple(rest), creep_share=share)
     held = rest.copy()

@@ -111,7 +111,7 @@ def test_a_symmetric_opening_is_the_midline_models_but_for_the_give_of_the_discs
 
 
 def test_halving_the_step_changes_nothing_that_matters():
-    """While condyles lift off and come down: below 0.1 um and 1e-5 rad, far below the encoders' noise."""
+    """While condyles lift off and come down: below 0.15 um and 1e-5 rad, far below the encoders' noise."""
     jaw = build_jaw()
     path, pressures = bilateral_path(jaw, shaking, 5.0)
     halved, _ = bilateral_path(jaw, shaking, 5.0, h=0.5 * BODY_STEP)
@@ -119,7 +119,7 @@ def test_halving_the_step_changes_nothing_that_matters():
     assert np.all(np.ptp(path, axis=0) > [0.01, 0.02, 0.02, 0.2, 0.2, 0.1]), "it does shake"
     assert (pressures == 0.0).any()
     first, second = np.abs(path - halved).max(axis=0), np.abs(halved - quartered).max(axis=0)
-    assert first[:3].max() < 1e-7 and first[3:].max() < 1e-5
+    assert first[:3].max() < 1.5e-7 and first[3:].max() < 1e-5
     assert second[:3].max() < 0.4 * first[:3].max() and second[3:].max() < 0.4 * first[3:].max()
 
 

@@ -16,7 +16,8 @@ from jawenv.mechanics import build_jaw
 
 SECONDS = 2.0
 START = np.array([5e-3, 0.3e-3, 0.2, 0.02, -0.01, 0.01, 0.005, 0.1, 0.2, -0.1])
-UNDAMPED = replace(default_mandible(), damping_rotation=0.0, damping_sliding=0.0)
+# Without tone, which damps nothing either, weak muscles leave the jaw in the middle of its range, off kinks of stops.
+UNDAMPED = replace(default_mandible(), damping_rotation=0.0, damping_sliding=0.0, closing_tone_N=0.0)
 
 
 def free(_):

@@ -61,7 +61,7 @@ def turning_axes(angles):
 
 
 @pytest.mark.parametrize("mandible", [UNDAMPED, default_mandible()], ids=["undamped", "damped"])
-@pytest.mark.parametrize("cohort", ["trismus", "one_sided"])
+@pytest.mark.parametrize("cohort", ["healthy", "one_sided"])
 def test_tiny_motions_have_the_eigenvalues_of_mujocos_linear_model(mandible, cohort):
     """Started along an eigenvector, the motion turns and decays with its eigenvalue: all modes, each on its own."""
     log_parameters = random_patient(np.random.default_rng(5), cohort)
@@ -90,7 +90,7 @@ def test_tiny_motions_have_the_eigenvalues_of_mujocos_linear_model(mandible, coh
 
 def test_slow_motion_follows_equilibrium():
     """The lag behind equilibrium is proportional to the speed of the pull."""
-    log_parameters = random_patient(np.random.default_rng(5), "trismus")
+    log_parameters = random_patient(np.random.default_rng(5), "healthy")
     twin, jaw, step = MujocoTwin(), build_jaw(), 5e-3
 
     def pull(phase):

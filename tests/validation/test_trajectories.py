@@ -48,8 +48,8 @@ def twin_motion(log_parameters, start, wrench):
 @pytest.mark.parametrize(
     ("cohort", "down", "side", "place_m", "turn_rad"),
     [
-        pytest.param("trismus", 4.0, 0.5, 2e-6, 6e-5, id="opened wide and shifted"),
-        pytest.param("severe", 10.0, 1.0, 6e-5, 2e-3, id="snapping shut onto the teeth and the fossa's back"),
+        pytest.param("healthy", 4.0, 0.5, 5e-7, 2e-5, id="opened wide and shifted"),
+        pytest.param("trismus", 20.0, 1.0, 8e-5, 2e-3, id="snapping shut onto the teeth and the fossa's back"),
     ],
 )
 def test_steps_of_5_ms_follow_mujocos_body(cohort, down, side, place_m, turn_rad):

@@ -34,14 +34,14 @@ class OpenAndSwing:
 
     control = "force"
     frequencies = np.array([0.9, 0.6, 1.1, 0.7])  # Hz
-    swings = np.array([0.15, 0.15, 0.1, 0.1])
+    swings = np.array([0.075, 0.075, 0.05, 0.05])
 
     def reset(self, num_envs, seed):
         self.time = 0.0
 
     def predict(self, observation, state=None, episode_start=None, deterministic=True):
         self.time += 0.05
-        action = 0.1 * min(1.0, self.time) + self.swings * np.sin(2.0 * np.pi * self.frequencies * self.time)
+        action = 0.05 * min(1.0, self.time) + self.swings * np.sin(2.0 * np.pi * self.frequencies * self.time)
         return np.tile(action, (len(observation), 1)).astype(np.float32), state
 
 
@@ -129,7 +129,7 @@ def assert_inside(errors, expected):
 
 
 def test_twelve_parameters_scatter_as_the_bound_of_the_full_model_says():
-    records, found = drawn("jaw", OpenAndSwing(), 0.5, 6.0, DRAWS)
+    records, found = drawn("jaw", OpenAndSwing(), 0.35, 6.0, DRAWS)
     errors, expected, bound = scatter(records, found)
     assert errors.shape == (DRAWS, 12)
     assert (np.sqrt(np.diag(bound)) < 0.1).all()
