@@ -17,6 +17,8 @@ BLOCKED = (
     "pyarrow",
     "torch",
     "viser",
+    "ezc3d",
+    "h5py",
     "stable_baselines3",
 )
 
