@@ -149,3 +149,17 @@ def test_real_time(tmp_path: Path) -> None:
 def test_real_time_names_what_is_not_allowed(refusal) -> None:
     assert refusal("real_time.py", "--seconds", "nan") == "error: seconds is nan; allowed: more than 0\n"
     assert refusal("real_time.py", "no_such_file.csv") == "error: no_such_file.csv: no such file\n"
+
+
+def test_device_loop() -> None:
+    done = run("examples/device_loop.py", "--seconds", "2")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0] == "201 readings, 0 without a reply"
+    p50, p99 = (float(lines[1].split()[i]) for i in (2, 5))
+    assert 0.0 < p50 <= p99
+    assert lines[2].startswith("deadlines of 10 ms missed: ") and lines[3].startswith("all known to ")
+
+
+def test_device_loop_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("device_loop.py", "--seconds", "0") == "error: seconds is 0; allowed: 1 to 600\n"
