@@ -57,9 +57,9 @@ def listen(link: socket.socket, until_s: float, sent_s: np.ndarray, latency_s: n
             latency_s[tick] = time.perf_counter() - sent_s[tick]
 
 
-def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief:
+def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief | None:
     """Answer every reading with the belief after it; a lost packet is a tick of which nothing was read."""
-    expected = 0
+    expected, belief = 0, None
     while True:
         packet, sender = link.recvfrom(READING.itemsize)
         reading = np.frombuffer(packet, READING)[0]
@@ -93,7 +93,8 @@ def main() -> None:
         process.start()
         belief = serve(link, online)
         process.join()
-    print(f"all known to {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")
+    if belief is not None:
+        print(f"all known to {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")
 
 
 if __name__ == "__main__":

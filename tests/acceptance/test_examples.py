@@ -163,3 +163,22 @@ def test_device_loop() -> None:
 
 def test_device_loop_names_what_is_not_allowed(refusal) -> None:
     assert refusal("device_loop.py", "--seconds", "0") == "error: seconds is 0; allowed: 1 to 600\n"
+
+
+def test_train_with_sb3() -> None:
+    pytest.importorskip("stable_baselines3")
+    done = run("examples/train_with_sb3.py", "--steps", "4096", "--patients", "2", "--episode-s", "3")
+    assert done.returncode == 0, done.stderr
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["PPO", "slow_opening"]
+
+
+def test_train_with_torchrl() -> None:
+    pytest.importorskip("torchrl", exc_type=ImportError)
+    done = run("-W", "ignore", "examples/train_with_torchrl.py", "--steps", "4096", "--episode-s", "3")
+    assert done.returncode == 0, done.stderr
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["round 1", "round 2"]
+
+
+@pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py"])
+def test_training_examples_are_short(script: str) -> None:
+    assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80
