@@ -18,6 +18,11 @@ Draw = Callable[[np.random.Generator, Array, int, float], Array]
 """From a stream, the last action (4), the number of the step and its length (s) to the next action."""
 
 
+def zero(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
+    """The action 0 of every motor or channel, the middle of its range."""
+    return np.zeros_like(last)
+
+
 def uniform(stream: np.random.Generator, last: Array, step: int, dt: float) -> Array:
     """Independent and uniform at every step."""
     return np.asarray(stream.uniform(-1.0, 1.0, ACTION_SIZE))
@@ -111,3 +116,7 @@ EXCITATIONS: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(
     }
 )
 """Each by its name, made for so many control steps per second."""
+BASELINES: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(
+    {"zero": lambda control_hz: Excitation("zero", zero, control_hz), **EXCITATIONS}
+)
+"""The same, and the agent without any."""

@@ -59,13 +59,14 @@ class PlainPolicy(BatchAgent):
         name: label in tables.
         card: its model card, with its environment.
         control: of its actions; "targets" if they correct a maneuver.
+        weights: its parameters, in double precision.
     """
 
     def __init__(self, name: str, card: ModelCard, weights: Mapping[str, np.ndarray]) -> None:
         self.name, self.card = name, card
         self.control: Control = card.environment.control if card.residual is None else "targets"
         # Twice the precision of the weights: an action then hardly depends on how many worlds are computed at once.
-        self._weights = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
+        self.weights = {key: np.asarray(values, dtype=np.float64) for key, values in weights.items()}
         self._activation = ACTIVATIONS[card.architecture.activation]
 
     def _answer(
@@ -78,7 +79,7 @@ class PlainPolicy(BatchAgent):
         """Actions (N, 4) for inputs of the first layer (N, inputs)."""
         last = len(self.card.architecture.layers) - 2
         for i in range(last + 1):
-            values = values @ self._weights[f"layers.{i}.weight"].T + self._weights[f"layers.{i}.bias"]
+            values = values @ self.weights[f"layers.{i}.weight"].T + self.weights[f"layers.{i}.bias"]
             values = self._activation(values) if i < last else values
         squashed = np.tanh(values) if self.card.architecture.squash == "tanh" else np.clip(values, -1.0, 1.0)
         return squashed.astype(np.float32)
@@ -96,7 +97,7 @@ class RecurrentPlainPolicy(Remembering, PlainPolicy):
         self, rows: Observation, memory: Memory, starts: Mask | None, deterministic: bool
     ) -> tuple[Action, Memory]:
         check_size(rows, self.card.observation_size, self.name)
-        (hidden, cell), weights = memory.of_worlds, self._weights
+        (hidden, cell), weights = memory.of_worlds, self.weights
         gates = rows.astype(np.float64) @ weights["lstm.input"].T + hidden @ weights["lstm.hidden"].T
         enter, forget, new, leave = np.split(gates + weights["lstm.bias"], 4, axis=1)
         cell = expit(forget) * cell + expit(enter) * np.tanh(new)

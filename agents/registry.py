@@ -5,7 +5,7 @@ from pathlib import Path
 
 from agents.card import CARD, WEIGHTS, card_of, policy_folder, policy_names
 from agents.controller import ControlledAgent
-from agents.excitation import EXCITATIONS
+from agents.excitation import BASELINES
 from agents.following import TargetsLaw
 from agents.own import load_own, source_of
 from agents.planners import PLANNERS
@@ -30,7 +30,7 @@ def names() -> tuple[str, ...]:
 
 def shipped_names() -> tuple[str, ...]:
     """Every name that `load_agent` knows: maneuvers, policies, excitations and planners of the project."""
-    return (*names(), *policy_names(), *EXCITATIONS, *PLANNERS)
+    return (*names(), *policy_names(), *BASELINES, *PLANNERS)
 
 
 def load_agent(
@@ -44,8 +44,8 @@ def load_agent(
     """Find or load an agent.
 
     Args:
-        spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), an
-            excitation's (`EXCITATIONS`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), the folder
+        spec: a hand-made maneuver's name (`names()`), a policy's that comes with the project (`policy_names()`), a
+            baseline's (`BASELINES`), a planner's (`PLANNERS`), a maneuver file, recorded actions (.npz), the folder
             of a training run or an exported policy, a stable-baselines3 checkpoint, or a class or function of one's
             own, as ``package.module:Name``, which gets control and control_hz if its signature takes them.
         control: control mode of the environment that the agent shall play.
@@ -57,8 +57,8 @@ def load_agent(
         InputError: an unknown name or environment, or a file of another kind; in one line.
     """
     path, model = Path(spec), model_of_env(env_id)
-    if str(spec) in EXCITATIONS:
-        return EXCITATIONS[str(spec)](_steps_per_s(control, control_hz))
+    if str(spec) in BASELINES:
+        return BASELINES[str(spec)](_steps_per_s(control, control_hz))
     if str(spec) in PLANNERS:
         return PLANNERS[str(spec)].planner(control)
     if str(spec) in names():
@@ -101,7 +101,7 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
         InputError: a damaged card, or no module of one's own.
     """
     path = Path(spec)
-    if str(spec) in (*EXCITATIONS, *PLANNERS, *names()):
+    if str(spec) in (*BASELINES, *PLANNERS, *names()):
         return ()
     if (folder := policy_folder(spec)) is not None:
         return (folder / CARD, folder / WEIGHTS)

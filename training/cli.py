@@ -149,6 +149,18 @@ def export_command(
     )
 
 
+@app.command("onnx")
+def onnx_command(
+    policy: Annotated[Path, typer.Argument(metavar="POLICY", help="A shipped policy's name, or the folder of one.")],
+    output: Annotated[Path, typer.Option(metavar="FILE.onnx", help="Where it is written.")],
+) -> None:
+    """Write a policy as ONNX, to be read from C++, MATLAB or a browser (docs/environment.md#a-policy-as-onnx)."""
+    from training.run.onnx_file import write_onnx
+
+    write_onnx(policy, output)
+    print(f"{output}: observation (N, size), step (N,) -> action (N, 4)")
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line.
 

@@ -1,4 +1,4 @@
-"""The command line ``jawenv``: ``live``, ``play``, ``score``, ``identify`` and ``list``."""
+"""The command line ``jawenv``: ``live``, ``play``, ``score``, ``identify``, ``import`` and ``list``."""
 
 from __future__ import annotations
 
@@ -97,6 +97,45 @@ def identify_command(
 
     reading = {"cohort": cohort, "knowledge": knowledge, "columns": columns, "resample_hz": resample}
     return check(recording, reading) if check_only else identify(recording, reading, page)
+
+
+@app.command("import")
+def import_command(
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="Tracker's .c3d, .trc, .mot, .sto, .h5 or _motion.tsv, or a recording."),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="A recording (.csv), .mot, .sto or _motion.tsv.", metavar="FILE")
+    ],
+    forces: Annotated[
+        Path | None, typer.Option(help="Load cell's .csv, .mot or .sto, of a clock of its own.", metavar="FILE")
+    ] = None,
+    landmarks: Annotated[
+        Path | None,
+        typer.Option(help="Places of incisor, molar_left and molar_right, the jaw closed (TOML).", metavar="FILE"),
+    ] = None,
+    registered: Annotated[bool, typer.Option("--registered", help="The file is in head axes already.")] = False,
+    jaw: Annotated[str | None, typer.Option(help="Body, or markers, on the lower jaw: A,B,C.", metavar="NAMES")] = None,
+    head: Annotated[
+        str | None, typer.Option(help="Body, or markers, on the head: D,E,F, or fixed.", metavar="NAMES")
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option(help="Of lengths, in place of what the file states.", metavar="UNIT")
+    ] = None,
+    offset: Annotated[
+        float | None, typer.Option(help="What the clock of the forces shows at 0 of the tracker's.", metavar="SECONDS")
+    ] = None,
+    columns: Annotated[
+        Path | None, typer.Option(help="File with the names, units and signs of the forces.", metavar="FILE")
+    ] = None,
+) -> None:
+    """Make a recording of a jaw tracker's file and a load cell's (docs/files_of_the_trade.md)."""
+    from jawenv.laboratory.trackers.importing import ImportSettings, import_file
+
+    settings = ImportSettings(forces, landmarks, registered, jaw, head, unit, offset, columns)
+    for line in import_file(file, output, settings):
+        print(line)
 
 
 @app.command("list")

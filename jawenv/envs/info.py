@@ -24,17 +24,19 @@ class WorldReader:
     ``governor`` (share of the step in which it acted); ``left_out`` (share of the step's readings that were missing or
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
-    claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s).
+    claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
+    uint64: of the episode's patient and random numbers, with which ``reset`` begins it again).
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
+        keys: (N, 2) of the episodes; likewise.
         with_bound: whether the bound is computed.
     """
 
-    def __init__(self, worlds: NDArray[np.void], with_bound: bool) -> None:
+    def __init__(self, worlds: NDArray[np.void], keys: NDArray[np.uint64], with_bound: bool) -> None:
         """Make the views."""
-        self._arguments = worlds, with_bound
-        self._bounded = with_bound
+        self._arguments = worlds, keys, with_bound
+        self._keys, self._bounded = keys, with_bound
         truth, known = worlds["truth"], worlds["known"]
         self._mean, self._covariance = known["belief"]["mean"], known["belief"]["cov"]
         self._truth, self._state = truth["log_parameters"], truth["state"]
@@ -76,6 +78,7 @@ class WorldReader:
             "misfit": self._misfit.item(0),
             "jaw_state": state.copy(),
             "time": self._tick.item(0) * TICK,
+            "episode_key": self._keys[0].copy(),
         }
         info.update(zip(_COST_KEYS, costs.tolist(), strict=True))
         info.update(zip(_COMFORT_KEYS, self._fractions[0].tolist(), strict=True))
@@ -102,6 +105,7 @@ class WorldReader:
             "misfit": self._misfit.copy(),
             "jaw_state": self._state.copy(),
             "time": self._tick * TICK,
+            "episode_key": self._keys.copy(),
         }
         info.update(zip(_COST_KEYS, self._costs.T.copy(), strict=True))
         info.update(zip(_COMFORT_KEYS, self._fractions.T.copy(), strict=True))

@@ -15,7 +15,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import configure, described
 from jawenv.envs.observation import OBSERVATION_BOUND
-from jawenv.envs.reset_options import checked_options, checked_patient, checked_seed, episode_keys
+from jawenv.envs.reset_options import checked_keys, checked_options, checked_patient, checked_seed, episode_keys
 from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
@@ -145,16 +145,19 @@ class JawEnv(gym.Env[Observation, Action]):
 
         Args:
             seed: whole number, 0 or more, of a new ``np_random``; without one, the present ``np_random`` goes on.
-            options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file.
+            options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file;
+                ``{"episode_key": ...}`` to begin the episode again whose ``info`` has it.
 
         Raises:
             InputError: the seed or an option is not allowed, or the patient is not usable.
         """
-        patient = checked_patient(checked_options(options, ("patient",)).get("patient"), "option patient")
+        given = checked_options(options, ("patient", "episode_key"))
+        patient = checked_patient(given.get("patient"), "option patient")
+        again = checked_keys(given.get("episode_key"), (2,), "episode_key")
         seed = checked_seed(seed)
         generator, number = (self.np_random, self.np_random_seed) if seed is None else np_random(seed)
         with episode_keys([generator], _ON) as keys:
-            self.simulation.reset(_ON, [patient], keys)
+            self.simulation.reset(_ON, [patient], keys if again is None else again[None])
         self._np_random, self._np_random_seed = generator, number
         self._begun, self._end = True, None
         self._potential = float(potential(self.configuration.reward, self.simulation.worlds)[0])

@@ -15,6 +15,7 @@ from jawenv.errors import InputError, shown
 from jawenv.files import instance_of
 
 __all__ = [
+    "checked_keys",
     "checked_mask",
     "checked_options",
     "checked_patient",
@@ -107,6 +108,22 @@ def checked_mask(mask: object, number: int) -> NDArray[np.bool_]:
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (number,):
         raise InputError(f"option reset_mask is {shown(mask)}; allowed: a bool array of shape ({number},)")
     return mask
+
+
+def checked_keys(keys: object, shape: tuple[int, ...], name: str) -> NDArray[np.uint64] | None:
+    """Keys of episodes that were played before, as ``info["episode_key"]`` has them; None draws new ones.
+
+    Raises:
+        InputError: anything but whole numbers from 0 to 2**63 - 1, of this shape.
+    """
+    if keys is None:
+        return None
+    array = np.asarray(keys)
+    if array.shape != shape or array.dtype.kind not in "iu" or (array < 0).any() or (array >= 2**63).any():
+        raise InputError(
+            f"option {name} is {shown(keys)}; allowed: info['episode_key'], whole numbers of shape {shape}"
+        )
+    return array.astype(np.uint64)
 
 
 @contextmanager

@@ -20,7 +20,9 @@ def build_scene(simulation: Simulation, title: str | None = None, index: int = 0
 
     world, configuration = simulation.worlds[index], simulation.configuration
     truth, known = world["truth"], world["known"]
-    jaw, info = truth["jaw"], WorldReader(simulation.worlds[index : index + 1], configuration.needs_bound).first()
+    one = slice(index, index + 1)
+    jaw = truth["jaw"]
+    info = WorldReader(simulation.worlds[one], simulation.keys[one], configuration.needs_bound).first()
     q, _ = split(truth["state"])
     contact, body_to_head = np.array(contact_point(jaw, q)), np.array(rotation(q))
     contact[2] += truth["lift"][0]

@@ -100,7 +100,9 @@ class Simulation:
         """The true jaws, where Python moves them."""
         bound_threads = threads if configuration.needs_bound else 0
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
-        self.reader = WorldReader(self.worlds, configuration.needs_bound)
+        self.keys = np.zeros((num_worlds, 2), dtype=np.uint64)
+        """(N, 2) of all random numbers of the present episodes."""
+        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound)
         own = configuration.own_estimator
         self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
         """The user's estimators, where they are in the place of the device's filter."""
@@ -189,10 +191,12 @@ class Simulation:
             InputError: a given patient has no rest pose that the device can treat.
         """
         numbers = np.flatnonzero(chosen)
-        arrays = self.worlds, self.models, self.observation, self.ticks[:, 0], self.paths[:, 0]
+        ticks = self.ticks[:, 0], self.paths[:, 0]
+        arrays: tuple[NDArray[Any], ...] = (self.worlds, self.models, self.keys, self.observation, *ticks)
         before = [array[numbers] for array in arrays]
         plants = None if self.moved is None else self.moved.each
         try:
+            self.keys[numbers] = keys[numbers]
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
             if self.own_estimators is not None:

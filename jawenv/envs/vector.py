@@ -19,7 +19,14 @@ from jawenv.envs.configuration import configure
 from jawenv.envs.info import with_masks
 from jawenv.envs.jaw import action_space, observation_space
 from jawenv.envs.pictures import WorldPictures
-from jawenv.envs.reset_options import checked_mask, checked_options, checked_patients, checked_seeds, episode_keys
+from jawenv.envs.reset_options import (
+    checked_keys,
+    checked_mask,
+    checked_options,
+    checked_patients,
+    checked_seeds,
+    episode_keys,
+)
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
 from jawenv.envs.snapshots import Snapshot, restore_snapshot, take_snapshot
@@ -145,14 +152,15 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             InputError: an option is unknown or has the wrong shape, or a patient is not usable.
         """
-        checked = checked_options(options, ("patients", "reset_mask"))
+        checked = checked_options(options, ("patients", "reset_mask", "episode_keys"))
         mask = checked.get("reset_mask")
         chosen = self._all if mask is None else checked_mask(mask, self.num_envs)
         if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
         patients = checked_patients(checked.get("patients"), self.num_envs)
+        again = checked_keys(checked.get("episode_keys"), (self.num_envs, 2), "episode_keys")
         generators, seeds = self._reseeded(seed, chosen)
-        self._begin(chosen, patients, generators)
+        self._begin(chosen, patients, generators, again)
         self._generators, self._seeds, self._begun = generators, seeds, True
         if self._pictures is not None:
             self._pictures.note()
@@ -174,10 +182,14 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         return generators, tuple(seeds)
 
     def _begin(
-        self, chosen: NDArray[np.bool_], patients: list[Patient | None], generators: Sequence[np.random.Generator]
+        self,
+        chosen: NDArray[np.bool_],
+        patients: list[Patient | None],
+        generators: Sequence[np.random.Generator],
+        again: NDArray[np.uint64] | None = None,
     ) -> None:
         with episode_keys(generators, chosen) as keys:
-            self.simulation.reset(chosen, patients, keys)
+            self.simulation.reset(chosen, patients, keys if again is None else again)
         now = potential(self.configuration.reward, self.simulation.worlds)
         self._potential[chosen] = now[chosen]
         self._done[chosen] = False

@@ -149,3 +149,39 @@ def test_real_time(tmp_path: Path) -> None:
 def test_real_time_names_what_is_not_allowed(refusal) -> None:
     assert refusal("real_time.py", "--seconds", "nan") == "error: seconds is nan; allowed: more than 0\n"
     assert refusal("real_time.py", "no_such_file.csv") == "error: no_such_file.csv: no such file\n"
+
+
+def test_device_loop() -> None:
+    done = run("examples/device_loop.py", "--seconds", "2")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0] == "201 readings, 0 without a reply"
+    p50, p99 = (float(lines[1].split()[i]) for i in (2, 5))
+    assert 0.0 < p50 <= p99
+    assert lines[2].startswith("deadlines of 10 ms missed: ") and lines[3].startswith("all known to ")
+
+
+def test_device_loop_names_what_is_not_allowed(refusal) -> None:
+    assert refusal("device_loop.py", "--seconds", "0") == "error: seconds is 0; allowed: 1 to 600\n"
+
+
+def test_train_with_sb3() -> None:
+    pytest.importorskip("stable_baselines3")
+    done = run("examples/train_with_sb3.py", "--steps", "4096", "--patients", "2", "--episode-s", "3")
+    assert done.returncode == 0, done.stderr
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["PPO", "slow_opening"]
+
+
+def test_train_with_torchrl() -> None:
+    pytest.importorskip("torchrl", exc_type=ImportError)
+    done = run("-W", "ignore", "examples/train_with_torchrl.py", "--steps", "4096", "--episode-s", "3")
+    assert done.returncode == 0, done.stderr
+    rounds = [
+        line.split(":")[0] for line in done.stdout.splitlines() if "nats a step" in line
+    ]  # TorchRL logs there too
+    assert rounds == ["round 1", "round 2"]
+
+
+@pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py"])
+def test_training_examples_are_short(script: str) -> None:
+    assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80

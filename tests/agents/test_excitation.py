@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.excitation import EXCITATIONS
+from agents.excitation import BASELINES, EXCITATIONS
 
 HZ = 20.0
 
@@ -67,3 +67,10 @@ def test_one_observation_gets_one_action() -> None:
     action, state = agent.predict(np.zeros(7))
     assert action.shape == (4,) and state is None
     np.testing.assert_array_equal(action, drawn(1, seed=5, steps=1)[0, 0])
+
+
+def test_zero_does_nothing() -> None:
+    agent = BASELINES["zero"](HZ)
+    agent.reset(3, seed=0)
+    actions, _ = agent.predict(np.ones((3, 63), dtype=np.float32))
+    np.testing.assert_array_equal(actions, np.zeros((3, 4), dtype=np.float32))

@@ -272,7 +272,7 @@ def test_an_unusable_action_of_many_is_named():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"pose": 1}, "option 'pose' is unknown; allowed: patient"),
+        ({"pose": 1}, "option 'pose' is unknown; allowed: patient, episode_key"),
         (
             {"patient": 3},
             "option patient is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
@@ -298,7 +298,7 @@ def test_an_unusable_option_is_named(options, message):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"options": {"patient": 1}}, "option 'patient' is unknown; allowed: patients, reset_mask"),
+        ({"options": {"patient": 1}}, "option 'patient' is unknown; allowed: patients, reset_mask, episode_keys"),
         ({"options": {"patients": [None]}}, "option patients has 1 entries; allowed: 2"),
         ({"options": {"patients": "ab"}}, "option patients is 'ab'; allowed: a sequence of 2 entries"),
         (

@@ -46,7 +46,9 @@ def test_infos_are_flat_and_hold_pythons_numbers_and_arrays(arguments):
     assert all(list(info) == list(infos[0]) for info in infos)
     for info in infos:
         arrays = {key: value for key, value in info.items() if isinstance(value, np.ndarray)}
-        assert all(value.ndim > 0 and value.dtype == np.float64 for value in arrays.values())
+        assert arrays["episode_key"].dtype == np.uint64
+        kinds = {value.dtype for key, value in arrays.items() if key != "episode_key"}
+        assert all(value.ndim > 0 for value in arrays.values()) and kinds == {np.dtype(np.float64)}
         scalars = {key: value for key, value in info.items() if key not in arrays}
         assert {key for key, value in scalars.items() if type(value) is not float} == {"violation"}
         assert type(scalars["violation"]) is bool

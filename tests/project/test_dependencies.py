@@ -64,7 +64,9 @@ def test_numba_is_bounded_by_its_next_minor_version() -> None:
 
 def test_every_requirement_is_pinned_within_its_range() -> None:
     pinned = pins()
-    for requirement in requirements("all", "train", "eval", "cluster", "notebooks", "docs", "foreign", "sbi", "dev"):
+    for requirement in requirements(
+        "all", "sb3", "train", "eval", "cluster", "notebooks", "docs", "foreign", "sbi", "dev"
+    ):
         version = pinned.get(canonicalize_name(requirement.name))
         assert version is not None, f"{requirement.name} is not in constraints.txt"
         assert version in requirement.specifier, f"{requirement} does not allow {version}"
@@ -75,7 +77,7 @@ def test_every_requirement_is_pinned_within_its_range() -> None:
     [
         # pyyaml and pyarrow only to read such a file; jawenv says so when they are missing. rich only in
         # jawenv.progress, for the commands, which bring it.
-        ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all"]),
+        ("jawenv", {"jawenv", "yaml", "pyarrow", "rich"}, ["all", "sb3"]),
         ("agents", {"jawenv", "agents"}, ["all", "train"]),
         ("training", {"jawenv", "agents", "training"}, ["all", "train"]),
         (

@@ -17,6 +17,8 @@ BLOCKED = (
     "pyarrow",
     "torch",
     "viser",
+    "ezc3d",
+    "h5py",
     "stable_baselines3",
 )
 
@@ -52,6 +54,7 @@ REFUSED = {
     "contact, mechanics": "import jawenv.mechanics.sagittal",
     "MuJoCo": 'gym.make("jawenv/Jaw-v3", plant="jawenv.mechanics.mujoco_jaw:MujocoJaw")',
     "pictures": 'env = gym.make("jawenv/Jaw-v3", render_mode="rgb_array")\nenv.reset(seed=0)\nenv.render()',
+    "stable-baselines3": "import jawenv.sb3",
     "filters": "import jawenv.laboratory.references.filterpy_filters",
 }
 REFUSALS = f"""
@@ -87,6 +90,7 @@ def test_the_default_environment_is_played_and_judged() -> None:
         ("contact, mechanics", 'JawSagittal needs pymunk: pip install "jawenv[sagittal]"'),
         ("MuJoCo", 'MujocoJaw needs mujoco: pip install "jawenv[mujoco]"'),
         ("pictures", 'render_mode needs pygame: pip install "jawenv[render]"'),
+        ("stable-baselines3", 'jawenv.sb3 needs stable_baselines3: pip install "jawenv[sb3]"'),
         ("filters", 'a reference filter needs filterpy: pip install "jawenv[reference]"'),
     ],
 )

@@ -20,13 +20,13 @@ from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.files import validate
 from jawenv.progress import Progress
+from jawenv.sb3 import NativeVecEnv
 from tests.plain_policies import fields
 from training.cli import main
 from training.run.algorithms import ALGORITHMS, make_model, plain_policy
 from training.run.callbacks import Interrupt, Upkeep
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
-from training.run.worlds import NativeVecEnv
 
 COMMON = """
 steps: 320

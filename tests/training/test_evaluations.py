@@ -9,11 +9,11 @@ from point_env import DT_S, EPISODE_STEPS, PointVectorEnv
 from rich.console import Console
 
 from jawenv.progress import Progress
+from jawenv.sb3 import NativeVecEnv
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig
 from training.run.evaluations import Evaluation, Evaluations, evaluate
 from training.run.folder import RunFolder
-from training.run.worlds import NativeVecEnv
 
 
 def worlds(start: float = 1.0) -> NativeVecEnv:

@@ -7,7 +7,7 @@ import pytest
 from point_env import EPISODE_STEPS, PointVectorEnv
 
 from jawenv.errors import InputError
-from training.run.worlds import NativeVecEnv
+from jawenv.sb3 import NativeVecEnv
 
 
 def play(worlds: NativeVecEnv, steps: int, action: Any) -> list[tuple[Any, ...]]:

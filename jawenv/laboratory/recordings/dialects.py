@@ -46,7 +46,7 @@ def read_sheet(path: Path, largest: int) -> Sheet:
     Raises:
         InputError: no such file, no text, no table, or a row with too few or too many cells.
     """
-    numbered = list(enumerate(_decoded(path, largest).splitlines(), 1))
+    numbered = list(enumerate(decoded(path, largest).splitlines(), 1))
     comments = []
     for number, line in numbered:
         if line.strip() and not line.startswith("#"):
@@ -75,7 +75,7 @@ def read_sheet(path: Path, largest: int) -> Sheet:
     return _without_unnamed(path, comments, cells, lines)
 
 
-def _decoded(path: Path, largest: int) -> str:
+def decoded(path: Path, largest: int) -> str:
     """UTF-8, or UTF-16 with its mark, or else the Latin-1 of Windows."""
     data = read_bytes(path, largest)
     encodings = ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1")

@@ -59,7 +59,7 @@ def read_columns(path: Path) -> dict[str, Source]:
     sources = {name: validate(Source, item, f"{path}: {name}") for name, item in data.items()}
     for name, source in sources.items():
         if source.unit is not None:
-            _factor(name, source.unit, str(path))
+            factor(name, source.unit, str(path))
     return sources
 
 
@@ -78,7 +78,7 @@ def mapped(table: RecordTable, sources: Mapping[str, Source]) -> RecordTable:
                 f"{meant(source.name, table.columns)}allowed: {', '.join(map(shown, list(table.columns)[:20]))}"
             )
         unit = source.unit or _unit_of(name)
-        columns[name] = source.sign * _factor(name, unit, table.path) * table.columns[source.name]
+        columns[name] = source.sign * factor(name, unit, table.path) * table.columns[source.name]
         units.pop(name, None)
         written = table.units.get(source.name, "")
         if written and _plain(written) != _plain(unit):
@@ -97,11 +97,16 @@ def _unit_of(name: str) -> str:
     return next(unit for ending, unit in _ENDINGS.items() if name.endswith(ending))
 
 
-def _factor(name: str, unit: str, path: str) -> float:
+def factor(name: str, unit: str, path: str) -> float:
+    """The factor from a unit to that of a column of the project.
+
+    Raises:
+        InputError: an unknown unit.
+    """
     allowed = UNITS[_unit_of(name)]
-    for symbol, factor in allowed.items():
+    for symbol, scale in allowed.items():
         if _plain(symbol) == _plain(unit):
-            return factor
+            return scale
     raise InputError(f"{path}: {name} has unit {shown(unit)}; allowed: {', '.join(allowed)}")
 
 

@@ -1,0 +1,105 @@
+"""Run the filter in a device's loop: readings come over UDP from another process, 100 times a second.
+
+    python examples/device_loop.py --seconds 60
+
+The other process stands for the device: it sends the readings of a simulated patient on its own clock, and notes when
+the belief about each comes back. A deadline is missed where that is later than the next reading. Few updates filter
+earlier readings again and take longer; readings wait meanwhile in the socket.
+"""
+
+import argparse
+import multiprocessing
+import select
+import socket
+import sys
+import time
+
+import numpy as np
+
+import jawenv
+from jawenv.laboratory.online import OnlineBelief
+from jawenv.playing.maneuvers import Player
+
+MANEUVER = "opening_with_swings_and_fore_aft"
+READING = np.dtype([("tick", np.int64), ("measured", np.float64, 12), ("samples", np.float64, (3, 6))])
+REPLY = np.dtype([("tick", np.int64), ("worst_sd", np.float64), ("misfit", np.float64)])
+END = -1  # the tick of the last packet, which has no reading
+PATIENCE_S = 60.0
+
+
+def device(port: int, readings: np.ndarray, period_s: float) -> None:
+    """Send every reading at its time, and print how long the beliefs took to come back."""
+    link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    link.connect(("127.0.0.1", port))
+    latency_s = np.full(len(readings), np.inf)
+    sent_s = np.zeros(len(readings))
+    begun = time.perf_counter() + period_s
+    for i, reading in enumerate(readings):
+        listen(link, begun + i * period_s, sent_s, latency_s)
+        sent_s[i] = time.perf_counter()
+        link.send(reading.tobytes())
+    listen(link, time.perf_counter() + 1.0, sent_s, latency_s)
+    ending = np.zeros((), READING)
+    ending["tick"] = END
+    link.send(ending.tobytes())
+    arrived = latency_s[np.isfinite(latency_s)]
+    p50, p99 = 1e3 * np.quantile(arrived, [0.5, 0.99]) if len(arrived) else (np.nan, np.nan)
+    print(f"{len(readings)} readings, {len(readings) - len(arrived)} without a reply")
+    print(f"latency: p50 {p50:.2f} ms, p99 {p99:.2f} ms")
+    print(f"deadlines of {1e3 * period_s:g} ms missed: {np.sum(latency_s > period_s)}", flush=True)
+
+
+def listen(link: socket.socket, until_s: float, sent_s: np.ndarray, latency_s: np.ndarray) -> None:
+    """Take replies until the clock shows ``until_s``."""
+    while (left := until_s - time.perf_counter()) > 0.0:
+        if select.select([link], [], [], left)[0]:
+            tick = int(np.frombuffer(link.recv(REPLY.itemsize), REPLY)[0]["tick"])
+            latency_s[tick] = time.perf_counter() - sent_s[tick]
+
+
+def serve(link: socket.socket, online: jawenv.OnlineFilter) -> OnlineBelief | None:
+    """Answer every reading with the belief after it; a lost packet is a tick of which nothing was read."""
+    expected, belief = 0, None
+    while True:
+        packet, sender = link.recvfrom(READING.itemsize)
+        reading = np.frombuffer(packet, READING)[0]
+        if reading["tick"] == END:
+            return belief
+        for _ in range(expected, reading["tick"]):
+            online.update(np.full(12, np.nan), np.full((3, 6), np.nan))
+        belief = online.update(reading["measured"], reading["samples"])
+        expected = int(reading["tick"]) + 1
+        link.sendto(np.array((reading["tick"], belief.log_sd.max(), belief.misfit), REPLY).tobytes(), sender)
+
+
+def main() -> None:
+    """Simulate what the device reads, and let it run against the filter."""
+    parser = argparse.ArgumentParser(description="Run the filter in a device's loop over UDP.")
+    parser.add_argument("--seconds", type=float, default=10.0, help="of readings")
+    seconds = parser.parse_args().seconds
+    if not 1.0 <= seconds <= 600.0:
+        raise jawenv.InputError(f"seconds is {seconds:g}; allowed: 1 to 600")
+    player = Player(MANEUVER)
+    record = jawenv.play(player, patients=1, seed=0, env_kwargs={"record": True, "episode_s": seconds}).records[0]
+    readings = np.zeros(len(record.measured), READING)
+    readings["tick"], readings["measured"] = np.arange(len(readings)), record.measured
+    readings["samples"][1:] = record.samples
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+        link.bind(("127.0.0.1", 0))
+        link.settimeout(PATIENCE_S)
+        online = jawenv.OnlineFilter.of_record(record)
+        arguments = (link.getsockname()[1], readings, record.dt)
+        process = multiprocessing.get_context("spawn").Process(target=device, args=arguments, daemon=True)
+        process.start()
+        belief = serve(link, online)
+        process.join()
+    if belief is not None:
+        print(f"all known to {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except jawenv.InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,1 @@
+"""Files of jaw trackers: read, registered by dental landmarks, joined with a force file, and written."""
