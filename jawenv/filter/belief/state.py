@@ -74,10 +74,10 @@ class Belief:
     steps: Annotated[Array, "columns"]  # coefficients, gain error and nuisances of the mean less those of the point
     point: Annotated[Array, "parameters"]  # natural logs about which motion and readings are linearised
     nominal: Annotated[Array, "muscles", N_NODES]  # c at ``point``
-    nuisances: Annotated[Array, "nuisances"]  # their mean, in prior sds
+    nuisances: Annotated[Array, "nuisances"]  # at the point, in prior sds
     nuisances_replayed_at: Annotated[Array, "nuisances"]
     friction_share: Annotated[Array, "motors"]  # see ``device.force_sensor``
-    jaw: Jaw  # the filter's model at that mean, where there are nuisances
+    jaw: Jaw  # the filter's model at the point, where there are nuisances
     predicted: Annotated[Array, "predicted"]  # motion at the tick's end as the past alone has it
     smoothed: Annotated[Array, N_WRENCH]  # the load cell's trend over a shorter time, corrected
     # L^-1 of ``decompose``, of the information about gain error and nuisances at given tensions

@@ -58,7 +58,8 @@ def test_the_anatomy_is_learned_as_the_filters_nuisances_say(played):
     for i in range(WORLDS):
         told = joint_likelihood(simulation, i)
         mean, cov = told.posterior(*of_prior(simulation, len(told.vector)))
-        believed = simulation.worlds["known"]["belief"]["nuisances"][i][patients]
+        belief = simulation.worlds["known"]["belief"][i]
+        believed = (belief["nuisances"] + belief["steps"][-len(own) :])[patients]
         np.testing.assert_allclose(own[patients] @ mean[12:], believed, atol=0.1)
         assert np.sqrt(np.diagonal(cov)[12:].min()) < 0.6, "something of it is learned"
 
