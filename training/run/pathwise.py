@@ -65,6 +65,10 @@ class APG(OnPolicyAlgorithm):
             first.weight.mul_(self._seen)
             first.weight.register_hook(lambda gradient: gradient * self._seen)
 
+    def _excluded_save_params(self) -> list[str]:
+        """What a checkpoint is without: worlds, and the graph of the last episode."""
+        return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort"]
+
     def collect_rollouts(
         self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
     ) -> bool:

@@ -93,7 +93,8 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
     twin = Twin(simulation)
     worlds = Worlds(twin, patients_of(simulation), torch.Generator().manual_seed(seed))
     steps = round(HORIZON_S / twin.decision_s)
-    targets = perturbed(patients, twin.decision_s * np.arange(1, steps + 1, dtype=np.float64), np.random.default_rng(seed))
+    times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
+    targets = perturbed(patients, times, np.random.default_rng(seed))
     discomfort, running = np.zeros((2, patients)), np.ones(patients, dtype=bool)
     for step in range(steps):
         *_, ended, _, info = env.step(action_of(targets[:, step]).astype(np.float32))
