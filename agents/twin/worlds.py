@@ -98,7 +98,8 @@ class Worlds:
         for _ in range(twin.laws_per_decision):
             self._command(rate)
             self._move()
-            self._learn((self.passive.gap > NEAR) * (twin.dt / TICK))
+            # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.
+            self._learn(((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK))
             discomfort = discomfort + twin.dt * self._feel()
             self.target = self.target + twin.dt * rate
         self._learn_from_shaking()

@@ -75,14 +75,10 @@ class APG(OnPolicyAlgorithm):
         """Play new patients in the twin for so many decisions; the graph is kept for ``train``."""
         callback.on_rollout_start()
         env.reset()
-        simulation = self._simulation
-        truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
-        patients = Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
-        noise = torch.Generator().manual_seed(self._n_updates + 2**16 * (self.seed or 0))
-        worlds = Worlds(Twin(simulation), patients, noise)
-        self._worst, self._discomfort = self._play(worlds, n_rollout_steps)
+        noise = self._n_updates + 2**16 * (self.seed or 0)
+        self._worst, self._discomfort = self.play(n_rollout_steps, noise)
         self.num_timesteps += env.num_envs * n_rollout_steps
-        per_30_s = 30.0 * self._discomfort.detach() / (n_rollout_steps * worlds.twin.decision_s)
+        per_30_s = 30.0 * self._discomfort.detach() * self._base.decision_hz / n_rollout_steps
         infos = [{"episode": {"discomfort_s": float(value)}} for value in per_30_s]
         callback.update_locals({**locals(), "infos": infos})
         if not callback.on_step():
@@ -104,14 +100,22 @@ class APG(OnPolicyAlgorithm):
         self.logger.record("train/log_worst", float(self._worst.detach().mean()))
         self.logger.record("train/discomfort_s", float(self._discomfort.detach().mean()))
 
-    def _play(self, worlds: Worlds, steps: int) -> tuple[Tensor, Tensor]:
-        """Weighted ``log_worst`` (P,) and discomfort (P,), s, of so many decisions of the policy."""
-        marks = weights(steps)
-        whole = self._simulation.configuration.steps
-        worst = discomfort = worlds.patients.theta.new_zeros(len(worlds.patients))
+    def play(self, steps: int, seed: int) -> tuple[Tensor, Tensor]:
+        """Weighted ``log_worst`` (P,) and discomfort (P,), s, of so many decisions for the patients of the worlds.
+
+        Args:
+            steps: decisions.
+            seed: of the readings' noise.
+        """
+        simulation = self._simulation
+        truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
+        patients = Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
+        worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed))
+        marks, whole = weights(steps), simulation.configuration.steps
+        worst = discomfort = patients.theta.new_zeros(len(patients))
         for step in range(steps):
             now = np.array([step])
-            features = torch.tensor(self._base.features(now)).expand(len(worlds.patients), -1)
+            features = torch.tensor(self._base.features(now)).expand(len(patients), -1)
             seen = torch.cat([observation(worlds, 1.0 - step / whole).float(), features], -1)
             latent = self.policy.mlp_extractor.forward_actor(seen)
             action = self.policy.action_net(latent).clamp(-1.0, 1.0).double()
