@@ -65,7 +65,7 @@ class BaseTargets:
         Returns:
             (N, 12) targets at the end of this decision and of the next two.
         """
-        ahead = [self._at_end(step + k) for k in range(STEPS_SEEN)]
+        ahead = [self.targets(step + k) for k in range(STEPS_SEEN)]
         return np.concatenate(ahead, axis=1).astype(np.float32)
 
     def actions(self, step: NDArray[np.int64], residual: NDArray[Any]) -> Action:
@@ -78,14 +78,14 @@ class BaseTargets:
         Returns:
             (N, 4) in [-1, 1].
         """
-        targets = self._at_end(step) + self.scale * np.asarray(residual, dtype=np.float64)
+        targets = self.targets(step) + self.scale * np.asarray(residual, dtype=np.float64)
         return action_of(np.clip(targets, LOWEST, HIGHEST)).astype(np.float32)
 
     def residuals(self, step: NDArray[np.int64], action: Action) -> NDArray[Any]:
         """The policy's actions (N, 4), in [-1, 1], that come nearest to actions (N, 4) of the environment."""
-        return np.clip((goals_of(action) - self._at_end(step)) / self.scale, -1.0, 1.0)
+        return np.clip((goals_of(action) - self.targets(step)) / self.scale, -1.0, 1.0)
 
-    def _at_end(self, step: NDArray[np.int64]) -> Array:
+    def targets(self, step: NDArray[np.int64]) -> Array:
         """Targets (N, 4) at the end of steps (N,); worlds in the same step are computed once."""
         steps, which = np.unique(step, return_inverse=True)
         return self.maneuver.targets((steps + 1) / self.decision_hz).value[which]

@@ -15,11 +15,14 @@ from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from training import options
 from training.search.commands import design, distill, optimise
+from training.twin.commands import refine, twin
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
 app.command("design")(design)
 app.command("distill")(distill)
+app.command("twin")(twin)
+app.command("refine")(refine)
 
 
 @app.command("train")

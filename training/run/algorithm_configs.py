@@ -66,6 +66,22 @@ class PPOConfig(InputModel):
     network: NetworkConfig = NetworkConfig()
 
 
+class APGConfig(InputModel):
+    """Analytic policy gradient through a differentiable twin (``training.run.pathwise``).
+
+    Attributes:
+        n_steps: decisions of an episode in the twin.
+        learning_rate: of the policy.
+        max_grad_norm: largest norm of the gradient.
+        network: sizes; the value function is not learned.
+    """
+
+    n_steps: PositiveInt = 50
+    learning_rate: LearningRate = LearningRate(initial=2e-3, final=1e-4)
+    max_grad_norm: PositiveNumber = 1.0
+    network: NetworkConfig = NetworkConfig(value=(), initial_action_scale=0.1)
+
+
 class RecurrentPPOConfig(PPOConfig):
     """PPO with a memory of its own, as in sb3-contrib; its batches are cut out of whole sequences."""
 

@@ -14,11 +14,25 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from agents.card import Architecture
 from jawenv.errors import InputError
-from training.run.algorithm_configs import LSTMNetworkConfig, NetworkConfig, PPOConfig, SACConfig, TQCConfig
+from training.run.algorithm_configs import (
+    APGConfig,
+    LSTMNetworkConfig,
+    NetworkConfig,
+    PPOConfig,
+    SACConfig,
+    TQCConfig,
+)
 from training.run.config import TrainingConfig
+from training.run.pathwise import APG
 
-ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "recurrent_ppo": RecurrentPPO, "sac": SAC, "tqc": TQC}
-_COMMON = {"learning_rate", "batch_size", "gamma", "network"}
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
+    "ppo": PPO,
+    "recurrent_ppo": RecurrentPPO,
+    "sac": SAC,
+    "tqc": TQC,
+    "apg": APG,
+}
+_BUILT = {"learning_rate", "network"}
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU, "elu": torch.nn.ELU}
 
 
@@ -29,14 +43,12 @@ def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
         InputError: the device does not exist.
     """
     section = config.section
-    specific = _on_policy(section) if isinstance(section, PPOConfig) else _off_policy(section)
+    specific = _off_policy(section) if isinstance(section, SACConfig) else _on_policy(section)
     algorithm: Any = ALGORITHMS[config.algorithm]
     model: BaseAlgorithm = algorithm(
         "MlpLstmPolicy" if config.algorithm == "recurrent_ppo" else "MlpPolicy",
         worlds,
         learning_rate=LinearSchedule(section.learning_rate.initial, section.learning_rate.final, 1.0),
-        batch_size=section.batch_size,
-        gamma=section.gamma,
         stats_window_size=worlds.num_envs,
         device=_device(config.device),
         seed=config.seed,
@@ -46,9 +58,9 @@ def make_model(config: TrainingConfig, worlds: VecEnv) -> BaseAlgorithm:
     return model
 
 
-def _on_policy(ppo: PPOConfig) -> dict[str, Any]:
-    """Arguments that PPO has of its own, with or without memory."""
-    return ppo.model_dump(exclude=_COMMON) | {"policy_kwargs": _network(ppo.network)}
+def _on_policy(section: PPOConfig | APGConfig) -> dict[str, Any]:
+    """Arguments that PPO, with or without memory, and APG have of their own."""
+    return section.model_dump(exclude=_BUILT) | {"policy_kwargs": _network(section.network)}
 
 
 def _network(network: NetworkConfig) -> dict[str, Any]:
@@ -69,7 +81,7 @@ def _off_policy(sac: SACConfig) -> dict[str, Any]:
         "activation_fn": ACTIVATIONS[sac.network.activation],
     }
     of_critics = {"n_critics", "n_quantiles"}
-    arguments = sac.model_dump(exclude=_COMMON | of_critics | {"dropped_quantiles"}) | {"train_freq": 1}
+    arguments = sac.model_dump(exclude=_BUILT | of_critics | {"dropped_quantiles"}) | {"train_freq": 1}
     if isinstance(sac, TQCConfig):
         policy |= sac.model_dump(include=of_critics)
         arguments["top_quantiles_to_drop_per_net"] = sac.dropped_quantiles

@@ -16,6 +16,7 @@ from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES as MANEUVER_FILES
 from jawenv.seeds import VALIDATION
 from training.run.algorithm_configs import (
+    APGConfig,
     PositiveInt,
     PositiveNumber,
     PPOConfig,
@@ -30,7 +31,7 @@ SUFFIXES = (".yaml", ".yml", ".json", ".toml")
 BASE_FILE = "base_maneuver.json"
 """Copy of the maneuver in a run's folder, as the policy was trained on it."""
 
-Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc"]
+Algorithm = Literal["ppo", "recurrent_ppo", "sac", "tqc", "apg"]
 
 
 class EnvConfig(InputModel):
@@ -138,6 +139,7 @@ class TrainingConfig(InputModel):
     recurrent_ppo: RecurrentPPOConfig = RecurrentPPOConfig()
     sac: SACConfig = SACConfig()
     tqc: TQCConfig = TQCConfig()
+    apg: APGConfig = APGConfig()
     evaluation: EvaluationConfig = EvaluationConfig()
     checkpoints: CheckpointConfig = CheckpointConfig()
 
@@ -159,9 +161,9 @@ class TrainingConfig(InputModel):
         return self
 
     @property
-    def section(self) -> PPOConfig | SACConfig:
+    def section(self) -> PPOConfig | SACConfig | APGConfig:
         """The settings of the algorithm."""
-        section: PPOConfig | SACConfig = getattr(self, self.algorithm)
+        section: PPOConfig | SACConfig | APGConfig = getattr(self, self.algorithm)
         return section
 
     def as_mapping(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from agents.evaluations import read_evaluations
 from jawenv.errors import InputError
 from training.run import train
-from training.run.algorithm_configs import PPOConfig
+from training.run.algorithm_configs import APGConfig, PPOConfig
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
 
@@ -69,6 +69,8 @@ def suggest(trial: Trial, config: TrainingConfig) -> TrainingConfig:
         section["gamma"] = trial.suggest_float("gamma", 0.97, 0.995)
         section["n_epochs"] = trial.suggest_int("n_epochs", 3, 10)
         section["network"]["initial_log_std"] = trial.suggest_float("initial_log_std", -2.0, -0.5)
+    elif isinstance(config.section, APGConfig):
+        section["learning_rate"]["initial"] = trial.suggest_float("learning_rate", 5e-4, 5e-3, log=True)
     else:
         rate = trial.suggest_float("learning_rate", 2e-4, 2e-3, log=True)
         section["learning_rate"] = {"initial": rate, "final": rate}

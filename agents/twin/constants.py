@@ -1,0 +1,113 @@
+"""What a twin is made of: the constants of an environment, and patients with their limits of comfort."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import pi
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agents.twin.mechanics import Jaw
+from jawenv.device.channels import CHANNELS
+from jawenv.device.comfort import (
+    COMFORT_LIMITS,
+    CONDYLE_FORE_AFT,
+    CONDYLE_SIDE,
+    FORE_AFT,
+    GOVERNOR_ONSET,
+    OPENING,
+    SIDE,
+)
+from jawenv.device.guard import CREST_SHARE, GUARDS
+from jawenv.envs.world.plants import TICK
+from jawenv.envs.world.tracking import LAW_TICKS
+
+STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
+"""Limits with an end stop, in the order of ``Twin.onset``."""
+_GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
+
+
+@dataclass(frozen=True)
+class Patients:
+    """P patients and their limits of comfort: tensors with P leading, named as ``jawenv.device.comfort.Limits``.
+
+    Attributes:
+        theta: (P, 12) natural-log parameters.
+        rest: (P, 5) pose at rest.
+    """
+
+    theta: Tensor
+    rest: Tensor
+    rest_opening: Tensor
+    opening: Tensor
+    path: Tensor
+    rest_side: Tensor
+    side: Tensor
+    fore_aft: Tensor
+    condyle_middle: Tensor
+    condyle_half: Tensor
+    rest_condyle_side: Tensor
+    tension: Tensor
+
+    @classmethod
+    def of(cls, theta: Any, rest: Any, limits: Any) -> Patients:
+        """From arrays (P, 12) and (P, 5), and P records of dtype ``limits_dtype``."""
+        given = {"theta": theta, "rest": rest} | {name: limits[name] for name in cls.names()[2:]}
+        return cls(**{name: torch.tensor(np.asarray(value, dtype=np.float64)) for name, value in given.items()})
+
+    @classmethod
+    def names(cls) -> list[str]:
+        """Of the tensors."""
+        return [field.name for field in fields(cls)]
+
+    def tensors(self) -> dict[str, Tensor]:
+        """By name."""
+        return {name: getattr(self, name) for name in self.names()}
+
+    def __len__(self) -> int:
+        return len(self.theta)
+
+    def __getitem__(self, chosen: Any) -> Patients:
+        return Patients(**{name: value[chosen] for name, value in self.tensors().items()})
+
+
+class Twin:
+    """Constants of an environment: anatomy, device, comfort and the filter's noise.
+
+    Args:
+        simulation: of the environment.
+        laws_per_decision: how often the law acts between two decisions; in the environment 4 times.
+    """
+
+    def __init__(self, simulation: Any, laws_per_decision: int = 2) -> None:
+        model, device, settings = simulation.models[0], simulation.device[0], simulation.settings[0]
+        noise, comfort = settings["filter"], settings["comfort"]
+        self.jaw = Jaw.of(model)
+        self.arms, self.directions = torch.tensor(device["point"]), torch.tensor(device["direction"])
+        self.servo, self.max_rate = float(device["servo_stiffness"]), float(device["max_rate"])
+        self.reach = float(device["full_scale"]) / self.servo
+        self.encoder_sd = torch.tensor(np.sqrt(noise["measurement_variance"][:6]))
+        self.wrench_variance = torch.tensor(noise["wrench_variance"][:6])
+        self.lasting = float(noise["lasting"])
+        # m/s that the unmodelled force gives the mouthpiece in a tick: so fast shakes a jaw that is held still.
+        self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5
+        self.force, self.speed, self.condyle_side = (float(comfort[key]) for key in ("force", "speed", "condyle_side"))
+        self.hard, self.guard = torch.tensor(comfort["hard"]), torch.tensor(_GUARD, dtype=torch.float64)
+        self.onset = 1.0 + GOVERNOR_ONSET * (self.hard[list(STOPPED)] - 1.0)
+        self.stop = float(device["stop_stiffness"])
+        self.servo_damping = float(device["servo_damping"])
+        self.sliding_damping, self.turning_damping = float(model["damping_sliding"]), float(model["damping_rotation"])
+        self.crest = CREST_SHARE * pi / self.jaw.fossa_frequency
+        self.prior_mean, self.prior_sd = torch.tensor(noise["prior_mean"]), torch.tensor(noise["prior_sd"])
+        self.gain_sd = float(noise["gain_variance"]) ** 0.5
+        self.laws_per_decision = laws_per_decision
+        self.decision_s: float = 1.0 / simulation.configuration.steps_per_s
+        self.dt: float = self.decision_s / laws_per_decision
+
+    def gain(self, rate: float) -> float:
+        """Of an error, 1/s, in steps of ``dt``: it falls as by the ``rate`` (1/s) of a law that acts every 50 ms."""
+        short: float = LAW_TICKS * TICK
+        return float(1.0 - (1.0 - rate * short) ** (self.dt / short)) / self.dt

@@ -1,0 +1,25 @@
+"""What is made small by the twin's gradient."""
+
+from __future__ import annotations
+
+import math
+
+from torch import Tensor
+
+from agents.twin.worlds import Worlds
+
+POWER = 10.0
+MARKS = ((0.36, 0.2), (0.64, 0.2), (1.0, 0.6))
+"""Shares of a maneuver's time at which the largest sd counts, and how much."""
+
+
+def log_worst(worlds: Worlds) -> Tensor:
+    """Smooth log (P,) of the largest sd of the parameters: that of their 10-norm."""
+    variances = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12]
+    log: Tensor = variances.pow(POWER / 2.0).mean(-1).log() / POWER + math.log(12.0) / POWER
+    return log
+
+
+def weights(steps: int) -> dict[int, float]:
+    """Decision -> weight of ``log_worst`` after it, in a maneuver of so many."""
+    return {max(1, round(share * steps)): weight for share, weight in MARKS}

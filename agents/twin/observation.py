@@ -1,0 +1,45 @@
+"""What a policy of targets control sees, as the twin has it: the environment's observation without its noise."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+from torch import Tensor
+
+from agents.twin.worlds import Worlds
+from jawenv.envs.observation import FORCE_SCALE, MOMENT_SCALE, OBSERVATION_BOUND, POSE_SCALE, RANGE_SCALE, RATE_SCALE
+
+
+def observation(worlds: Worlds, time_left: float) -> Tensor:
+    """Rows (P, size) in the order of ``jawenv.envs.observation.OBSERVATION_LAYOUT``.
+
+    Args:
+        worlds: of the twin.
+        time_left: share of the episode.
+    """
+    twin, p, q = worlds.twin, worlds.patients, worlds.pose.q
+    sd = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
+    used = torch.stack([p.opening, p.side, p.fore_aft], -1)
+    speeds = worlds.speeds
+    omega = torch.einsum("nji,nkj,nk->ni", worlds.pose.turned, worlds.pose.twists[:, 2:, 3:], speeds[:, 2:])
+    push = worlds.thrust[..., None] * twin.directions
+    force = push.sum(1)
+    moment = torch.linalg.cross(worlds.motor_arms - worlds.arm[:, None, :], push).sum(1)
+    body = worlds.pose.turned.mT
+    felt = [(body @ vector[..., None])[..., 0] for vector in (force, moment)]
+    parts = (
+        (worlds.mean - twin.prior_mean) / twin.prior_sd,
+        (sd / twin.prior_sd).log() / math.log(10.0),
+        q / q.new_tensor(POSE_SCALE),
+        torch.cat([speeds[:, :2], omega], -1) / q.new_tensor(RATE_SCALE),
+        torch.stack(worlds.excursions(), -1) / used,
+        used / q.new_tensor(RANGE_SCALE),
+        felt[0] / FORCE_SCALE,
+        felt[1] / MOMENT_SCALE,
+        worlds.thrust / (twin.reach * twin.servo),
+        worlds.size * worlds.target,
+        worlds.margin,
+        q.new_full((len(q), 1), time_left),
+    )
+    return torch.cat(parts, -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)

@@ -1,0 +1,260 @@
+"""Worlds of the twin: the device's law follows targets, the jaw follows the device, and the filter learns.
+
+As in targets control the law sets the motors' rates from what it feels, the jaw makes one Newton step to its new
+equilibrium, the guard shrinks the targets, and the readings since then inform about the muscles.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+import torch
+from torch import Tensor
+from torch.nn.functional import pad
+
+from agents.twin.constants import Patients, Twin
+from agents.twin.mechanics import (
+    Forces,
+    Passive,
+    Pose,
+    force_noise,
+    forces,
+    information_rows,
+    ramp,
+    shaken_information,
+    shaking,
+    wrenches,
+)
+from jawenv.device import laws
+from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
+from jawenv.device.guard import FASTEST, REGROW, SHRINK_S
+from jawenv.device.motors import STOP_ONSET_WIDTH
+from jawenv.envs.world.plants import TICK
+from jawenv.filter.tick import ALIKE, LASTING_ARM, MOST_TICKS, NEAR, SLOWEST, TOOTH_NOISE
+
+FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
+"""m and rad of a Newton step, at most: beyond that a jaw that is nearly free is off its linearisation."""
+SMALLEST_GUARD = 1e-3
+FIRST_READINGS = 3.0
+"""At rest: so many are taken before the filter sees which teeth press, from which it learns nothing later."""
+QUICKLY = 10.0**-0.5
+"""Of the encoders' sd is left for a shaking at 30 1/s, whose velocities are read too."""
+_LOW, _FASTEST_TARGET = torch.tensor(LOWEST, dtype=torch.float64), torch.tensor(FASTEST_TARGET, dtype=torch.float64)
+
+
+def norm(vector: Tensor) -> Tensor:
+    """Length of the last axis, with a derivative at zero."""
+    return (vector.square().sum(-1) + 1e-12).sqrt()
+
+
+class Worlds:
+    """P worlds of a twin, from rest on.
+
+    Args:
+        twin: constants.
+        patients: P.
+        generator: of the readings' noise; without one the belief goes to the truth as far as information reaches.
+
+    Attributes:
+        pose: of the jaw.
+        target: (P, 4) of the channels.
+        size: (P, 4) what the guard multiplies them by.
+        fractions: (P, 8) of the limits that are used.
+        precision: (P, 13, 13) the filter's, of the parameters and the load cell's gain.
+        covariance: (P, 13, 13) its inverse, as of the last decision.
+        mean: (P, 12) believed parameters, as of the last decision.
+    """
+
+    def __init__(self, twin: Twin, patients: Patients, generator: torch.Generator | None = None) -> None:
+        self.twin, self.patients, self._generator = twin, patients, generator
+        self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
+        self.size, self.thrust = self.target + 1.0, self.target
+        sd = torch.cat([twin.prior_sd, twin.prior_sd.new_tensor([twin.gain_sd])])
+        self.precision = torch.diag(sd**-2).expand(len(patients), -1, -1)
+        self._score = patients.theta.new_zeros(len(patients), 13)
+        self._readings = patients.theta.new_zeros(len(patients))
+        self._truth = pad(patients.theta - twin.prior_mean, (0, 1))
+        if generator is not None:
+            self._truth[:, 12] = twin.gain_sd * self._noise(len(patients))
+        self._believe()
+        self.begin_at(patients.rest)
+        self._learn(self.pose.q.new_full((len(patients),), FIRST_READINGS))
+        self._believe()
+
+    def begin_at(self, q: Tensor) -> None:
+        """Put the jaws at poses (P, 5), with motors that push as they did."""
+        self._look(q)
+        self.motor = self._position() + self.thrust / self.twin.servo
+        self.speeds, self.velocity = torch.zeros_like(q), torch.zeros_like(self.place)
+        self._feel()
+
+    def step(self, action: Tensor) -> Tensor:
+        """Follow targets (P, 4) for one decision; returns the discomfort (P,), s."""
+        twin = self.twin
+        goal = torch.maximum(action.clamp(max=HIGHEST), _LOW)
+        rate = (goal - self.target) / twin.decision_s
+        rate = torch.maximum(torch.minimum(rate, _FASTEST_TARGET), -_FASTEST_TARGET)
+        discomfort = torch.zeros_like(action[:, 0])
+        for _ in range(twin.laws_per_decision):
+            self._command(rate)
+            self._move()
+            # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.
+            self._learn(((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK))
+            discomfort = discomfort + twin.dt * self._feel()
+            self.target = self.target + twin.dt * rate
+        self._learn_from_shaking()
+        self._believe()
+        return discomfort
+
+    def _believe(self) -> None:
+        self.covariance = torch.linalg.inv(self.precision)
+        self.mean = self.twin.prior_mean + (self.covariance @ self._score[..., None])[:, :12, 0]
+
+    def _noise(self, *shape: int) -> Tensor:
+        return torch.randn(*shape, generator=self._generator, dtype=torch.float64)
+
+    def _look(self, q: Tensor) -> None:
+        jaw = self.twin.jaw
+        self.pose: Pose = jaw.pose(q)
+        self.passive: Passive = jaw.passive(self.pose, self.patients.theta)
+        arms = self.pose.arms(torch.cat([jaw.mouthpiece + self.twin.arms, jaw.mouthpiece[None]]))
+        self.motor_arms, self.arm = arms[:, :-1], arms[:, -1]
+        self.place = self.pose.contact + self.arm
+
+    def _position(self) -> Tensor:
+        """(P, 4) of the motors along their axes, m from the closed jaw."""
+        moved = self.pose.contact[:, None, :] + self.motor_arms - (self.twin.jaw.mouthpiece + self.twin.arms)
+        return (moved * self.twin.directions).sum(-1)
+
+    def _command(self, rate: Tensor) -> None:
+        """The motors' targets after ``jawenv.device.laws.servo_rates``, in m and s; ``rate`` (P, 4) of the targets."""
+        twin, p = self.twin, self.patients
+        q, fastest = self.pose.q, 1e-3 * laws.FASTEST
+        correction = twin.gain(laws.CORRECTION)
+        opening, side = self.excursions()[:2]
+        full = torch.stack(
+            [p.opening, p.side, torch.full_like(side, twin.force), torch.full_like(side, ROLL_FULL_SCALE_RAD)], -1
+        )
+        felt = torch.stack([opening, side, self.thrust[:, 2:].sum(-1), q[:, 4] - p.rest[:, 4]], -1)
+        error = self.size * self.target * full - felt
+        wanted = self.size * rate * full + correction * error
+        down, across = wanted[:, 0].clamp(-fastest, fastest), wanted[:, 1].clamp(-fastest, fastest)
+        back = -self.arm[:, 2] / self.arm[:, 0] * down  # the jaw swings back as it opens
+        # Half of the servos' stiffness: jaw and servos yield to each other.
+        admittance = 1e-3 * laws.ADMITTANCE
+        forward = (twin.gain(admittance * twin.servo) / twin.servo * error[:, 2] - back).clamp(-fastest, fastest)
+        twist = twin.arms[0, 1].abs() * wanted[:, 3]
+        yaw = across * twin.arms[2, 1].abs() / (1e-3 * laws.SIDE_LEVER)
+        rates = torch.stack([down - twist, down + twist, forward - yaw, forward + yaw], -1)
+        self.motor = self.motor + twin.dt * rates.clamp(-twin.max_rate, twin.max_rate)
+
+    def _move(self) -> None:
+        """One Newton step to where jaw and servos are in equilibrium."""
+        twin, before, q = self.twin, self.place, self.pose.q
+        position = self._position()
+        lead = (self.motor - position).clamp(-twin.reach, twin.reach)
+        self.motor, thrust = position + lead, twin.servo * lead
+        units = wrenches(self.motor_arms, twin.directions)
+        k = torch.full_like(thrust, twin.servo)
+        servos = forces(self.pose, self.motor_arms, thrust[..., None] * twin.directions, units, k)
+        whole = self.passive.forces + servos + self._stops()
+        step = torch.linalg.solve(whole.stiffness, whole.force)
+        step = torch.maximum(torch.minimum(step, FURTHEST), -FURTHEST)
+        self._look(q + step)
+        self.thrust = twin.servo * (self.motor - self._position())
+        self._stiffness = whole.stiffness
+        self.speeds, self.velocity = step / twin.dt, (self.place - before) / twin.dt
+
+    def _stops(self) -> Forces:
+        """The governor's end stops on the mouthpiece and on the condyles' slide, inside of the hard limits."""
+        twin, p, q, width = self.twin, self.patients, self.pose.q, STOP_ONSET_WIDTH
+        opening, side, fore_aft = self.excursions()
+        travel = torch.stack([fore_aft, side, -opening, q[:, 0] - p.condyle_middle, q[:, 1] - p.rest_condyle_side], -1)
+        limit = torch.stack([p.fore_aft, p.side, p.opening, p.condyle_half, 0.0 * side + twin.condyle_side], -1)
+        limit = limit * twin.onset
+        depth, slope = ramp(travel.abs() - limit, width)
+        push, k = -twin.stop * depth * travel.sign(), twin.stop * slope
+        push = torch.cat([push[:, :2], push[:, 2:3].clamp(min=0.0), push[:, 3:]], -1)  # nothing stops a jaw that closes
+        arm, axes = self.arm[:, None, :].expand(-1, 3, -1), torch.eye(3, dtype=push.dtype)
+        on_teeth = forces(self.pose, arm, torch.diag_embed(push[:, :3]), wrenches(arm, axes), k[:, :3])
+        on_slide = Forces(pad(push[:, 3:], (0, 3)), torch.diag_embed(pad(k[:, 3:], (0, 3))))
+        return on_teeth + on_slide
+
+    def _learn(self, readings: Tensor) -> None:
+        """The filter's information of so many readings (P,), as if all were of the pose that the law left."""
+        twin, speeds = self.twin, self.speeds.abs()
+        moved = speeds[:, 0] + twin.jaw.mouthpiece[0] * speeds[:, 2:].sum(-1)
+        speed = (moved.square() + twin.shaking**2).sqrt()
+        carried = norm(self.thrust @ twin.directions) + twin.jaw.mass * norm(twin.jaw.gravity)
+        ticks = (ALIKE / (TICK * speed.clamp(min=SLOWEST))).clamp(max=MOST_TICKS)
+        lasting = ticks * (twin.lasting * carried).square()
+        arms = lasting.new_tensor([1.0] * 3 + [LASTING_ARM**2] * 3)
+        variance = lasting[:, None] * arms + (self.passive.bite[:, None] * lasting.new_tensor(TOOTH_NOISE)).square()
+        rows = information_rows(
+            self.passive, self.pose.motion(self.arm), twin.wrench_variance + variance, twin.encoder_sd
+        )
+        rows = rows * readings.sqrt()[:, None, None]
+        self._readings = self._readings + readings
+        seen = rows @ self._truth[..., None]
+        if self._generator is not None:
+            seen = seen + self._noise(*seen.shape)
+        self.precision = self.precision + rows.mT @ rows
+        self._score = self._score + (rows.mT @ seen)[..., 0]
+
+    def _learn_from_shaking(self) -> None:
+        """The information of what the unmodelled wrench makes of the jaw during a decision."""
+        twin, Z = self.twin, self.pose.twists
+        with torch.no_grad():
+            J = self.pose.motion(self.arm)
+            servos = wrenches(self.motor_arms, twin.directions) @ Z.mT
+            slides, turns = Z[..., :3], Z[..., 3:]
+            damping = twin.servo_damping * servos.mT @ servos
+            damping = damping + twin.sliding_damping * slides @ slides.mT + twin.turning_damping * turns @ turns.mT
+            C = shaking(self._stiffness, damping, TICK * (J * twin.wrench_variance) @ J.mT)
+            noise = force_noise(self.passive, J, twin.wrench_variance, QUICKLY * twin.encoder_sd)
+        information = shaken_information(self.passive, C, noise) * self._readings[:, None, None]
+        self._readings = torch.zeros_like(self._readings)
+        self.precision = self.precision + pad(information, (0, 1, 0, 1))
+        self._score = self._score + pad((information @ self._truth[:, :12, None])[..., 0], (0, 1))
+
+    def excursions(self) -> tuple[Tensor, Tensor, Tensor]:
+        """Opening above rest, side and fore-aft excursion (P,) of the mouthpiece, m."""
+        p, place = self.patients, self.place
+        opening = self.twin.jaw.mouthpiece[2] - place[:, 2] - p.rest_opening
+        s = opening / p.opening
+        path = p.path[:, 0] + (p.path[:, 1] + p.path[:, 2] * s) * s
+        return opening, place[:, 1] - p.rest_side, place[:, 0] - path
+
+    def _feel(self) -> Tensor:
+        """Cost (P,) of the used fractions; the guard shrinks the targets by what is left."""
+        twin, p, q = self.twin, self.patients, self.pose.q
+        opening, side, fore_aft = self.excursions()
+        used = (
+            norm(self.thrust @ twin.directions) / twin.force,
+            opening.clamp(min=0.0) / p.opening,
+            side.abs() / p.side,
+            fore_aft.abs() / p.fore_aft,
+            (q[:, 0] - p.condyle_middle).abs() / p.condyle_half,
+            (q[:, 1] - p.rest_condyle_side).abs() / twin.condyle_side,
+            norm(self.velocity) / twin.speed,
+            (self.passive.tension / p.tension).amax(-1),
+        )
+        self.fractions = torch.stack(used, -1)
+        # The guard knows the tensions as they are believed.
+        believed = (self.mean[:, 0::2] + self.mean[:, 1::2].exp() * self.passive.strain).exp()
+        seen = torch.cat([self.fractions[:, :-1], (believed / p.tension).amax(-1, keepdim=True)], -1)
+        self.margin = 1.0 - seen
+        margin = torch.cat([self.margin, 1.0 - q[:, :1] / twin.crest], -1)
+        self._shrink(margin)
+        self.costs = (self.fractions - 1.0).clamp(min=0.0) / (twin.hard - 1.0)
+        return self.costs.sum(-1)
+
+    def _shrink(self, margin: Tensor) -> None:
+        """``jawenv.device.guard.shrink`` by what is left (P, 9) of all limits and of the way to the crest."""
+        twin = self.twin
+        share = margin.clamp(min=0.0)[..., None] / twin.guard.clamp(min=SMALLEST_GUARD)
+        allowed = torch.where(twin.guard > 0.0, share, 1.0).amin(-2).clamp(max=1.0)
+        fastest = margin.new_tensor(FASTEST) * twin.dt
+        less = torch.minimum((self.size - allowed) * (1.0 - exp(-twin.dt / SHRINK_S)), fastest)
+        more = (self.size + REGROW * twin.dt).clamp(max=1.0)
+        self.size = torch.where(allowed < self.size, self.size - less, more)

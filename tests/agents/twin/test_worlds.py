@@ -1,0 +1,87 @@
+"""Worlds of the twin against the environment."""
+
+from math import log
+
+import gymnasium as gym
+import numpy as np
+import pytest
+import torch
+
+import jawenv  # noqa: F401
+from agents.twin.constants import Twin
+from agents.twin.objective import log_worst, weights
+from agents.twin.observation import observation
+from agents.twin.worlds import Worlds
+from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.player import action_of
+from training.twin.agreement import agreement
+from training.twin.search import maneuver_of, patients_of, play, within_reach
+
+TARGETS = Maneuver.named("refined_one_sided").targets(0.2 * np.arange(1, 16)).value
+
+
+@pytest.fixture(scope="module")
+def env():
+    env = gym.make_vec("jawenv/Jaw-v3", 4, cohort="trismus", episode_s=3.0, autoreset_mode="disabled")
+    env.reset(seed=5000)
+    return env
+
+
+def test_the_gradient_is_that_of_finite_differences(env):
+    simulation = env.unwrapped.simulation
+    twin, patients = Twin(simulation), patients_of(simulation)
+
+    def loss(targets):
+        worst, discomfort = play(Worlds(twin, patients, torch.Generator().manual_seed(1)), targets)
+        return (worst + 2.0 * discomfort).mean()
+
+    t = 0.2 * torch.arange(1, 11, dtype=torch.float64)[:, None]  # away from every limit of the targets
+    parts = 0.3 - 0.3 * (2.0 * t).cos(), 0.3 * (3.0 * t).sin(), 0.1 * (2.0 * t).sin(), 0.2 * (3.0 * t).cos() - 0.2
+    targets = torch.cat(parts, -1).requires_grad_(True)
+    (gradient,) = torch.autograd.grad(loss(targets), targets)
+    step = 1e-4 * gradient / gradient.norm()
+    with torch.no_grad():
+        change = loss(targets + step) - loss(targets - step)
+    assert change.item() == pytest.approx(2e-4 * gradient.norm().item(), rel=0.1)
+
+
+def test_the_policy_sees_in_the_twin_what_it_sees_in_the_environment(env):
+    seen, _ = env.reset(seed=5000)
+    simulation = env.unwrapped.simulation
+    worlds = Worlds(Twin(simulation), patients_of(simulation))
+    for step in range(len(TARGETS)):
+        seen, *_ = env.step(np.tile(action_of(TARGETS[step]).astype(np.float32), (4, 1)))
+        worlds.step(torch.tensor(np.tile(TARGETS[step], (4, 1))))
+    rows = observation(worlds, 0.0).numpy()
+    assert rows.shape == seen.shape
+    for name, within in {"pose": 0.2, "jaw": 0.15, "jaw_range": 1e-6, "motor_target": 0.05, "belief_sd": 0.3}.items():
+        part = OBSERVATION_LAYOUT[name]
+        assert np.abs(rows[:, part] - seen[:, part]).max() < within, name
+    margins = OBSERVATION_LAYOUT["comfort_margin"]
+    assert np.abs(rows - seen)[:, margins].mean() < 0.15
+    forces = OBSERVATION_LAYOUT["force"]
+    assert np.corrcoef(rows[:, forces].ravel(), seen[:, forces].ravel())[0, 1] > 0.9
+
+
+@pytest.mark.parametrize("cohort", ["trismus", "one_sided"])
+def test_the_twin_knows_what_the_filter_knows(cohort):
+    result = agreement({"cohort": cohort}, 30, 5000)
+    assert result.correlation() > 0.95
+    assert abs((result.worst[1] - result.worst[0]).mean()) < 0.1
+    assert "| all |" in result.table()
+
+
+def test_log_worst_bounds_the_largest_sd(env):
+    simulation = env.unwrapped.simulation
+    worlds = Worlds(Twin(simulation), patients_of(simulation))
+    largest = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).log() / 2.0
+    assert ((log_worst(worlds) >= largest - 1e-9) & (log_worst(worlds) < largest + log(12.0) / 10.0)).all()
+    assert sum(weights(50).values()) == pytest.approx(1.0)
+
+
+def test_a_found_maneuver_is_played_as_found():
+    header = {"name": "found", "title": "Found", "description": "d", "source": "s"}
+    reached = within_reach(torch.tensor(TARGETS), 0.2).numpy()
+    maneuver = Maneuver.model_validate(maneuver_of(reached, 0.2, header))
+    np.testing.assert_allclose(maneuver.targets(0.2 * np.arange(1, 16)).value, reached, atol=1e-4)

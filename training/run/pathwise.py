@@ -1,0 +1,126 @@
+"""Analytic policy gradient: a policy learns by the gradient of a differentiable twin (``agents.twin``).
+
+The return of an episode is differentiated by the policy's weights through the whole episode, as brax's APG does, and
+Deep Adaptive Design for experiments (Foster et al. 2021, arXiv:2103.02438). In each update all training worlds begin
+anew, and the policy plays their patients in the twin, with its beliefs and their noise; worlds are not stepped.
+The weights are those of stable-baselines3's policies, so that a run has all that others have.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv
+from torch import Tensor
+
+from agents.residual import BaseTargets
+from agents.twin.constants import Patients, Twin
+from agents.twin.objective import log_worst, weights
+from agents.twin.observation import observation
+from agents.twin.worlds import Worlds
+from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.errors import InputError
+
+UNSEEN = ("rates", "force", "motor_thrust")
+"""Parts of the observation that are mostly noise, which the twin has none of: they have no weight."""
+
+
+class APG(OnPolicyAlgorithm):
+    """The algorithm; arguments are those of ``OnPolicyAlgorithm``, of whom no value function is learned.
+
+    Args:
+        policy: name of the policy's class.
+        env: training worlds of a policy that corrects a maneuver, in targets control of the midline model.
+        **arguments: others.
+
+    Attributes:
+        comfort_multiplier: price of discomfort, nats/s.
+
+    Raises:
+        InputError: worlds without a maneuver to be corrected, or of another model.
+    """
+
+    policy_aliases = {"MlpPolicy": ActorCriticPolicy}  # noqa: RUF012  as the base class has it
+
+    def __init__(self, policy: str, env: VecEnv, **arguments: Any) -> None:
+        fixed: dict[str, Any] = {"gamma": 1.0, "gae_lambda": 1.0, "ent_coef": 0.0, "vf_coef": 0.0, "use_sde": False}
+        super().__init__(policy, env, **fixed, sde_sample_freq=-1, **arguments)
+        controlled: Any = env.get_attr("controller")[0]
+        self._simulation: Any = env.get_attr("unwrapped")[0].simulation
+        if not isinstance(controlled, BaseTargets) or self._simulation.configuration.control != "targets":
+            raise InputError("apg corrects a maneuver in targets control; allowed: residual, control: targets")
+        self._base = controlled
+        self.comfort_multiplier = 1.0
+        with torch.no_grad():
+            first: Any = self.policy.mlp_extractor.policy_net[0]
+            self._seen = torch.ones(first.in_features)
+            for name in UNSEEN:
+                self._seen[OBSERVATION_LAYOUT[name]] = 0.0
+            first.weight.mul_(self._seen)
+            first.weight.register_hook(lambda gradient: gradient * self._seen)
+
+    def _excluded_save_params(self) -> list[str]:
+        """What a checkpoint is without: worlds, and the graph of the last episode."""
+        return [*super()._excluded_save_params(), "_simulation", "_base", "_seen", "_worst", "_discomfort"]
+
+    def collect_rollouts(
+        self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
+    ) -> bool:
+        """Play new patients in the twin for so many decisions; the graph is kept for ``train``."""
+        callback.on_rollout_start()
+        env.reset()
+        noise = self._n_updates + 2**16 * (self.seed or 0)
+        self._worst, self._discomfort = self.play(n_rollout_steps, noise)
+        self.num_timesteps += env.num_envs * n_rollout_steps
+        per_30_s = 30.0 * self._discomfort.detach() * self._base.decision_hz / n_rollout_steps
+        infos = [{"episode": {"discomfort_s": float(value)}} for value in per_30_s]
+        callback.update_locals({**locals(), "infos": infos})
+        if not callback.on_step():
+            return False
+        callback.on_rollout_end()
+        return True
+
+    def train(self) -> None:
+        """One step of Adam."""
+        self.policy.set_training_mode(True)
+        self._update_learning_rate(self.policy.optimizer)
+        loss = (self._worst + self.comfort_multiplier * self._discomfort).mean()
+        self.policy.optimizer.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
+        self.policy.optimizer.step()
+        self._n_updates += 1
+        self.logger.record("train/loss", float(loss.detach()))
+        self.logger.record("train/log_worst", float(self._worst.detach().mean()))
+        self.logger.record("train/discomfort_s", float(self._discomfort.detach().mean()))
+
+    def play(self, steps: int, seed: int) -> tuple[Tensor, Tensor]:
+        """Weighted ``log_worst`` (P,) and discomfort (P,), s, of so many decisions for the patients of the worlds.
+
+        Args:
+            steps: decisions.
+            seed: of the readings' noise.
+        """
+        simulation = self._simulation
+        truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
+        patients = Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
+        worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed))
+        marks, whole = weights(steps), simulation.configuration.steps
+        worst = discomfort = patients.theta.new_zeros(len(patients))
+        for step in range(steps):
+            now = np.array([step])
+            features = torch.tensor(self._base.features(now)).expand(len(patients), -1)
+            seen = torch.cat([observation(worlds, 1.0 - step / whole).float(), features], -1)
+            latent = self.policy.mlp_extractor.forward_actor(seen)
+            action = self.policy.action_net(latent).clamp(-1.0, 1.0).double()
+            base = torch.tensor(self._base.targets(now))
+            discomfort = discomfort + worlds.step(base + self._base.scale * action)
+            if step + 1 in marks:
+                worst = worst + marks[step + 1] * log_worst(worlds)
+        return worst, discomfort

@@ -1,0 +1,107 @@
+"""How well the twin agrees with the environment and its filter, on patients and maneuvers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+import jawenv  # noqa: F401  registers its environments
+from agents.twin.constants import Twin
+from agents.twin.worlds import Worlds
+from jawenv.device.channels import HIGHEST, LOWEST
+from jawenv.errors import InputError
+from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.protocol import Array
+from training.twin.search import patients_of
+
+MANEUVERS = ("refined", "refined_one_sided", "designed", "information_optimal", "opening_with_swings", "slow_opening")
+HORIZON_S = 10.0
+KNOT_S = 0.4
+SPREAD = (0.3, 0.5, 0.15, 0.5)
+SIZES, SHARES = (0.0, 0.3, 1.0), (0.25, 0.35, 0.4)
+"""Of the perturbations, and how often."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """What environment and twin say of N patients.
+
+    Attributes:
+        maneuver: (N,) index of the perturbed maneuver in ``MANEUVERS``.
+        worst: (2, N) log of the largest sd, of the environment's filter and of the twin.
+        discomfort_s: (2, N) in 10 s.
+    """
+
+    maneuver: NDArray[np.intp]
+    worst: NDArray[Any]
+    discomfort_s: NDArray[Any]
+
+    def correlation(self) -> float:
+        """Of ``worst``."""
+        return float(np.corrcoef(*self.worst)[0, 1])
+
+    def table(self) -> str:
+        """Markdown: scatter and offset of the twin's log of the largest sd, and discomfort, by maneuver and in all."""
+        rows = ["| maneuver | correlation | scatter | offset | discomfort, s | of the twin |"]
+        rows.append("|---|--:|--:|--:|--:|--:|")
+        chosen = {name: self.maneuver == i for i, name in enumerate(MANEUVERS)} | {"all": self.maneuver >= 0}
+        for name, part in chosen.items():
+            if part.sum() > 1:
+                (real, own), (felt, of_twin) = self.worst[:, part], self.discomfort_s[:, part]
+                figures = f"{np.corrcoef(real, own)[0, 1]:.3f} | {(own - real).std():.3f} | {(own - real).mean():+.3f}"
+                rows.append(f"| {name} | {figures} | {felt.mean():.3f} | {of_twin.mean():.3f} |")
+        both = np.corrcoef(*self.discomfort_s)[0, 1]
+        return "\n".join([*rows, "", f"Correlation of the patients' discomfort: {both:.3f}."])
+
+
+def perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
+    """Targets (N, T, 4) of ``MANEUVERS`` in turn, varied between knots as a policy in training varies them."""
+    base = np.stack([Maneuver.named(MANEUVERS[i % len(MANEUVERS)]).targets(times).value for i in range(number)])
+    knots = np.arange(0.0, HORIZON_S + KNOT_S, KNOT_S)
+    between = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
+    size = rng.choice(SIZES, size=(number, 1, 1), p=SHARES) * np.array(SPREAD)
+    varied: Array = base + between @ rng.standard_normal((number, len(knots), 4)) * size
+    return np.clip(varied, LOWEST, HIGHEST)
+
+
+def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
+    """Play perturbed maneuvers in the environment and in the twin.
+
+    Args:
+        world: arguments of the environment, ``env`` among them.
+        patients: how many.
+        seed: of the first.
+
+    Raises:
+        InputError: fewer than two patients, or an environment whose jaw is not the midline model.
+    """
+    arguments = {"episode_s": HORIZON_S, **world}
+    env_id = arguments.pop("env", DEFAULT_ENV)
+    if patients < 2:
+        raise InputError(f"patients is {patients}; allowed: 2 or more")
+    env: Any = gym.make_vec(env_id, patients, autoreset_mode="disabled", **arguments)
+    env.reset(seed=seed)
+    simulation = env.unwrapped.simulation
+    twin = Twin(simulation)
+    worlds = Worlds(twin, patients_of(simulation), torch.Generator().manual_seed(seed))
+    steps = round(HORIZON_S / twin.decision_s)
+    times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
+    targets = perturbed(patients, times, np.random.default_rng(seed))
+    discomfort, running = np.zeros((2, patients)), np.ones(patients, dtype=bool)
+    for step in range(steps):
+        *_, ended, _, info = env.step(action_of(targets[:, step]).astype(np.float32))
+        running &= ~ended | (step == steps - 1)
+        with torch.no_grad():
+            discomfort += [info["cost"] * twin.decision_s, worlds.step(torch.tensor(targets[:, step])).numpy()]
+    env.close()
+    variances = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
+    worst = np.stack([np.log(info["belief_sd"].max(axis=1)), 0.5 * np.log(variances)])
+    return Agreement(np.arange(patients)[running] % len(MANEUVERS), worst[:, running], discomfort[:, running])

@@ -1,0 +1,155 @@
+"""One maneuver for all patients, searched by the gradient of the twin.
+
+Adam (Kingma & Ba 2015, arXiv:1412.6980) on offsets of the targets, one for each channel and 0.4 s: of single decisions
+they would make the jaw tremble. Each update takes new patients. Discomfort has a price that is learned, so that it is
+within its limit on average.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import torch
+from torch import Tensor
+
+import jawenv  # noqa: F401  registers its environments
+from agents.following import DECISION_HZ
+from agents.twin.constants import Patients, Twin
+from agents.twin.objective import log_worst, weights
+from agents.twin.worlds import Worlds
+from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
+from jawenv.errors import InputError
+from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.protocol import Array
+from jawenv.seeds import TUNING
+from training.run.callbacks import Multiplier
+from training.run.config import ComfortConfig
+from training.search.session import SearchSettings
+
+KNOT_S = 0.4
+SCALE = torch.tensor([0.25, 0.4, 0.1, 0.4], dtype=torch.float64)
+"""Of the channels' steps."""
+PER_30_S = 30.0
+DECISION_S = 1.0 / DECISION_HZ
+
+
+@dataclass(frozen=True)
+class GradientSearch(SearchSettings):
+    """Settings of a search.
+
+    Attributes:
+        refine: maneuver (name or file) where the search begins.
+        cohort: of the patients.
+        updates: of the targets.
+        patients: new ones in each.
+        horizon_s: length of the maneuver.
+        target_discomfort_s: allowed on average, s in 30 s.
+        learning_rate: in parts of ``SCALE``; it falls to a tenth.
+    """
+
+    refine: str
+    cohort: str = "trismus"
+    updates: int = 80
+    patients: int = 64
+    horizon_s: float = 10.0
+    target_discomfort_s: float = 0.1
+    learning_rate: float = 0.03
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            InputError: one is not allowed.
+        """
+        self.check_least(updates=1, patients=1)
+        for name in ("horizon_s", "target_discomfort_s", "learning_rate"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{name} is {getattr(self, name)}; allowed: more than 0")
+
+
+def patients_of(simulation: Any) -> Patients:
+    """The true patients of a simulation after its ``reset``."""
+    truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
+    return Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
+
+
+def refine(
+    settings: GradientSearch,
+    report: Callable[[int, float, float], None] = lambda done, worst, discomfort: None,
+) -> Array:
+    """Targets (T, 4) at the ends of T decisions.
+
+    Args:
+        settings: of the search.
+        report: called with the updates done, the mean log of the largest sd and the discomfort (s in 30 s).
+    """
+    is_file = Path(settings.refine).suffix in SUFFIXES
+    maneuver = Maneuver.load(settings.refine) if is_file else Maneuver.named(settings.refine)
+    env: Any = gym.make_vec(DEFAULT_ENV, settings.patients, cohort=settings.cohort, autoreset_mode="disabled")
+    env.reset(seed=TUNING.start)
+    simulation = env.unwrapped.simulation
+    twin = Twin(simulation)
+    steps = round(settings.horizon_s / twin.decision_s)
+    times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
+    knots = np.arange(0.0, settings.horizon_s + KNOT_S, KNOT_S)
+    start = torch.tensor(maneuver.targets(times).value)
+    between = torch.tensor(np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None))
+    x = torch.zeros(len(knots), start.shape[1], dtype=torch.float64, requires_grad=True)
+    optimiser = torch.optim.Adam([x], settings.learning_rate, betas=(0.8, 0.95))
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.updates, 0.1 * settings.learning_rate)
+    limit = ComfortConfig(target_discomfort_s=settings.target_discomfort_s, initial_multiplier=2.0)
+    price = Multiplier(limit)
+    for update in range(settings.updates):
+        worlds = Worlds(twin, patients_of(simulation))
+        worst, discomfort = play(worlds, start + between @ x * SCALE)
+        loss = (worst + price.value * discomfort).mean()
+        optimiser.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        optimiser.step()
+        schedule.step()
+        per_30_s = PER_30_S / settings.horizon_s * float(discomfort.detach().mean())
+        price.update(per_30_s)
+        report(update + 1, float(log_worst(worlds).detach().mean()), per_30_s)
+        env.reset()
+    env.close()
+    found: Array = within_reach(start + between @ x.detach() * SCALE, twin.decision_s).numpy()
+    return found
+
+
+def play(worlds: Worlds, targets: Tensor) -> tuple[Tensor, Tensor]:
+    """Weighted ``log_worst`` (P,) and discomfort (P,), s, of targets (T, 4)."""
+    marks = weights(len(targets))
+    worst = discomfort = worlds.patients.theta.new_zeros(len(worlds.patients))
+    for step, target in enumerate(targets, 1):
+        discomfort = discomfort + worlds.step(target.expand(len(worlds.patients), -1))
+        if step in marks:
+            worst = worst + marks[step] * log_worst(worlds)
+    return worst, discomfort
+
+
+def within_reach(targets: Tensor, decision_s: float) -> Tensor:
+    """The targets (T, 4) that a device reaches that follows these."""
+    low, most = targets.new_tensor(LOWEST), decision_s * targets.new_tensor(FASTEST_TARGET)
+    reached, place = [], torch.zeros_like(targets[0])
+    for target in targets:
+        goal = torch.maximum(target.clamp(max=HIGHEST), low)
+        place = place + torch.maximum(torch.minimum(goal - place, most), -most)
+        reached.append(place)
+    return torch.stack(reached)
+
+
+def maneuver_of(targets: Array, decision_s: float, header: dict[str, str]) -> dict[str, Any]:
+    """Content of a maneuver file with targets (T, 4) joined by straight lines, which stays where it ends."""
+    times = [0.0, *(decision_s * np.arange(1, len(targets) + 1)).round(6).tolist()]
+    channels = {}
+    for name, values in zip(CHANNELS, targets.T, strict=True):
+        points = [{"t_s": t, "value": round(float(v), 5)} for t, v in zip(times, [0.0, *values], strict=True)]
+        channels[name] = {"kind": "keyframes", "interpolation": "linear", "points": points}
+    return {**header, "fade_in_s": 0.001, "channels": channels}
