@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-QUESTION = "How must a jaw be moved, so that its muscles become known?"
+QUESTION = "Which jaw muscle is stiff?"
 BUTTONS = {"Drive a jaw": "docs/live.md", "See maneuvers": "docs/gallery.md", "See a report": "docs/examples.md"}
 
 
