@@ -21,7 +21,7 @@ def test_the_tasks_are_those_of_their_version():
         "jaw-imaged-memory",
         "bilateral-exact",
     ]
-    assert digest() == "b3f8a2aad7513dae", "a task has changed: give the benchmark a new version, and play it anew"
+    assert digest() == "dc8b5b09e3cec820", "a task has changed: give the benchmark a new version, and play it anew"
 
 
 def test_what_every_task_has_in_common():
