@@ -13,7 +13,7 @@ from rich.console import Console
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
-from training import options
+from training.run import options
 from training.search.commands import design, distill, optimise
 from training.twin.commands import refine, twin
 

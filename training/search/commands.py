@@ -16,7 +16,7 @@ from jawenv.files import read_model, validate, write_text
 from jawenv.ladder import env_id_of, title_of_env
 from jawenv.locks import alone
 from jawenv.progress import Progress
-from training.options import Config, Output, Overwrite, ResidualOn, Reward, Seed
+from training.run.options import Config, Output, Overwrite, ResidualOn, Reward, Seed
 from training.search.session import (
     INTERRUPTED,
     Anew,
