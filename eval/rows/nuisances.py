@@ -22,6 +22,7 @@ _FIELDS = {
     "offset": "cell offset",
     "cell_turn": "cell, angles",
     "motors": "force of each motor",
+    "tone": "tone",
 }
 GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
 """Of nuisances, in the order of tables."""

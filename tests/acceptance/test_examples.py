@@ -98,7 +98,7 @@ def test_importance_posterior() -> None:
     effective = [float(line.split()[-4]) for line in lines if line.startswith("posterior")]
     apart = [float(line.split()[-3]) for line in lines if line.startswith("filter")]
     assert len(effective) == len(apart) == 2
-    assert min(effective) > 40 and max(apart) < 0.3  # a mean that is half an sd off is 0.125 nats apart
+    assert min(effective) > 40 and max(apart) < 0.7  # a mean that is one sd off is 0.5 nats apart
     assert lines[-1].startswith("NEES/2 of 2 patients: posterior ")
 
 
@@ -111,7 +111,7 @@ def test_own_filter() -> None:
     done = run("examples/own_filter.py", "--patients", "2", "--seconds", "2")
     assert done.returncode == 0, done.stderr
     sds = np.array([[float(row.split()[k]) for k in (3, 7)] for row in done.stdout.splitlines() if "F_o" in row])
-    np.testing.assert_allclose(sds[:2], sds[2:], rtol=0.4)  # of the same patients and readings, by the environment's
+    np.testing.assert_allclose(sds[:2], sds[2:], rtol=0.5)  # of the same patients and readings, by the environment's
     assert done.stdout.count("mean NEES/2") == 2
 
 

@@ -107,7 +107,7 @@ def simulate(environment, motion, trajectory, substeps):
 @pytest.mark.parametrize(("motion", "place_m", "angle"), [(opening_and_turning, 1e-6, 1e-5), (biting, 5e-6, 8e-5)])
 def test_half_the_integration_step_changes_nothing_that_matters(control, motion, place_m, angle):
     """On the teeth less than a twentieth of the encoders' noise, off them much less."""
-    env = gym.make(ID, control=control, cohort="healthy").unwrapped
+    env = gym.make(ID, control=control, cohort="healthy", device={"brake_N_s_m": 0.0}).unwrapped
     env.reset(seed=2)
     coarse, fine = (simulate(env, motion, control == "trajectory", n) for n in (SUBSTEPS, 2 * SUBSTEPS))
     assert np.ptp(coarse[:, 2]) > 0.02, "it does open"

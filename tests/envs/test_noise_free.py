@@ -15,6 +15,7 @@ ENCODERS = dict.fromkeys(
 CELL = dict.fromkeys(("cell_force_N", "cell_moment_N_m", "cell_gain"), 0.0)
 UNMODELLED = dict.fromkeys(("unmodelled_force_N", "unmodelled_moment_N_m"), 0.0)
 DEVICES = {"sensors": ENCODERS | CELL, "everything": ENCODERS | CELL | UNMODELLED}
+SHARE = {"targets": 1.0, "force": 0.5, "trajectory": 1.0}  # of the whole command: full thrusts cross hard limits
 WORLDS, CLAIMED = 4, 12 * 4
 
 
@@ -27,7 +28,7 @@ def test_a_whole_episode_is_finite_and_honest(device, control):
     rng = np.random.default_rng(0)
     for k in range(env.configuration.steps):
         wave = 0.5 * np.sin(2.0 * np.pi * 0.3 * k / env.configuration.steps_per_s + np.arange(4.0))
-        action = (0.5 * rng.uniform(-1.0, 1.0, (WORLDS, 4)) + wave).astype(np.float32)
+        action = (SHARE[control] * (0.5 * rng.uniform(-1.0, 1.0, (WORLDS, 4)) + wave)).astype(np.float32)
         observation, reward, terminated, _, info = env.step(action)
         assert np.isfinite(observation).all() and np.isfinite(reward).all() and not terminated.any()
         assert all(np.isfinite(value).all() for value in info.values())

@@ -32,7 +32,7 @@ def played(env_id, **arguments):
     observation, info = env.reset(seed=3)
     seen, infos = [observation], [info]
     for k in range(STEPS - 1):
-        push = np.array([0.8, 0.8, 0.2, 0.2]) * np.sin(np.pi * k / STEPS)
+        push = np.array([0.4, 0.4, 0.1, 0.1]) * np.sin(np.pi * k / STEPS)
         observation, *_, info = env.step(push.astype(np.float32))
         seen.append(observation)
         infos.append(info)

@@ -74,10 +74,10 @@ def test_nobody_is_lost(cohort, control):
 
 
 @pytest.mark.parametrize(
-    ("cohort", "slew_N_s", "rattling"), [("trismus", 24.0, 10), ("trismus", 12.0, 0), ("wide", 12.0, 0)]
+    ("cohort", "brake_N_s_m", "rattling"), [("trismus", 30.0, 10), ("trismus", 90.0, 0), ("wide", 90.0, 0)]
 )
-def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort, slew_N_s, rattling):
-    """Full thrust; with quick motors stops and brake change their force several times in a tick, for seconds."""
+def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort, brake_N_s_m, rattling):
+    """Full thrust; with a weak brake the stops change their force several times in a tick, for seconds."""
     held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)
     actions = np.repeat(held, 8, axis=0)
     env = gym.make_vec(
@@ -85,7 +85,7 @@ def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(c
         len(actions),
         cohort=cohort,
         control="force",
-        device=jawenv.Device(slew_N_s=slew_N_s),
+        device=jawenv.Device(brake_N_s_m=brake_N_s_m),
         episode_s=15.0,
         autoreset_mode="disabled",
     )

@@ -16,27 +16,28 @@ from jawenv.laboratory.references.initial import trends
 from jawenv.laboratory.references.numpy_model import measurement_with_derivative, step_with_derivative
 from jawenv.ladder import model_named
 
-SOFT = np.log([0.35, 7.0] * 6)
+SOFT = np.log([0.5, 7.0] * 6)
+GENTLE = {"full_scale_N": 6.0, "slew_N_s": 12.0, "brake_N_s_m": 30.0}
 
 
 def swings(seconds):
     """Motors that hold the jaw open and swing, each in a sine of its own; 20 Hz."""
     time = np.arange(1, 20 * seconds + 1)[:, None] / 20
-    swings, frequencies = np.array([0.075, 0.075, 0.05, 0.05]), np.array([0.9, 0.6, 1.1, 0.7])
-    return 0.05 * np.minimum(1.0, time) + swings * np.sin(2.0 * np.pi * frequencies * time)
+    swings, frequencies = np.array([0.15, 0.15, 0.1, 0.1]), np.array([0.9, 0.6, 1.1, 0.7])
+    return 0.1 * np.minimum(1.0, time) + swings * np.sin(2.0 * np.pi * frequencies * time)
 
 
 def push(seconds):
     """Vertical motors that open and close a hinge."""
     time = np.arange(1, 20 * seconds + 1) / 20
-    return np.outer(0.2 * np.sin(np.pi * time / seconds) ** 2, [1, 1, 0, 0])
+    return np.outer(0.4 * np.sin(np.pi * time / seconds) ** 2, [1, 1, 0, 0])
 
 
 @cache
 def drawn(model, draws, cell_gain):
     """One patient and its records with many draws of the noise."""
-    theta, actions = (SOFT, swings(3)) if model == "jaw" else (np.log([2.1, 7.0]), push(2))
-    kwargs = {"control": "force", "device": {"cell_gain": cell_gain}}
+    theta, actions = (SOFT, swings(3)) if model == "jaw" else (np.log([3.0, 7.0]), push(2))
+    kwargs = {"control": "force", "device": GENTLE | {"cell_gain": cell_gain}}
     env_id = model_named(model).env_id
     return theta, jawenv.simulate([theta] * draws, actions, 100, states=True, env_id=env_id, env_kwargs=kwargs).records
 
@@ -118,12 +119,12 @@ def test_the_information_is_the_mean_curvature_and_the_score_has_mean_zero(model
 
 def test_a_considered_gain_takes_a_little_of_the_information():
     _, curvatures = directional("jaw", 50, 0.01, slice(6, 12))
-    assert 1.005 < curvatures.mean(axis=0).max() < 1.03
+    assert 1.005 < curvatures.mean(axis=0).max() < 1.04
 
 
 def test_two_condyles_have_the_curvature_of_their_information_over_some_sds():
     """Their discs are so stiff that ticks are divided always: the likelihood jumps by up to some nats."""
-    kwargs = {"control": "force"}
+    kwargs = {"control": "force", "device": GENTLE}
     made = jawenv.simulate([SOFT] * 8, swings(2), 0, states=True, env_id="jawenv/JawBilateral-v3", env_kwargs=kwargs)
     information = np.mean([jawenv.fisher_information(record) for record in made.records], axis=0)
     sds = np.linspace(-5.0, 5.0, 21)

@@ -37,8 +37,9 @@ def test_a_sound_recording_is_believed():
     assert len(findings(record())) == 6
 
 
-@pytest.mark.parametrize("name", [name for name, _ in spoilt(record(), 1.0)])
+@pytest.mark.parametrize("name", [name for name, _ in spoilt(record(), 1.0) if "gain" not in name])
 def test_a_spoilt_recording_is_not(name):
+    """But for the gain of the cell, which stiff muscles would explain as well: calibrate it (docs/recordings.md)."""
     assert judged(spoilt_record(name))[0]
     if name in RATES:
         assert not findings(spoilt_record(name))[0].plausible

@@ -28,7 +28,7 @@ def test_shipped_files_are_valid_and_saved_with_the_section_of_their_algorithm_a
     assert config.evaluation.seed in VALIDATION and config.evaluation.every_steps <= config.steps
     config.save(tmp_path / "saved.yaml")
     assert TrainingConfig.load(tmp_path / "saved.yaml") == config
-    sections = [name for name in ("ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()]
+    sections = [name for name in ("apg", "ppo", "recurrent_ppo", "sac", "tqc") if name in config.as_mapping()]
     assert sections == [config.algorithm]
 
 

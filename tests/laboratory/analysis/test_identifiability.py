@@ -127,14 +127,14 @@ def test_a_pair_s_table_holds_every_pair():
 def test_a_maneuver_tells_apart_what_holding_still_does_not():
     still, moved = report("hold_still"), report("opening_with_swings_and_fore_aft")
     assert moved.collinearity < 0.5 * still.collinearity
-    assert moved.least_known()[0].sd < 0.5 * still.least_known()[0].sd
+    assert moved.least_known()[0].sd < 0.55 * still.least_known()[0].sd
 
 
 def test_what_slow_opening_leaves_is_the_medial_pterygoid_and_the_fore_aft_force_helps():
     """Its strength against its exponent, on both sides; the masseter's line is near its own."""
     slow = report("slow_opening").least_known()[0]
     assert slow.words == "F_o against b: medial pterygoid, both sides"
-    assert report("opening_with_swings_and_fore_aft").least_known()[0].sd < 0.7 * slow.sd
+    assert report("opening_with_swings_and_fore_aft").least_known()[0].sd < 0.78 * slow.sd
 
 
 @pytest.mark.parametrize("env_id", ["jawenv/Jaw-v3", "jawenv/JawHinge-v3", "jawenv/JawBilateral-v3"])
