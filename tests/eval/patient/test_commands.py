@@ -21,12 +21,12 @@ from jawenv.anatomy import cohort
 from jawenv.metrics.verdicts import UNKNOWN, verdicts
 from tests.browser import executable, new_page
 
-RICH = "opening_with_swings_and_fore_aft"
+RICH = "refined"
 SHORT = ["--episode-s", "0.5", "--seed", "5200"]
 HEALTHY, LEFT, BLOCKED = "healthy", "left_side", "blockage"
 
 
-def patient(name, F_o=0.7, b=7.0, left_F_o=None):
+def patient(name, F_o=0.8, b=7.0, left_F_o=None):
     forces = {muscle: left_F_o if left_F_o and muscle.endswith("left") else F_o for muscle in MUSCLE_NAMES}
     return Patient(name=name, F_o_N=forces, b=dict.fromkeys(MUSCLE_NAMES, b))
 
@@ -73,12 +73,12 @@ class Balance(HTMLParser):
 def three(tmp_path_factory):
     """Pages and verdicts of a healthy, a one-sided and a blocked patient, 8 s each."""
     folder = tmp_path_factory.mktemp("patients")
-    given = [patient(HEALTHY), patient(LEFT, left_F_o=4.0), patient(BLOCKED, F_o=0.8, b=20.0)]
+    given = [patient(HEALTHY), patient(LEFT, left_F_o=4.0), patient(BLOCKED, b=18.0)]
     options = []
     for one in given:
         one.save(folder / f"{one.name}.json")
         options += ["--patient", str(folder / f"{one.name}.json")]
-    options += ["--cohort", "wide", "--episode-s", "8", "--seed", "5200"]
+    options += ["--cohort", "wide", "--control", "targets", "--episode-s", "12", "--seed", "5200"]
     assert run(folder, RICH, *options) == 0
     pages = {one.name: (folder / f"patient-{one.name}.html").read_text(encoding="utf-8") for one in given}
     return pages, pd.read_parquet(folder / "verdicts.parquet"), folder
@@ -106,7 +106,7 @@ def test_good_knowledge_gives_the_right_verdicts(three, name, headline):
 def test_nothing_is_known_at_the_start(three):
     """Each treatment begins unknown, and a page of beliefs as wide as the prior says so."""
     _, _, folder = three
-    settings = Settings.of(1, 5200, cohort="wide", control="force", episode_s=8.0)
+    settings = Settings.of(1, 5200, cohort="wide", control="targets", episode_s=12.0)
     (entry,) = load_entries([RICH], settings.world)
     population = cohort("wide").prior
     for name in (HEALTHY, LEFT, BLOCKED):
@@ -161,7 +161,7 @@ def test_no_verdict_is_given_where_the_readings_do_not_fit_the_model(tmp_path, c
 
 def test_what_rang_once_leaves_no_verdict_to_later_treatments(three):
     _, _, folder = three
-    (entry,) = load_entries([RICH], Settings.of(1, 5200, cohort="wide", control="force", episode_s=8.0).world)
+    (entry,) = load_entries([RICH], Settings.of(1, 5200, cohort="wide", control="targets", episode_s=12.0).world)
     good = first_treatment(entry, 5200, Patient.load(folder / f"{HEALTHY}.json"))
     assert not good.rings
     course = [good, replace(good, misfit=1.2), good]
