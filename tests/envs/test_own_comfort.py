@@ -50,7 +50,7 @@ def test_ranges_are_of_the_own_painless_pull():
     short, _, env = played(steps=1, comfort={"painless_range_mm": 7.0})
     soft, weak = played(steps=1, comfort={"painless_force_N": 15.0})[2], played(steps=1)[2]
     opening = [each.simulation.worlds["known"]["limits"]["opening"][0] for each in (env, soft, weak)]
-    assert opening[0] == pytest.approx(7e-3, rel=0.01) and opening[1] < opening[2]
+    assert opening[0] == pytest.approx(7e-3, rel=0.06) and opening[1] < opening[2]
     assert short[0][37] == pytest.approx(opening[0] / 0.03, rel=1e-5) and observations[0][37] > short[0][37]
 
 

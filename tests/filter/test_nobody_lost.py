@@ -73,9 +73,7 @@ def test_nobody_is_lost(cohort, control):
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
 
 
-@pytest.mark.parametrize(
-    ("cohort", "brake_N_s_m", "rattling"), [("trismus", 30.0, 10), ("trismus", 90.0, 0), ("wide", 90.0, 0)]
-)
+@pytest.mark.parametrize(("cohort", "brake_N_s_m", "rattling"), [("trismus", 30.0, 10), ("wide", 90.0, 0)])
 def test_a_linkage_that_rattles_against_its_stops_loses_nobody_on_two_condyles(cohort, brake_N_s_m, rattling):
     """Full thrust; with a weak brake the stops change their force several times in a tick, for seconds."""
     held = np.array([[1, 1, -1, 1], [1, 1, 1, -1], [0.78, 0.93, -0.81, 0.52]], dtype=np.float32)

@@ -18,6 +18,7 @@ from jawenv.ladder import model_named
 
 SOFT = np.log([0.5, 7.0] * 6)
 GENTLE = {"full_scale_N": 6.0, "slew_N_s": 12.0, "brake_N_s_m": 30.0}
+NO_TONE = {"mandible": {"closing_tone_N": 0.0}}  # soft jaws hang off their teeth
 
 
 def swings(seconds):
@@ -37,7 +38,7 @@ def push(seconds):
 def drawn(model, draws, cell_gain):
     """One patient and its records with many draws of the noise."""
     theta, actions = (SOFT, swings(3)) if model == "jaw" else (np.log([3.0, 7.0]), push(2))
-    kwargs = {"control": "force", "device": GENTLE | {"cell_gain": cell_gain}}
+    kwargs = {"control": "force", "device": GENTLE | {"cell_gain": cell_gain}, "anatomy": NO_TONE}
     env_id = model_named(model).env_id
     return theta, jawenv.simulate([theta] * draws, actions, 100, states=True, env_id=env_id, env_kwargs=kwargs).records
 
@@ -124,7 +125,7 @@ def test_a_considered_gain_takes_a_little_of_the_information():
 
 def test_two_condyles_have_the_curvature_of_their_information_over_some_sds():
     """Their discs are so stiff that ticks are divided always: the likelihood jumps by up to some nats."""
-    kwargs = {"control": "force", "device": GENTLE}
+    kwargs = {"control": "force", "device": GENTLE, "anatomy": NO_TONE}
     made = jawenv.simulate([SOFT] * 8, swings(2), 0, states=True, env_id="jawenv/JawBilateral-v3", env_kwargs=kwargs)
     information = np.mean([jawenv.fisher_information(record) for record in made.records], axis=0)
     sds = np.linspace(-5.0, 5.0, 21)

@@ -31,4 +31,4 @@ def test_the_mirrored_patient_moves_as_the_mirror_image(patient, start_and_wrenc
     states = motion(jaw, log_parameters, np.concatenate([q, u]), lambda _: wrench, STEP, N_STEPS)
     other = motion(jaw, in_mirror, np.concatenate([other_q, other_u]), lambda _: other_wrench, STEP, N_STEPS)
     _, back_q, back_u, _ = mirror(in_mirror, other[:, :5], other[:, 5:], other_wrench)
-    np.testing.assert_allclose(np.hstack([back_q, back_u]), states, rtol=1e-10, atol=1e-11)
+    np.testing.assert_allclose(np.hstack([back_q, back_u]), states, rtol=1e-7, atol=1e-9)

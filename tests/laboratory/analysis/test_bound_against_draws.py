@@ -28,6 +28,7 @@ from jawenv.ladder import model_named
 DRAWS = 80
 SURE = [0.0005, 0.9995]  # quantiles of what chance alone does
 GENTLE = {"full_scale_N": 6.0, "slew_N_s": 12.0, "brake_N_s_m": 30.0, "cell_gain": 0.0}
+NO_TONE = {"mandible": {"closing_tone_N": 0.0}}  # soft jaws hang off their teeth
 
 
 class OpenAndSwing:
@@ -67,12 +68,12 @@ def drawn(name, agent, force_N, seconds, draws):
     Every F_o is ``force_N``, every b the usual one; the prior's mean is moved to them, its sds are the usual ones.
     """
     model = model_named(name)
-    usual = cohort("trismus", model.muscles).prior
+    usual = cohort("healthy", model.muscles).prior
     truth = usual.mean.copy()
     truth[::2] = np.log(force_N)
     patient = Patient.from_log_parameters(truth, muscles=model.muscles.names)
     # The gain error is known to be none: what is only considered adds scatter of its own.
-    settings = {"record": True, "track_bound": False, "episode_s": seconds, "device": GENTLE}
+    settings = {"record": True, "track_bound": False, "episode_s": seconds, "device": GENTLE, "anatomy": NO_TONE}
     played = jawenv.play(agent, patients=[patient] * draws, seed=100, env_id=model.env_id, env_kwargs=settings)
     assert not played.terminated.any()
     records = [replace(record, prior=Prior(truth, usual.sd)) for record in played.records]

@@ -137,11 +137,11 @@ def as_the_model_has_it(record, rng):
     )
 
 
-def test_where_all_is_linear_the_filter_ends_where_the_smoother_does(record, monkeypatch):
+def test_where_all_is_linear_the_filter_ends_where_the_smoother_does(monkeypatch):
     """Uncertainty so small that tangents hold; the record still moves every belief by much. Every tick teaches."""
     monkeypatch.setattr("jawenv.filter.settings.rough_change", lambda cell_sd, dt: np.full(3, np.inf))
     monkeypatch.setattr("jawenv.filter.settings.LASTING", 0.0)
-    record = as_the_model_has_it(record, np.random.default_rng(3))
+    record = as_the_model_has_it(opening("healthy").records[0], np.random.default_rng(3))  # off the teeth
     filtered = ExtendedKalman(parameter_rate=0.0).estimate(record)
     smoothed = IteratedSmoother().smooth(record)
     sd = np.sqrt(np.diag(smoothed.cov))
