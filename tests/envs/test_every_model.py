@@ -95,10 +95,10 @@ def test_two_condyles_resist_roll_and_their_filter_knows():
 
 def test_the_plant_in_contact_moves_as_the_smooth_one_does():
     """Under the same wrenches: friction and the chatter of contact change the motion by little."""
-    for record in recording("sagittal", patients=2, seconds=1.5).records:
+    for record in recording("sagittal", patients=2, seconds=3.0).records:
         smooth = record.states[0]
         for wrench in record.wrenches:
             smooth = step(record.jaw, np.concatenate([smooth, record.truth, [0.0]]), wrench, np.zeros(6), record.dt)
         np.testing.assert_allclose(record.states[-1][0], smooth[0], atol=0.3e-3)
         np.testing.assert_allclose(record.states[-1][2], smooth[2], atol=0.01)
-        assert np.ptp(record.states[:, 2]) > 0.015
+        assert np.ptp(record.states[:, 2]) > 0.05

@@ -47,10 +47,10 @@ def test_used_fractions_are_of_the_own_limits():
 
 def test_ranges_are_of_the_own_painless_pull():
     observations, _, _ = played(steps=1)
-    short, _, env = played(steps=1, comfort={"painless_range_mm": 7.0})
+    short, _, env = played(steps=1, comfort={"painless_range_mm": 8.0})
     soft, weak = played(steps=1, comfort={"painless_force_N": 15.0})[2], played(steps=1)[2]
     opening = [each.simulation.worlds["known"]["limits"]["opening"][0] for each in (env, soft, weak)]
-    assert opening[0] == pytest.approx(7e-3, rel=0.06) and opening[1] < opening[2]
+    assert 7.5e-3 < opening[0] < 8e-3 and opening[1] < opening[2]  # counted from rest, a little open
     assert short[0][37] == pytest.approx(opening[0] / 0.03, rel=1e-5) and observations[0][37] > short[0][37]
 
 

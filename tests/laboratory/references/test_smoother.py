@@ -185,7 +185,7 @@ def test_it_is_honest_of_slow_recordings():
 
 def test_the_most_probable_parameters_are_better_than_those_of_the_most_probable_path():
     """Eight patients who are moved quickly: errors of both in the same sds, and the claims of one of them."""
-    kwargs = {"record": True, "episode_s": 20.0, "track_bound": False}
+    kwargs = {"record": True, "episode_s": 20.0, "track_bound": False, "cohort": "healthy"}
     played = jawenv.play(load_agent("chirp", control="force"), patients=8, seed=6500, env_kwargs=kwargs)
     of_path, of_mean, shares = [], [], []
     for record in played.records:
@@ -194,7 +194,7 @@ def test_the_most_probable_parameters_are_better_than_those_of_the_most_probable
         of_path.append((result.path.parameters - record.truth) / sd)
         of_mean.append((result.mean - record.truth) / sd)
         shares.append(share(record, result.mean, result.cov))
-    assert np.mean(np.square(of_path)) > 0.8 * np.mean(np.square(of_mean))
+    assert np.mean(np.square(of_path)) > 1.1 * np.mean(np.square(of_mean))
     low, high = np.array(nees_band(8, 12, 0.999)) / 12.0
     assert low < np.mean(shares) < high
 
