@@ -9,7 +9,8 @@ from jaw_motion import mirror, motion
 import jawenv
 from jawenv.mechanics import build_jaw
 
-STEP, N_STEPS = 2.5e-3, 100
+# A step at which the stiffest jaw on its teeth is integrated stably: rounding must not be blown up.
+STEP, N_STEPS = 2.5e-4, 400
 COHORT = jawenv.cohort("trismus")
 
 # From the teeth and the fossa's back to wide open, moving in every way; then force (N) and moment (N m).
