@@ -53,9 +53,11 @@ class Patients:
     tension: Tensor
 
     @classmethod
-    def of(cls, theta: Any, rest: Any, limits: Any) -> Patients:
-        """From arrays (P, 12) and (P, 5), and P records of dtype ``limits_dtype``."""
-        given = {"theta": theta, "rest": rest} | {name: limits[name] for name in cls.names()[2:]}
+    def of_worlds(cls, worlds: Any) -> Patients:
+        """The true patients of the worlds of a simulation, at rest after its ``reset``."""
+        truth, limits = worlds["truth"], worlds["known"]["limits"]
+        given = {"theta": truth["log_parameters"], "rest": truth["state"][:, :5]}
+        given |= {name: limits[name] for name in cls.names()[2:]}
         return cls(**{name: torch.tensor(np.asarray(value, dtype=np.float64)) for name, value in given.items()})
 
     @classmethod

@@ -108,8 +108,7 @@ class APG(OnPolicyAlgorithm):
             seed: of the readings' noise.
         """
         simulation = self._simulation
-        truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
-        patients = Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
+        patients = Patients.of_worlds(simulation.worlds)
         worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed))
         marks, whole = weights(steps), simulation.configuration.steps
         worst = discomfort = patients.theta.new_zeros(len(patients))

@@ -12,7 +12,7 @@ import torch
 from numpy.typing import NDArray
 
 import jawenv  # noqa: F401  registers its environments
-from agents.twin.constants import Twin
+from agents.twin.constants import Patients, Twin
 from agents.twin.worlds import Worlds
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
@@ -20,7 +20,6 @@ from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.protocol import Array
-from training.twin.search import patients_of
 
 MANEUVERS = ("refined", "refined_one_sided", "designed", "information_optimal", "opening_with_swings", "slow_opening")
 HORIZON_S = 10.0
@@ -91,7 +90,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
     env.reset(seed=seed)
     simulation = env.unwrapped.simulation
     twin = Twin(simulation)
-    worlds = Worlds(twin, patients_of(simulation), torch.Generator().manual_seed(seed))
+    worlds = Worlds(twin, Patients.of_worlds(simulation.worlds), torch.Generator().manual_seed(seed))
     steps = round(HORIZON_S / twin.decision_s)
     times = twin.decision_s * np.arange(1, steps + 1, dtype=np.float64)
     targets = perturbed(patients, times, np.random.default_rng(seed))

@@ -74,12 +74,6 @@ class GradientSearch(SearchSettings):
                 raise InputError(f"{name} is {getattr(self, name)}; allowed: more than 0")
 
 
-def patients_of(simulation: Any) -> Patients:
-    """The true patients of a simulation after its ``reset``."""
-    truth, limits = simulation.worlds["truth"], simulation.worlds["known"]["limits"]
-    return Patients.of(truth["log_parameters"], truth["state"][:, :5], limits)
-
-
 def refine(
     settings: GradientSearch,
     report: Callable[[int, float, float], None] = lambda done, worst, discomfort: None,
@@ -107,7 +101,7 @@ def refine(
     limit = ComfortConfig(target_discomfort_s=settings.target_discomfort_s, initial_multiplier=2.0)
     price = Multiplier(limit)
     for update in range(settings.updates):
-        worlds = Worlds(twin, patients_of(simulation))
+        worlds = Worlds(twin, Patients.of_worlds(simulation.worlds))
         worst, discomfort = play(worlds, start + between @ x * SCALE)
         loss = (worst + price.value * discomfort).mean()
         optimiser.zero_grad()

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 import jawenv  # noqa: F401
-from agents.twin.constants import Twin
+from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
@@ -16,7 +16,7 @@ from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of
 from training.twin.agreement import agreement
-from training.twin.search import maneuver_of, patients_of, play, within_reach
+from training.twin.search import maneuver_of, play, within_reach
 
 TARGETS = Maneuver.named("refined_one_sided").targets(0.2 * np.arange(1, 16)).value
 
@@ -30,7 +30,7 @@ def env():
 
 def test_the_gradient_is_that_of_finite_differences(env):
     simulation = env.unwrapped.simulation
-    twin, patients = Twin(simulation), patients_of(simulation)
+    twin, patients = Twin(simulation), Patients.of_worlds(simulation.worlds)
 
     def loss(targets):
         worst, discomfort = play(Worlds(twin, patients, torch.Generator().manual_seed(1)), targets)
@@ -49,7 +49,7 @@ def test_the_gradient_is_that_of_finite_differences(env):
 def test_the_policy_sees_in_the_twin_what_it_sees_in_the_environment(env):
     seen, _ = env.reset(seed=5000)
     simulation = env.unwrapped.simulation
-    worlds = Worlds(Twin(simulation), patients_of(simulation))
+    worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds))
     for step in range(len(TARGETS)):
         seen, *_ = env.step(np.tile(action_of(TARGETS[step]).astype(np.float32), (4, 1)))
         worlds.step(torch.tensor(np.tile(TARGETS[step], (4, 1))))
@@ -74,7 +74,7 @@ def test_the_twin_knows_what_the_filter_knows(cohort):
 
 def test_log_worst_bounds_the_largest_sd(env):
     simulation = env.unwrapped.simulation
-    worlds = Worlds(Twin(simulation), patients_of(simulation))
+    worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds))
     largest = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).log() / 2.0
     assert ((log_worst(worlds) >= largest - 1e-9) & (log_worst(worlds) < largest + log(12.0) / 10.0)).all()
     assert sum(weights(50).values()) == pytest.approx(1.0)
