@@ -34,11 +34,15 @@ class Jaw3D:
     Args:
         server: a ``viser.ViserServer``.
         scene: the first moment.
+
+    Attributes:
+        colours: of the lines of a scene.
     """
 
     def __init__(self, server: Any, scene: Scene) -> None:
         self._viser = server.scene
         self._sent: dict[str, Any] = {}
+        self.colours = muscle_colours
         self._lines = len(scene.muscle_names)
         _prepare(server)
         self._add_skull(scene)
@@ -78,7 +82,7 @@ class Jaw3D:
             self._show_force(scene)
 
     def _show_muscles(self, scene: Scene) -> None:
-        colours = muscle_colours(scene)
+        colours = self.colours(scene)
         for i, handle in enumerate(self._muscles):
             length = float(np.linalg.norm(scene.muscle_insertion_m[i] - scene.muscle_origin_m[i])) * UNITS_PER_M
             radius = _muscle_radius_mm(float(scene.muscle_tension_N[i])) * _UNITS_PER_MM

@@ -102,7 +102,8 @@ class DriveSession:
             name: of an agent or a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
 
         Raises:
-            InputError: no such maneuver, or an agent that cannot drive this session.
+            InputError: the name stands for nobody, the file cannot be used, or the agent plays another control mode or
+                model than this session.
         """
         if name == BY_HAND:
             # The hand goes on from where the jaw was sent.
