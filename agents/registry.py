@@ -9,14 +9,14 @@ from agents.policies import load_policy
 from agents.replay import Replay
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError
+from jawenv.errors import InputError, not_among
 from jawenv.ladder import model_of_env
 from jawenv.named_objects import is_named
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import CARD, WEIGHTS, card_of, policy_folder
-from jawenv.playing.policies.named import agent_names, in_control, named_agent, steps_per_s, unknown_agent
+from jawenv.playing.policies.named import agent_names, in_control, named_agent, steps_per_s
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 
@@ -70,10 +70,11 @@ def load_agent(
         return own
     if "/" in str(spec) or os.sep in str(spec):
         raise InputError(f"agent is '{spec}'; allowed: a file or folder that exists")
-    raise unknown_agent(
+    raise not_among(
+        "agent",
         str(spec),
         shipped_names(),
-        f"a maneuver file ({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
+        f", a maneuver file ({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
         "package.module:Name of an agent of your own",
     )
 

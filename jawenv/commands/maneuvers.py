@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from jawenv.envs.configuration import Configuration
+from jawenv.errors import not_among
 from jawenv.metrics import score
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, read_card
-from jawenv.playing.policies.named import agent_names, named_agent, unknown_agent
+from jawenv.playing.policies.named import agent_names, named_agent
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play as play_on
 
@@ -24,7 +25,8 @@ def agent_of(spec: str, world: Configuration) -> Agent:
     """
     agent = named_agent(spec, world.control, world.control_hz, world.env_id)
     if agent is None:
-        raise unknown_agent(spec, agent_names(), f"a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder")
+        files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"
+        raise not_among("agent", spec, agent_names(), files)
     return agent
 
 

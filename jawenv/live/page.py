@@ -263,10 +263,6 @@ class Page:
 
         return leave
 
-    def _wish_of(self, wish: Callable[[Any], None]) -> Callable[[Any], None]:
-        """The same of a wish that is told which browser has it."""
-        return lambda event: self._wish(lambda: wish(event.client))(event)
-
     def _lay_out(self, gui: Any) -> None:
         self._steps_card = gui.add_html("", order=self._view.below_status)
         self._question = Question(gui, self._wish, self._view.below_status)
@@ -285,7 +281,7 @@ class Page:
         self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
         self._score = gui.add_html("")
         self._picture = gui.add_button("Score as a picture", visible=False)
-        self._picture.on_click(self._wish_of(self._send_score))
+        self._picture.on_click(lambda event: self._wish(lambda: self._send_score(event.client))(event))
         self._choices = Choices(gui, self.session.setup, self._wish, self._change)
 
     def _button_wishes(self) -> dict[str, Callable[[], None]]:

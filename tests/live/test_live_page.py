@@ -116,6 +116,8 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
             words = tab.inner_text("#score")
             assert "refined" in words and "slow opening" in words and "you and refined" in words
             assert tab.complaints == []
+            found = Axe().run(tab).response["violations"]
+            assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
             tab.get_by_text("masseter left", exact=True).click()
             tab.get_by_text("Answer", exact=True).click()
             tab.wait_for_selector("#answer")

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from axe_playwright_python.sync_playwright import Axe
+
 from tests.browser import new_page
 
 ROOT = Path(__file__).parents[2]
@@ -21,5 +23,7 @@ def test_the_tour_opens_from_disk_and_asks_for_nothing_else(tmp_path, monkeypatc
     assert "Masseter" in patient.inner_text("body")
     assert [tab.inner_text(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
     assert tab.evaluate("document.documentElement.scrollWidth") <= 480
+    found = Axe().run(tab, options={"iframes": False}).response["violations"]
+    assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
     assert tab.requests == [file.as_uri()] and tab.complaints == []
     tab.context.close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from jawenv.controls import CONTROLS, Control, control_of
-from jawenv.errors import InputError, meant
+from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, model_of_env
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
@@ -46,11 +46,6 @@ def named_agent(
     if Path(spec).suffix in SUFFIXES:
         return Player(Maneuver.load(Path(spec)), control=control, control_hz=control_hz)
     return None
-
-
-def unknown_agent(spec: str, names: tuple[str, ...], others: str) -> InputError:
-    """The error of a text that stands for no agent, with the names that are near it first."""
-    return InputError(f"agent is '{spec}'; {meant(spec, names)}allowed: {', '.join(names)}, {others}")
 
 
 def in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
