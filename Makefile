@@ -16,7 +16,7 @@ export PYTHON
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help live demo notebooks docs tables check test lint bench sbom clean
+.PHONY: help live demo notebooks docs site tables check test lint bench sbom clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -35,13 +35,18 @@ notebooks: ## open the notebooks in JupyterLab
 	@.ci/setup train eval notebooks
 	$(BIN)/jupyter lab eval/notebooks
 
-docs: ## run notebooks and examples, and build the site: runs/site/index.html; FILMS=1 films the maneuvers too
+docs: ## run notebooks and examples, and build the site: runs/site/index.html and tour.html; FILMS=1 films the maneuvers too
 	@.ci/setup train eval docs
 	@echo "the first time takes about 5 minutes on two quiet cores$(if $(FILMS),$(comma) and 10 more for the films)"
 	$(BIN)/python docs/site/notebook_pages.py
 	$(BIN)/python docs/site/example_pages.py
 	$(if $(FILMS),$(BIN)/python docs/site/gallery.py)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	$(BIN)/python docs/site/tour.py
+
+site: ## one page to send a link to, which opens from disk: runs/site/tour.html
+	@.ci/setup train eval
+	$(BIN)/python docs/site/tour.py
 
 tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables
 	@.ci/setup train eval

@@ -3,22 +3,20 @@
 import os
 from pathlib import Path
 
-from agents.card import CARD, WEIGHTS, card_of, policy_folder, policy_names
-from agents.controller import ControlledAgent
-from agents.excitation import BASELINES
-from agents.following import TargetsLaw
 from agents.own import load_own, source_of
 from agents.planners import PLANNERS
 from agents.policies import load_policy
 from agents.replay import Replay
-from agents.residual import ResidualPolicy
-from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, control_of
+from jawenv.controls import DEFAULT_CONTROL, Control, control_of
 from jawenv.envs.configuration import Configuration
-from jawenv.errors import InputError, meant
+from jawenv.errors import InputError, not_among
 from jawenv.ladder import model_of_env
 from jawenv.named_objects import is_named
-from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+from jawenv.playing.excitation import BASELINES
+from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.policies.card import CARD, WEIGHTS, card_of, policy_folder
+from jawenv.playing.policies.named import agent_names, in_control, named_agent, steps_per_s
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 
@@ -30,7 +28,7 @@ def names() -> tuple[str, ...]:
 
 def shipped_names() -> tuple[str, ...]:
     """Every name that `load_agent` knows: maneuvers, policies, excitations and planners of the project."""
-    return (*names(), *policy_names(), *BASELINES, *PLANNERS)
+    return (*agent_names(), *PLANNERS)
 
 
 def load_agent(
@@ -57,24 +55,28 @@ def load_agent(
         InputError: an unknown name or environment, or a file of another kind; in one line.
     """
     path, model = Path(spec), model_of_env(env_id)
-    if str(spec) in BASELINES:
-        return BASELINES[str(spec)](_steps_per_s(control, control_hz))
     if str(spec) in PLANNERS:
         return PLANNERS[str(spec)].planner(control)
-    if str(spec) in names():
-        return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
-    is_policy = policy_folder(spec) is not None
-    if path.suffix in SUFFIXES and not is_policy:
-        return Player(Maneuver.load(path), control=control, control_hz=control_hz)
+    named = named_agent(spec, control, control_hz, env_id)
+    if named is not None:
+        return named
     if path.suffix == ".npz":
-        return _in_control(Replay.load(path), control, control_hz)
-    if is_policy or path.exists() or path.suffix == ".zip":
-        return _in_control(load_policy(path, env_id=model.env_id, trust=trust), control, control_hz)
+        return in_control(Replay.load(path), control, control_hz)
+    if path.exists() or path.suffix == ".zip":
+        return in_control(load_policy(path, env_id=model.env_id, trust=trust), control, control_hz)
     if is_named(str(spec)):
-        own = load_own(str(spec), {"control": control, "control_hz": _steps_per_s(control, control_hz)})
+        own = load_own(str(spec), {"control": control, "control_hz": steps_per_s(control, control_hz)})
         control_of(own, {"control": control})
         return own
-    raise InputError(_unknown(str(spec)))
+    if "/" in str(spec) or os.sep in str(spec):
+        raise InputError(f"agent is '{spec}'; allowed: a file or folder that exists")
+    raise not_among(
+        "agent",
+        str(spec),
+        shipped_names(),
+        f", a maneuver file ({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
+        "package.module:Name of an agent of your own",
+    )
 
 
 def world_of(spec: str | Path) -> Configuration | None:
@@ -112,38 +114,3 @@ def files_of(spec: str | Path) -> tuple[Path, ...]:
         return (path,) if run is None else (path, run[0] / CARD)
     own = source_of(str(spec))
     return () if own is None else (own,)
-
-
-def _unknown(spec: str) -> str:
-    """Why nothing is found by a spec: a folder that is not there, or a name, with those that are near it first."""
-    if "/" in spec or os.sep in spec:
-        return f"agent is '{spec}'; allowed: a file or folder that exists"
-    names = shipped_names()
-    return (
-        f"agent is '{spec}'; {meant(spec, names)}allowed: {', '.join(names)}, a maneuver file "
-        f"({', '.join(SUFFIXES)}), a run folder, a checkpoint .zip, an exported policy's folder, or "
-        "package.module:Name of an agent of your own"
-    )
-
-
-def _steps_per_s(control: Control, control_hz: float | None) -> float:
-    """Control steps per second, the control's own where none are given."""
-    return CONTROLS[control].steps_per_s if control_hz is None else control_hz
-
-
-def _in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
-    """A policy as an agent of the control mode; where it says targets, they are followed.
-
-    Raises:
-        InputError: a policy of another control mode, or control steps that do not fit the decisions that the policy was
-            trained to make.
-    """
-    if not isinstance(policy, ResidualPolicy | Replay):
-        control_of(policy, {"control": control})
-        return policy
-    hz = _steps_per_s(control, control_hz)
-    if not CONTROLS[control].takes_targets:
-        return ControlledAgent(policy, TargetsLaw(control, hz, policy.decision_hz))
-    if abs(hz - policy.decision_hz) > 1e-6 * hz:
-        raise InputError(f"control_hz {hz:g}: {policy.name} decides {policy.decision_hz:g} times a second")
-    return policy

@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 
 from agents.array_files import load_arrays, save_arrays
-from agents.controller import ControlledAgent
-from agents.following import TargetsLaw
 from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, printable, shown
@@ -24,6 +22,8 @@ from jawenv.files import write_text
 from jawenv.playing.agents import BatchAgent
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import goals_of
+from jawenv.playing.policies.controller import ControlledAgent
+from jawenv.playing.policies.following import TargetsLaw
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 from jawenv.playing.rollout import DEFAULT_ENV, play
 
@@ -96,7 +96,7 @@ def replay_of(
     """The maneuver of an agent's targets, averaged over patients.
 
     Args:
-        agent: plays targets control, or has its targets followed (`agents.following`).
+        agent: plays targets control, or has its targets followed (`jawenv.playing.policies.following`).
         patients: how many, by the seeds from `seed` on; not those that agent and replay are compared on.
         seed: of the first patient.
         env_kwargs: arguments of the environment.

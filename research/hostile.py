@@ -21,8 +21,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 import jawenv
-from agents.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.controls import mode_of
+from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
 
 IDS = ("JawHinge-v3", "JawSides-v3", "Jaw-v3", "JawPortions-v3", "JawBilateral-v3", "JawImaged-v3", "JawSagittal-v3")
 SLOW = {"JawSagittal-v3": 0.02, "JawBilateral-v3": 0.5}  # share of the steps, pymunk's bodies being slow

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import save
 
-from agents.card import CARD, WEIGHTS, Environment, ModelCard
-from agents.residual import N_FEATURES
 from jawenv.envs.configuration import configure
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.files import validate, write_json
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.card import CARD, WEIGHTS, Environment, ModelCard
+from jawenv.playing.policies.residual import N_FEATURES
 
 LAYERS = (OBSERVATION_SIZE, 5, 4)
 

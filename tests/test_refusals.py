@@ -11,7 +11,6 @@ from estimation_records import records
 
 import agents
 import jawenv
-from agents.following import TargetsLaw, decision_hz
 from agents.planners import PLANNERS
 from eval.comparison.admission import AdmissionLimits
 from eval.kept.entries import load_entries
@@ -33,6 +32,7 @@ from jawenv.laboratory.thesis_methods.two_stage import TwoStageLogLinear
 from jawenv.ladder import model_named, model_of_env
 from jawenv.mechanics import build_jaw
 from jawenv.metrics import diagnose, nees, time_to
+from jawenv.playing.policies.following import TargetsLaw, decision_hz
 from jawenv.playing.rollout import information_bound, play
 from jawenv.playing.singles import SingleWorlds
 from jawenv.rendering import Renderer

@@ -22,8 +22,6 @@ import pandas as pd
 from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from agents import registry
-from agents.card import card_of, policy_names
-from agents.excitation import EXCITATIONS
 from agents.planners import PLANNERS
 from eval.benchmark.scores import by_cell, score_of
 from eval.benchmark.tasks import VERSION, digest
@@ -31,6 +29,8 @@ from eval.kept.cells import Cell
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel, Number, atomic_write, read_model
 from jawenv.named_objects import is_named
+from jawenv.playing.excitation import EXCITATIONS
+from jawenv.playing.policies.card import card_of, policy_names
 from jawenv.reading import read_bytes
 
 FILE, PATIENTS, PAGE, AGENTS = "submission.json", "benchmark.parquet", "benchmark.md", "agents"

@@ -25,6 +25,9 @@ def dataset_command(
         str, typer.Option("--format", help="arrow, or hdf5, which needs h5py.", metavar="NAME")
     ] = "arrow",
     output: options.Output = Path("runs/dataset"),
+    croissant: Annotated[
+        bool, typer.Option("--croissant", help="Describe each for machines too: croissant.json, core and RAI.")
+    ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace data sets that the folder already holds.")] = False,
     trust: options.Trust = False,
 ) -> None:
@@ -41,8 +44,8 @@ def dataset_command(
         raise InputError(f"format is {shown(file_format)}; allowed: {', '.join(FORMATS)}")
     settings = Settings.of(patients, seed, **world)
     console = terminal()
-    names = write_all(
-        entries or list(REFERENCES), settings, output, file_format, typed(), console, fresh=fresh, trust=trust
-    )
+    asked = entries or list(REFERENCES)
+    extra = {"fresh": fresh, "trust": trust, "croissant": croissant}
+    names = write_all(asked, settings, output, file_format, typed(), console, **extra)
     for name in names:
         console.print(f"{output / name}", soft_wrap=True)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from agents.card import Result, ResultsFile
 from eval.comparison.results import Results
 from eval.figures import statistics
 from eval.figures.statistics import Interval
 from eval.rows.outcomes import EARLY_S
 from jawenv.errors import InputError
+from jawenv.playing.policies.card import Result, ResultsFile
 
 DECIMALS = 3
 

@@ -16,6 +16,7 @@ import numpy as np
 from rich.console import Console
 
 import jawenv
+from eval.episodes.croissant import write_croissant
 from eval.kept.entries import Entry, load_entries
 from eval.kept.settings import Settings
 from eval.kept.tables import made_with
@@ -48,6 +49,7 @@ def write_all(
     *,
     fresh: bool = False,
     trust: bool = False,
+    croissant: bool = False,
 ) -> list[str]:
     """Write a data set for every entry.
 
@@ -60,6 +62,7 @@ def write_all(
         console: where progress is shown.
         fresh: whether data sets that are there are replaced.
         trust: whether stable-baselines3 checkpoints may be unpickled.
+        croissant: whether each gets a description for machines.
 
     Returns:
         Names of the data sets.
@@ -69,6 +72,9 @@ def write_all(
     """
     with needs("python -m eval dataset", "minari", group="dataset"):
         import minari
+    if croissant:
+        with needs("--croissant", "mlcroissant", group="dataset"):
+            import mlcroissant  # noqa: F401
     if file_format == "hdf5":
         with needs("--format hdf5", "h5py", group="dataset"):
             import h5py  # noqa: F401
@@ -93,7 +99,10 @@ def write_all(
                 minari.delete_dataset(dataset_id(entry))
             progress.say(entry.label)
             done = number * settings.patients
-            _write(entry, settings, file_format, made, partial(_advance, progress, done))
+            description = _description(entry, settings, made)
+            _write(entry, settings, file_format, description, partial(_advance, progress, done))
+            if croissant:
+                write_croissant(output / dataset_id(entry), dataset_id(entry), description)
     return [dataset_id(entry) for entry in entries]
 
 
@@ -101,10 +110,16 @@ def _advance(progress: Progress, done: int, more: int) -> None:
     progress.advance_to(done + more)
 
 
-def _write(entry: Entry, settings: Settings, file_format: str, made: str, progress: Callable[[int], None]) -> None:
+def _description(entry: Entry, settings: Settings, made: str) -> str:
+    words = (entry.description or entry.label).rstrip(".")
+    return f"{words}. Seeds {settings.seed} to {settings.seed + settings.patients - 1}. {made}"
+
+
+def _write(
+    entry: Entry, settings: Settings, file_format: str, description: str, progress: Callable[[int], None]
+) -> None:
     import minari
 
-    description = (entry.description or entry.label).rstrip(".")
     seeds = range(settings.seed, settings.seed + settings.patients)
     env = gym.make(entry.env_id, **entry.env_kwargs)
     collector = minari.DataCollector(env, record_infos=True, data_format=file_format)
@@ -119,7 +134,7 @@ def _write(entry: Entry, settings: Settings, file_format: str, made: str, progre
                 eval_env=gym.make(entry.env_id, **entry.env_kwargs),
                 algorithm_name=entry.label,
                 author="jawenv",
-                description=f"{description}. Seeds {seeds[0]} to {seeds[-1]}. {made}",
+                description=description,
             )
     finally:
         collector.close()

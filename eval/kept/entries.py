@@ -10,10 +10,10 @@ from agents import registry
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
 from agents.registry import world_of
-from agents.residual import ResidualPolicy
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
+from jawenv.playing.policies.residual import ResidualPolicy
 from jawenv.playing.protocol import Agent
 from jawenv.playing.recording import Recording
 from jawenv.playing.rollout import OnStep, play

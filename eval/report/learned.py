@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from agents.card import card_of
 from agents.evaluations import CURVES, read_evaluations
 from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
@@ -19,6 +18,7 @@ from eval.report import charts
 from eval.rows.outcomes import EARLY_S
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError
+from jawenv.playing.policies.card import card_of
 
 _MIDDLE = (5, 95)
 

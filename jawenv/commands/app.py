@@ -32,22 +32,28 @@ def live_command(
     """Drive the jaw of a patient by hand, on a page of this machine (docs/live.md). Ctrl-C ends it."""
     from jawenv.commands.live import drive, play_back
     from jawenv.envs.configuration import Configuration
+    from jawenv.live.levels import GAME
     from jawenv.live.setup import Setup
 
     if recording is not None:
         play_back(recording, port, open_browser)
     else:
-        drive(Setup(Configuration.from_mapping(world), seed), driver, port, output, open_browser)
+        drive(
+            Setup(Configuration.from_mapping({"cohort": GAME[0].cohort} | world), seed),
+            driver,
+            port,
+            output,
+            open_browser,
+        )
 
 
 @app.command("play")
 @options.takes_world()
 def play_command(maneuver: options.Maneuver, world: dict[str, Any], seed: options.Seed = REPORTS[0].start) -> None:
-    """Show one episode of a maneuver in a window, and say what was reached."""
-    from jawenv.commands.maneuvers import play
-    from jawenv.envs.configuration import Configuration
+    """Show one episode of a maneuver or a policy in a window, and say what was reached."""
+    from jawenv.commands.maneuvers import play, world_for
 
-    play(maneuver, seed, Configuration.from_mapping(world))
+    play(maneuver, seed, world_for(maneuver, world))
 
 
 @app.command("score")
@@ -58,11 +64,10 @@ def score_command(
     patients: Annotated[int, typer.Option(help="How many.", metavar="N")] = 16,
     seed: options.Seed = REPORTS[0].start,
 ) -> None:
-    """Play a maneuver on simulated patients; say what it finds out, and whether that can be believed."""
-    from jawenv.commands.maneuvers import print_score
-    from jawenv.envs.configuration import Configuration
+    """Play a maneuver or a policy on simulated patients; say what it finds out, and whether that can be believed."""
+    from jawenv.commands.maneuvers import print_score, world_for
 
-    print_score(maneuver, patients, seed, Configuration.from_mapping(world))
+    print_score(maneuver, patients, seed, world_for(maneuver, world))
 
 
 @app.command("identify")

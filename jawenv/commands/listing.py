@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from jawenv.errors import not_among
+
+if TYPE_CHECKING:
+    from jawenv.playing.policies.card import ModelCard
 
 LONGEST_SENTENCE = 110  # characters
 
@@ -37,8 +41,23 @@ def _maneuvers() -> dict[str, str]:
 
 
 def _agents() -> dict[str, str]:
-    elsewhere = "those above come with the library; policies and planners run from a clone (agents/README.md)"
-    return {name: "a maneuver" for name in _maneuvers()} | {"": elsewhere}
+    from jawenv.playing.excitation import BASELINES
+    from jawenv.playing.policies.card import SHIPPED, policy_names, read_card
+
+    listed = {name: _scored(read_card(SHIPPED / name)) for name in policy_names()}
+    listed |= dict.fromkeys(BASELINES, "random actions") | {"zero": "the action 0"} | _maneuvers()
+    return listed | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
+
+
+def _scored(card: ModelCard) -> str:
+    """What a policy has reached on simulated patients, by its card."""
+    reached = {result.metric: result.mean if result.median is None else result.median for result in card.results}
+    sd = next((value for name, value in reached.items() if name.startswith("largest") and "10 s" in name), None)
+    discomfort = next((value for name, value in reached.items() if name.startswith("discomfort")), None)
+    known = "" if sd is None else f"worst sd {sd:.1f} % after 10 s, "
+    cost = "" if discomfort is None else f"discomfort {discomfort:.2f} s: "
+    what = "learned" if card.residual is None else f"learned, corrects {card.residual.maneuver.name}"
+    return f"{known}{cost}{what}, on {card.environment.cohort}, {card.environment.control}"
 
 
 def _cohorts() -> dict[str, str]:

@@ -1,22 +1,59 @@
-"""The commands ``jawenv score`` and ``jawenv play``."""
+"""The commands ``jawenv score`` and ``jawenv play``, of a maneuver or another agent that comes with jawenv."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from jawenv.envs.configuration import Configuration
+from jawenv.errors import not_among
 from jawenv.metrics import score
-from jawenv.playing.maneuvers import Player
+from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.policies.card import policy_folder, read_card
+from jawenv.playing.policies.named import agent_names, named_agent
+from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play as play_on
 
 
-def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
-    """Play a maneuver on patients, and print what it found out.
+def agent_of(spec: str, world: Configuration) -> Agent:
+    """The agent of a name, a maneuver file or a policy's folder, for a world.
 
     Raises:
-        InputError: an unknown maneuver, or what the environment refuses.
+        InputError: no such agent, or one that cannot play that world.
     """
-    player, env_id = Player(maneuver, control=world.control, control_hz=world.control_hz), world.env_id
+    agent = named_agent(spec, world.control, world.control_hz, world.env_id)
+    if agent is None:
+        files = f", a maneuver file ({', '.join(SUFFIXES)}) or a policy's folder"
+        raise not_among("agent", spec, agent_names(), files)
+    return agent
+
+
+def world_for(spec: str, asked: Mapping[str, Any]) -> Configuration:
+    """The world that is asked for; what is not said of a policy's is that of its training.
+
+    Raises:
+        InputError: what the environment refuses, or a damaged card.
+    """
+    folder = policy_folder(spec)
+    if folder is None:
+        return Configuration.from_mapping(asked)
+    environment = read_card(folder).environment
+    environment.world()  # refuses cards that name code
+    trained = {"env": environment.id, **environment.kwargs()}
+    if "control" in asked:
+        trained.pop("control_hz")
+    return Configuration.from_mapping(trained | dict(asked))
+
+
+def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -> None:
+    """Play an agent on patients, and print what it found out.
+
+    Raises:
+        InputError: an unknown agent, or what the environment refuses.
+    """
+    player, env_id = agent_of(maneuver, world), world.env_id
     reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
     print(f"{player.name} in {env_id} on {patients} patients, medians over them\n")
@@ -42,7 +79,7 @@ def play(maneuver: str, seed: int, world: Configuration) -> None:
     """Show one episode in a window.
 
     Raises:
-        InputError: an unknown maneuver, no display, or what the environment refuses.
+        InputError: an unknown agent, no display, or what the environment refuses.
         MissingPackageError: pygame is not installed.
     """
     import gymnasium as gym
@@ -50,7 +87,7 @@ def play(maneuver: str, seed: int, world: Configuration) -> None:
     import jawenv.envs.registration  # noqa: F401  (the ids)
     from jawenv.rendering.display import check_display
 
-    player = Player(maneuver, control=world.control, control_hz=world.control_hz)
+    player = agent_of(maneuver, world)
     check_display("a window", "use `jawenv live --driver NAME`, which shows it in a browser")
     env = gym.make(world.env_id, render_mode="human", **world.arguments)
     try:

@@ -14,7 +14,7 @@ from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES
 
 Maneuver = Annotated[
-    str, typer.Argument(metavar="MANEUVER|FILE", help="A name of `jawenv list maneuvers`, or a maneuver file.")
+    str, typer.Argument(metavar="AGENT|FILE", help="A name of `jawenv list agents`, or a maneuver file.")
 ]
 Seed = Annotated[int, typer.Option(help="Of the first patient and its noise.", metavar="N")]
 

@@ -32,6 +32,7 @@ from jawenv.reality import Reality, check_reality
 
 Sensors = Literal["pose", "point"]
 Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
+Info = Literal["full", "light"]
 
 NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
 
@@ -77,6 +78,7 @@ class Configuration:
     )
     comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
+    info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
     device: Device | Source | None = _argument(
         None, "Another value of a field of the device, as cell_force_N=0.2, or a file of them.", "FIELD=VALUE", "fields"
@@ -113,8 +115,8 @@ class Configuration:
         Raises:
             InputError: a field has a value that is not allowed.
         """
-        kinds = ("control", Control), ("sensors", Sensors), ("reward", Reward), ("force_sensor", ForceSensor)
-        for name, kind in kinds:
+        kinds = {"control": Control, "sensors": Sensors, "reward": Reward, "info": Info, "force_sensor": ForceSensor}
+        for name, kind in kinds.items():
             value = getattr(self, name)
             if not isinstance(value, str) or value not in get_args(kind):
                 raise not_among(name, value, get_args(kind))

@@ -27,16 +27,22 @@ class WorldReader:
     claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
     uint64: of the episode's patient and random numbers, with which ``reset`` begins it again).
 
+    A light info has ``belief_mean``, ``belief_sd``, ``truth``, ``cost``, ``violation``, ``misfit``, ``time``,
+    ``episode_key`` and the bound's keys alone.
+
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
         keys: (N, 2) of the episodes; likewise.
         with_bound: whether the bound is computed.
+        light: whether the info is light.
     """
 
-    def __init__(self, worlds: NDArray[np.void], keys: NDArray[np.uint64], with_bound: bool) -> None:
+    def __init__(
+        self, worlds: NDArray[np.void], keys: NDArray[np.uint64], with_bound: bool, light: bool = False
+    ) -> None:
         """Make the views."""
-        self._arguments = worlds, keys, with_bound
-        self._keys, self._bounded = keys, with_bound
+        self._arguments = worlds, keys, with_bound, light
+        self._keys, self._bounded, self._light = keys, with_bound, light
         truth, known = worlds["truth"], worlds["known"]
         self._mean, self._covariance = known["belief"]["mean"], known["belief"]["cov"]
         self._truth, self._state = truth["log_parameters"], truth["state"]
@@ -64,54 +70,62 @@ class WorldReader:
         prior = self._prior.item(0)
         info = {
             "belief_mean": mean.copy(),
-            "belief_cov": covariance.copy(),
             "belief_sd": np.sqrt(variance),
             "truth": truth.copy(),
-            "information_claimed": 0.5 * (prior - self._log_det.item(0)),
-            "information_true": self._score.item(0) - self._score_prior.item(0),
-            "nees": self._nees.item(0),
             "cost": float(np.add.reduce(costs)),
             "violation": self._violated.item(0) != 0,
-            "governor": self._governor.item(0),
-            "left_out": self._left_out.item(0),
-            "gated": self._gated.item(0),
             "misfit": self._misfit.item(0),
-            "jaw_state": state.copy(),
             "time": self._tick.item(0) * TICK,
             "episode_key": self._keys[0].copy(),
         }
-        info.update(zip(_COST_KEYS, costs.tolist(), strict=True))
-        info.update(zip(_COMFORT_KEYS, self._fractions[0].tolist(), strict=True))
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance[0])
             info["information_bound"] = 0.5 * (prior - self._log_det_bound.item(0))
+        if self._light:
+            return info
+        info |= {
+            "belief_cov": covariance.copy(),
+            "information_claimed": 0.5 * (prior - self._log_det.item(0)),
+            "information_true": self._score.item(0) - self._score_prior.item(0),
+            "nees": self._nees.item(0),
+            "governor": self._governor.item(0),
+            "left_out": self._left_out.item(0),
+            "gated": self._gated.item(0),
+            "jaw_state": state.copy(),
+        }
+        info.update(zip(_COST_KEYS, costs.tolist(), strict=True))
+        info.update(zip(_COMFORT_KEYS, self._fractions[0].tolist(), strict=True))
         return info
 
     def all(self) -> dict[str, Any]:
         """Fresh info of all worlds: the keys of ``first``, with N leading in every array."""
         info = {
             "belief_mean": self._mean.copy(),
-            "belief_cov": self._covariance.copy(),
             "belief_sd": np.sqrt(self._variance),
             "truth": self._truth.copy(),
-            "information_claimed": 0.5 * (self._prior - self._log_det),
-            "information_true": self._score - self._score_prior,
-            "nees": self._nees.copy(),
             "cost": self._costs.sum(axis=1),
             "violation": self._violated != 0,
-            "governor": self._governor.copy(),
-            "left_out": self._left_out.copy(),
-            "gated": self._gated.copy(),
             "misfit": self._misfit.copy(),
-            "jaw_state": self._state.copy(),
             "time": self._tick * TICK,
             "episode_key": self._keys.copy(),
         }
-        info.update(zip(_COST_KEYS, self._costs.T.copy(), strict=True))
-        info.update(zip(_COMFORT_KEYS, self._fractions.T.copy(), strict=True))
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance)
             info["information_bound"] = 0.5 * (self._prior - self._log_det_bound)
+        if self._light:
+            return info
+        info |= {
+            "belief_cov": self._covariance.copy(),
+            "information_claimed": 0.5 * (self._prior - self._log_det),
+            "information_true": self._score - self._score_prior,
+            "nees": self._nees.copy(),
+            "governor": self._governor.copy(),
+            "left_out": self._left_out.copy(),
+            "gated": self._gated.copy(),
+            "jaw_state": self._state.copy(),
+        }
+        info.update(zip(_COST_KEYS, self._costs.T.copy(), strict=True))
+        info.update(zip(_COMFORT_KEYS, self._fractions.T.copy(), strict=True))
         return info
 
 

@@ -102,7 +102,7 @@ class Simulation:
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         """(N, 2) of all random numbers of the present episodes."""
-        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound)
+        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, configuration.info == "light")
         own = configuration.own_estimator
         self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
         """The user's estimators, where they are in the place of the device's filter."""

@@ -34,23 +34,28 @@ class Jaw3D:
     Args:
         server: a ``viser.ViserServer``.
         scene: the first moment.
+        root: name of the frame that the jaw hangs on, where several jaws are in one scene.
+
+    Attributes:
+        colours: of the lines of a scene.
     """
 
-    def __init__(self, server: Any, scene: Scene) -> None:
-        self._viser = server.scene
+    def __init__(self, server: Any, scene: Scene, root: str = "") -> None:
+        self._viser, self._root = server.scene, root
         self._sent: dict[str, Any] = {}
+        self.colours = muscle_colours
         self._lines = len(scene.muscle_names)
         _prepare(server)
         self._add_skull(scene)
         self._ghost: Any = None
-        self._jaw = self._viser.add_frame("/jaw", show_axes=False)
+        self._jaw = self._viser.add_frame(f"{root}/jaw", show_axes=False)
         self._add_mesh("/jaw/bone", outlines.mandible(), _BONE)
         self._add_mesh("/jaw/teeth", outlines.lower_teeth(), palette.TOOTH_LIGHT)
         self._plate = self._add_mesh("/mouthpiece", outlines.mouthpiece(), palette.PLATE_LIGHT)
         spindle = _spindle()
         self._muscles = [self._add_mesh(f"/muscles/{i}", spindle, palette.ACCENT) for i in range(self._lines)]
         self._force = self._viser.add_arrows(
-            "/force",
+            f"{root}/force",
             _arrow(scene.mouthpiece_m, np.array([0.0, 0.0, -0.01])),
             palette.INK,
             shaft_radius=0.012,
@@ -78,7 +83,7 @@ class Jaw3D:
             self._show_force(scene)
 
     def _show_muscles(self, scene: Scene) -> None:
-        colours = muscle_colours(scene)
+        colours = self.colours(scene)
         for i, handle in enumerate(self._muscles):
             length = float(np.linalg.norm(scene.muscle_insertion_m[i] - scene.muscle_origin_m[i])) * UNITS_PER_M
             radius = _muscle_radius_mm(float(scene.muscle_tension_N[i])) * _UNITS_PER_MM
@@ -90,7 +95,7 @@ class Jaw3D:
         if self._ghost is None:
             if scene is None:
                 return
-            self._ghost = self._viser.add_frame("/ghost", show_axes=False)
+            self._ghost = self._viser.add_frame(f"{self._root}/ghost", show_axes=False)
             self._add_mesh("/ghost/bone", outlines.mandible(), palette.ACCENT, _GHOST_OPACITY)
         self._set(self._ghost, "ghost seen", "visible", scene is not None)
         if scene is not None:
@@ -123,17 +128,19 @@ class Jaw3D:
         unit = 1.0 if name.startswith("/muscles") else _UNITS_PER_MM
         vertices = (mesh.vertices * unit).astype(np.float32)
         triangles = faces.astype(np.uint32)
+        name = self._root + name
         return self._viser.add_mesh_simple(name, vertices, triangles, color=colour, side="front", opacity=opacity)
 
     def _add_plate(self, name: str, outline_mm: Array, y_mm: float, opacity: float) -> None:
         """A flat, translucent piece of the skull, of its outline (N, 2) in x and z."""
         vertices = (np.insert(outline_mm, 1, y_mm, axis=1) * _UNITS_PER_MM).astype(np.float32)
         faces = _triangles(outline_mm)
+        name = self._root + name
         self._viser.add_mesh_simple(name, vertices, faces, color=_BONE_PLATE, side="double", opacity=opacity)
 
     def _add_line(self, name: str, points_mm: Array, colour: palette.Colour) -> None:
         points = np.stack([points_mm[:-1], points_mm[1:]], axis=1) * _UNITS_PER_MM
-        self._viser.add_line_segments(name, points.astype(np.float32), colour, thickness=0.018)
+        self._viser.add_line_segments(self._root + name, points.astype(np.float32), colour, thickness=0.018)
 
     def _place(self, name: str, handle: Any, turn: Array, place_m: Array) -> None:
         x, y, z, w = Rotation.from_matrix(turn).as_quat()

@@ -21,8 +21,11 @@ STYLE = """
   --live-remark: #8a4b08; --live-accent: #185c8a; }
 [data-mantine-color-scheme=dark] { --live-ink: #e6e8ea; --live-soft: #a9b0b8; --live-card: #25282d;
   --live-line: #3d4147; --live-track: #4a4e55; --live-remark: #f0b45c; --live-accent: #86bfe4; }
+.mantine-ScrollArea-viewport > div { padding-right: 8px; }
 p > label { color: var(--live-soft); }
 .mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
+#strip { display: none; }
+@media (max-width: 36em) { #strip { display: flex; } }
 @media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }
 @media (max-width: 36em) {
   [style*='position: fixed'][style*='width: 20em'] { width: 100% !important; max-height: 56% !important; }

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from jawenv.controls import takes_targets
+from jawenv.errors import InputError
 from jawenv.live.setup import Setup
 from jawenv.metrics import score
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.policies.card import SHIPPED
+from jawenv.playing.policies.plain import load_plain
 from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play
 
 RIVALS = ("refined", "slow_opening")
+LEARNED = ("ppo_one_sided", "ppo_trismus")
+"""Policies of targets control that come with jawenv and play against the hand."""
 KNOWN = (0.10, 0.05)
 """Standard deviations of natural logs below which a parameter counts as known."""
 LARGEST_DISCOMFORT_S = 0.1  # in 30 s, as for the ranking of a comparison
@@ -55,6 +61,11 @@ class DriveOutcome:
         )
 
 
+def learned_agents() -> dict[str, Agent]:
+    """The policies of ``LEARNED``."""
+    return {name: load_plain(SHIPPED / name) for name in LEARNED}
+
+
 def outcomes_of_rivals(
     setup: Setup, agents: Mapping[str, Agent] | None = None, names: Sequence[str] = RIVALS
 ) -> list[DriveOutcome]:
@@ -62,16 +73,17 @@ def outcomes_of_rivals(
 
     Args:
         setup: whom, and how.
-        agents: by name; in targets control they are played, deciding as often as there.
+        agents: by name; in targets control they are played, deciding as often as there. Who refuses the setup is
+            left out.
         names: of maneuvers.
-
-    Raises:
-        InputError: an agent refuses the setup.
     """
     able = dict(agents or {}) if takes_targets(setup.world.control) else {}
     control, hz = setup.world.control, setup.world.steps_per_s
     players = [Player(Maneuver.named(name), control=control, control_hz=hz) for name in names]
-    of_agents = [_played(setup, name, agent, None) for name, agent in able.items()]
+    of_agents = []
+    for name, agent in able.items():
+        with contextlib.suppress(InputError):
+            of_agents.append(_played(setup, name, agent, None))
     return of_agents + [_played(setup, player.name, player, setup.world.steps_per_s) for player in players]
 
 

@@ -7,35 +7,34 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jawenv.anatomy import COHORTS
-from jawenv.anatomy.knowledge import LEVELS
-from jawenv.controls import CONTROLS
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.errors import InputError
-from jawenv.ladder import MODELS
 from jawenv.live import panels
+from jawenv.live.choices import Choices
 from jawenv.live.keys import Keys, keys_html, moved
-from jawenv.live.outcome import DriveOutcome, outcomes_of_rivals
+from jawenv.live.levels import level_of
+from jawenv.live.outcome import DriveOutcome, learned_agents, outcomes_of_rivals
+from jawenv.live.question_controls import Question
 from jawenv.live.saving import Saves
+from jawenv.live.score_card import score_png
 from jawenv.live.session import BY_HAND, DriveSession
-from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
+from jawenv.live.setup import Setup
 from jawenv.live.view import View
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.protocol import Agent, Array
-from jawenv.playing.rollout import LARGEST_SEED
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005
 _NOBODY = "nobody"
+_BUTTONS = ("Pause", "Step", "Again", "Next", "Save")
 _MOST_WISHES = 100  # between two steps; more are dropped
-_BEGIN = "Hold S to open the jaw: with the first key or slider the time begins. The aim is to make every muscle blue."
-_AGAIN = "Again: the same patient once more. Patient and model: another one."
+_BEGIN = "With the first key or slider the time begins. The aim is to make every muscle blue."
+_AGAIN = "Again: the same patient once more. Next: another one."
 
 
 class Page:
@@ -48,7 +47,8 @@ class Page:
         setup: of the first session.
         folder: where drives are saved.
         driver: who drives at first: ``you``, an agent or a maneuver.
-        agents: who may drive beside the maneuvers, and is in the score; see `jawenv.live.session.DriveSession`.
+        agents: who may drive beside the maneuvers and jawenv's own policies, and is in the score; see
+            `jawenv.live.session.DriveSession`.
 
     Raises:
         InputError: the setup or the driver is refused.
@@ -66,9 +66,10 @@ class Page:
         self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WISHES)
         self._stopped = threading.Event()
         self._paused, self._waiting, self._remark, self._rivals = False, True, "", list[DriveOutcome]()
+        self._hidden_s = level_of(setup).hidden_s
         self.steps = 0
         self._ghost: DriveSession | None = None
-        self.session = DriveSession(setup, agents)
+        self.session = DriveSession(setup, learned_agents() | dict(agents or {}))
         self.session.hand_over(driver)
         self._shown = self.session.shown()
         self._view = View(server, self._shown)
@@ -108,7 +109,8 @@ class Page:
     def _wait(self) -> None:
         """Hold time until somebody steers, or a maneuver shows itself."""
         self._waiting = True
-        self._remark = _BEGIN if self.session.driver == BY_HAND else ""
+        by_hand = self.session.driver == BY_HAND
+        self._remark, self._steps_card.content = (_BEGIN, panels.steps_html(self._hidden_s)) if by_hand else ("", "")
 
     def _drives(self) -> bool:
         """Whether time passes."""
@@ -121,7 +123,7 @@ class Page:
 
     def _start(self) -> None:
         if self._waiting:
-            self._waiting, self._remark = False, ""
+            self._waiting, self._remark, self._steps_card.content = False, "", ""
 
     def step(self) -> None:
         """One control step, by keys and sliders or by the maneuver that drives."""
@@ -138,11 +140,19 @@ class Page:
         if down or self.session.driver != BY_HAND:
             self._set_sliders(hand if down else self._shown.targets)
         self._show()
+        self._question.follow(self._shown)
         if self.session.ended:
             self._end()
 
     def _show(self) -> None:
-        self._view.show(self._shown, self._remark)
+        self._view.show(self._shown, self._remark, self._hidden_s)
+
+    def _send_score(self, client: Any) -> None:
+        """Let a browser keep the score as a picture."""
+        setup = self.session.setup
+        title = f"Level: {level_of(setup).title}. Patient {setup.seed} of {setup.world.build_cohort().name}"
+        picture = score_png(title, self._question.answer, [self._shown.outcome, *self._rivals])
+        client.send_file_download(f"jawenv_{setup.seed}.png", picture, save_immediately=True)
 
     def _end(self) -> None:
         """Save what was driven, and say what the rivals reach on this patient."""
@@ -156,6 +166,7 @@ class Page:
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)
+        self._picture.visible = True
 
     def _saved(self) -> list[str]:
         return [str(path) for path in self._saves.save(self.session)]
@@ -163,7 +174,9 @@ class Page:
     def _begin(self) -> None:
         """The same patient again."""
         self._saves.begin()
+        self._question.begin()
         self._score.content = ""
+        self._picture.visible = False
         self._paused = False
         self._keys.take()
         self._wait()
@@ -175,14 +188,12 @@ class Page:
 
     def _change(self) -> None:
         """Another patient, model, control or knowledge."""
-        values = {name: handle.value for name, handle in self._choices.items()}
-        seed = int(values.pop("seed"))
-        patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._levels[values["knowledge"]]}
-        setup = Setup(replace(self.session.setup.world, **(values | patient)), seed)
+        setup = self._choices.setup()
         self._say("making the environment: the first of a model compiles for up to a minute")
         session = DriveSession(setup, self.session.agents)
         session.hand_over(self._driver.value)
-        self.session, self._rivals = session, []
+        self.session, self._rivals, self._hidden_s = session, [], level_of(setup).hidden_s
+        self._choices.show_level(setup)
         self._view.renew(session.shown())
         self._call_ghost()
         self._begin()
@@ -253,6 +264,9 @@ class Page:
         return leave
 
     def _lay_out(self, gui: Any) -> None:
+        self._steps_card = gui.add_html("", order=self._view.below_status)
+        self._question = Question(gui, self._wish, self._view.below_status)
+        self._view.on_colour(self._wish(self._show))
         self._sliders = [
             gui.add_slider(name, low, HIGHEST, _STEP, 0.0) for name, low in zip(_SLIDERS, LOWEST, strict=True)
         ]
@@ -263,13 +277,16 @@ class Page:
         self._driver.on_update(self._wish(lambda: self._hand_over(self._driver.value)))
         self._ghosts = gui.add_dropdown("Ghost", (_NOBODY, *self._drivers()[1:]), initial_value=_NOBODY)
         self._ghosts.on_update(self._wish(self._call_ghost))
-        self._buttons = gui.add_button_group("Drive", tuple(self._button_wishes()))
+        self._buttons = gui.add_button_group("Drive", _BUTTONS)
         self._buttons.on_click(self._wish(lambda: self._button_wishes()[self._buttons.value]()))
         self._score = gui.add_html("")
-        self._add_choices(gui)
+        self._picture = gui.add_button("Score as a picture", visible=False)
+        self._picture.on_click(lambda event: self._wish(lambda: self._send_score(event.client))(event))
+        self._choices = Choices(gui, self.session.setup, self._wish, self._change)
 
     def _button_wishes(self) -> dict[str, Callable[[], None]]:
-        return {"Pause": self._pause, "Step": self._single_step, "Again": self._begin, "Save": self._save}
+        wishes = (self._pause, self._single_step, self._begin, self._choices.next_patient, self._save)
+        return dict(zip(_BUTTONS, wishes, strict=True))
 
     def _first_driver(self) -> str:
         driver = self.session.driver
@@ -284,20 +301,3 @@ class Page:
         if self.session.driver != BY_HAND:
             self.session.hand_over(BY_HAND)
             self._driver.value = BY_HAND
-
-    def _add_choices(self, gui: Any) -> None:
-        setup, world = self.session.setup, self.session.setup.world
-        cohort, knowledge = world.build_cohort(), world.build_knowledge()
-        self._cohorts = {**COHORTS, cohort.name: cohort}
-        level = next((name for name, level in LEVELS.items() if level == knowledge), "as given")
-        self._levels = {**LEVELS, level: knowledge}
-        with gui.add_folder("Patient and model", expand_by_default=False):
-            self._choices = {
-                "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),
-                "cohort": gui.add_dropdown("Cohort", tuple(self._cohorts), initial_value=cohort.name),
-                "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=world.model),
-                "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=world.control),
-                "knowledge": gui.add_dropdown("Knowledge", tuple(self._levels), initial_value=level),
-                "episode_s": gui.add_number("Episode, s", world.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5),
-            }
-            gui.add_button("New episode").on_click(self._wish(self._change))

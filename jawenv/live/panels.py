@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from jawenv.live.outcome import KNOWN, LARGEST_DISCOMFORT_S, DriveOutcome
+from jawenv.live.question import AnsweredMuscle, stiff_from_N
 from jawenv.live.session import Shown
 from jawenv.rendering import palette
 from jawenv.rendering.scene import Scene
@@ -40,17 +41,71 @@ def posterior_html(scene: Scene) -> str:
     return f"<div id='posterior' style='{_CARD}'>{title}{table}</div>"
 
 
-def legend_html() -> str:
-    """Legend of the jaw's colours and sizes."""
-    steps = [math.exp(math.log(palette.UNKNOWN_SD) * (1 - i / 6) + math.log(_BEST_SD) * i / 6) for i in range(7)]
-    ramp = ",".join(_css(palette.knowledge(sd)) for sd in steps)
-    scale = (
-        f"<div style='display:flex;gap:8px;align-items:center'><span>{100 * palette.UNKNOWN_SD:.0f} %</span>"
-        f"<div style='flex:1;height:10px;border-radius:5px;background:linear-gradient(90deg,{ramp})'></div>"
-        f"<span>{100 * _BEST_SD:.0f} %</span></div>"
+def strip_html(scene: Scene) -> str:
+    """A bar for each muscle, of the less known of its two parameters, for pages too narrow for the posterior."""
+    worst, bars = float(scene.prior_sd.max()), []
+    for muscle in scene.muscles:
+        rows = [scene.parameter_names.index(f"{parameter}/{muscle}") for parameter in ("log_F_o", "log_b")]
+        bar = _sd_bar(float(scene.belief_sd[rows].max()), worst)
+        bars.append(f"<div style='flex:1;min-width:0'>{bar}<span>{escape(_initials(muscle))}</span></div>")
+    return f"<div id='strip' style='{_CARD};gap:6px;font-size:11px'>{''.join(bars)}</div>"
+
+
+def hidden_html(until_s: float) -> str:
+    """In place of the posterior while it is hidden."""
+    words = f"The bars appear after {until_s:g} s. Until then watch which muscles get thick: they pull."
+    return f"<div id='posterior' style='{_CARD}'><b>Posterior</b> hidden<div>{words}</div></div>"
+
+
+def steps_html(hidden_s: float = 0.0) -> str:
+    """First steps of a driver, who sees no bars before ``hidden_s``."""
+    bars = f"Watch the bars fill, here after {hidden_s:g} s." if hidden_s else "Watch the bars fill."
+    steps = ("Hold <b>S</b>: the jaw opens.", "Swing with <b>A</b> and <b>D</b>.", bars)
+    items = "".join(f"<li>{step}</li>" for step in steps)
+    asked = "After 30 s: which muscles are stiff?"
+    return f"<div id='steps' style='{_CARD}'><ol style='margin:0;padding-left:20px'>{items}</ol>{asked}</div>"
+
+
+def answer_html(rows: Sequence[AnsweredMuscle]) -> str:
+    """What the player said of each muscle, beside the truth and the filter's estimate."""
+    lines = []
+    for row in rows:
+        colour = "inherit" if row.right else "var(--live-remark)"
+        mark = "&#10003;" if row.right else "&#10007;"
+        cells = (
+            f"<span style='color:{colour}'>{mark} {_word(row.said)}</span>",
+            f"{_word(row.stiff)} {row.true_F_o_N:#.3g}",
+            f"{row.F_o_N:#.3g} ± {100 * row.sd:.1f} %",
+        )
+        tds = "".join(f"<td style='{_FIGURE}'>{cell}</td>" for cell in cells)
+        lines.append(f"<tr><th style='{_NAME}'>{escape(_name(row.muscle))}</th>{tds}</tr>")
+    title = (
+        f"<b>{sum(row.right for row in rows)} of {len(rows)} right</b> stiff: F<sub>o</sub> above {rows[0].limit_N:g} N"
     )
+    head = "".join(f"<th style='text-align:right'>{word}</th>" for word in ("", "you say", "truth, N", "filter, N"))
+    table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'><tr>{head}</tr>{''.join(lines)}</table>"
+    return f"<div id='answer' style='{_CARD}'>{title}{table}</div>"
+
+
+def legend_html(scene: Scene, by_stiffness: bool = False) -> str:
+    """Legend of the jaw's colours and sizes."""
     words = "The thicker a muscle, the harder it pulls. The arrow is the force of the device."
-    title = "<b>Colour of a muscle</b> sd of its parameters"
+    if by_stiffness:
+        limit = stiff_from_N(scene)
+        ends = f"F<sub>o</sub> {limit / palette.STIFFEST:.2g} N", f"{limit * palette.STIFFEST:.2g} N"
+        colours = [palette.stiffness(palette.STIFFEST ** (i / 3 - 1)) for i in range(7)]
+        title = f"<b>Colour of a muscle</b> believed F<sub>o</sub>, stiff above {limit:g} N"
+    else:
+        ends = f"{100 * palette.UNKNOWN_SD:.0f} %", f"{100 * _BEST_SD:.0f} %"
+        shares = [i / 6 for i in range(7)]
+        colours = [palette.knowledge(palette.UNKNOWN_SD ** (1 - share) * _BEST_SD**share) for share in shares]
+        title = "<b>Colour of a muscle</b> sd of its parameters"
+    ramp = ",".join(_css(colour) for colour in colours)
+    scale = (
+        f"<div style='display:flex;gap:8px;align-items:center'><span>{ends[0]}</span>"
+        f"<div style='flex:1;height:10px;border-radius:5px;background:linear-gradient(90deg,{ramp})'></div>"
+        f"<span>{ends[1]}</span></div>"
+    )
     return f"<div id='legend' style='{_CARD};font-size:12px'>{title}{scale}{words}</div>"
 
 
@@ -64,7 +119,7 @@ def comfort_html(scene: Scene) -> str:
         colour = _css(palette.comfort(used, hard))
         share = 72.0 * min(used, 1.0) + 28.0 * min(max((used - 1.0) / (hard - 1.0), 0.0), 1.0)
         mark = "<i style='position:absolute;left:72%;top:-2px;width:2px;height:14px;background:var(--live-ink)'></i>"
-        label = escape(name.replace("_", " ").replace("fore aft", "fore-aft"))
+        label = _limit(name)
         rows.append(
             f"<tr><th style='{_NAME}'>{label}</th><td style='width:52%'>{_bar(share, colour, mark)}</td>"
             f"<td style='text-align:right;width:44px'>{100 * used:.0f} %</td></tr>"
@@ -79,6 +134,12 @@ def status_html(shown: Shown, remark: str = "") -> str:
     scene, outcome = shown.scene, shown.outcome
     worst = f"{100 * outcome.worst_sd:.1f}"
     allowed = LARGEST_DISCOMFORT_S * scene.episode_s / 30.0
+    costly = [_limit(name) for name, used in scene.comfort.items() if used > 1.0]
+    below = (
+        f"<span style='color:var(--live-remark)'>{' and '.join(costly)}</span>"
+        if costly
+        else f"allowed {allowed:.2g} s"
+    )
     discomfort = f"{outcome.discomfort_s:.2f} s"
     if outcome.discomfort_s > allowed:
         discomfort = f"<span style='color:var(--live-remark)'>{discomfort}</span>"
@@ -91,7 +152,7 @@ def status_html(shown: Shown, remark: str = "") -> str:
         ),
         ("all to 10 %", _seconds(outcome.time_to_s[0]), ""),
         ("all to 5 %", _seconds(outcome.time_to_s[1]), ""),
-        ("discomfort", discomfort, f"allowed {allowed:.2g} s"),
+        ("discomfort", discomfort, below),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
     )
     cells = "".join(
@@ -124,10 +185,10 @@ def score_html(outcomes: Sequence[DriveOutcome], saved: Sequence[str] = ()) -> s
             _seconds(one.time_to_s[0]),
             _seconds(one.time_to_s[1]),
             f"{100 * one.worst_sd:.1f} %",
-            f"{one.discomfort_s:.2f} s{'' if one.within_comfort else ' (too much)'}",
+            f"{one.discomfort_s:.2f} s{'' if one.within_comfort else ', over'}",
         )
-        cells = "".join(f"<td style='text-align:right;padding-left:6px'>{figure}</td>" for figure in figures)
-        rows.append(f"<tr><th style='{_NAME}'>{escape(one.name.replace('_', ' '))}</th>{cells}</tr>")
+        cells = "".join(f"<td style='{_FIGURE}'>{figure}</td>" for figure in figures)
+        rows.append(f"<tr><th style='{_NAME};white-space:normal'>{escape(one.name.replace('_', ' '))}</th>{cells}</tr>")
     files = "".join(f"<div style='overflow-wrap:anywhere'>saved: {escape(path)}</div>" for path in saved)
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
     return f"<div id='score' style='{_CARD}'><b>Score on this patient</b>{table}{files}</div>"
@@ -147,6 +208,7 @@ _SCORE_HEADS = (
     ("discomfort", "how far comfort limits were exceeded, times how long"),
 )
 _NAME = "text-align:left;font-weight:400;white-space:nowrap;padding:1px 6px 1px 0"
+_FIGURE = "text-align:right;white-space:nowrap;padding-left:6px"
 
 
 def _hint(words: str, meaning: str) -> str:
@@ -161,13 +223,18 @@ def _heads(heads: Sequence[tuple[str, str]]) -> str:
 
 
 def _sd_cell(sd: float, worst: float) -> str:
-    share = 100.0 * min(max(math.log(worst / sd) / math.log(worst / _BEST_SD), 0.02), 1.0)
     words = f"{100 * sd:.1f} %" if sd < 0.0995 else f"{100 * sd:.0f} %"
-    bar = _bar(share, _css(palette.knowledge(sd)))
+    bar = _sd_bar(sd, worst)
     return (
         f"<td style='width:26%;padding-left:6px'><div style='display:flex;gap:4px;align-items:center'>"
         f"<div style='flex:1'>{bar}</div><span style='width:42px;text-align:right'>{words}</span></div></td>"
     )
+
+
+def _sd_bar(sd: float, worst: float) -> str:
+    """A bar that is longer and bluer the smaller an sd is, from the worst of the prior on."""
+    share = 100.0 * min(max(math.log(worst / sd) / math.log(worst / _BEST_SD), 0.02), 1.0)
+    return _bar(share, _css(palette.knowledge(sd)))
 
 
 def _bar(share: float, colour: str, mark: str = "") -> str:
@@ -188,3 +255,18 @@ def _seconds(time: float) -> str:
 
 def _name(muscle: str) -> str:
     return " ".join(_SHORT.get(word, word) for word in muscle.split("_"))
+
+
+def _initials(muscle: str) -> str:
+    """The first letters of a muscle's name; a side keeps its own."""
+    *words, side = muscle.split("_")
+    return "".join(word[0] for word in words) + " " + _SHORT.get(side, side)
+
+
+def _limit(name: str) -> str:
+    """Name of a comfort limit."""
+    return escape(name.replace("_", " ").replace("fore aft", "fore-aft"))
+
+
+def _word(stiff: bool) -> str:
+    return "stiff" if stiff else "healthy"

@@ -14,7 +14,7 @@ import jawenv.envs.registration  # noqa: F401  (the ids)
 from jawenv.controls import takes_targets
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.envs.shown_world import build_scene
-from jawenv.errors import InputError
+from jawenv.errors import InputError, not_among
 from jawenv.laboratory.recordings.files import save_record
 from jawenv.laboratory.recordings.of_simulation import record_of
 from jawenv.laboratory.recordings.record import Record
@@ -23,7 +23,7 @@ from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
-from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.maneuvers import Maneuver, maneuver_names
 from jawenv.playing.protocol import Agent, Array
 from jawenv.rendering.scene import Scene
 
@@ -102,7 +102,8 @@ class DriveSession:
             name: of an agent or a maneuver that comes with jawenv, the path of a maneuver file, or ``you``.
 
         Raises:
-            InputError: no such maneuver, or an agent that cannot drive this session.
+            InputError: the name stands for nobody, the file cannot be used, or the agent plays another control mode or
+                model than this session.
         """
         if name == BY_HAND:
             # The hand goes on from where the jaw was sent.
@@ -110,8 +111,12 @@ class DriveSession:
             self.steering.driver = None
         elif name in self.agents:
             self.steering.driver = self._deciding(name)
+        elif Path(name).suffix:
+            self.steering.driver = Maneuver.load(name)
+        elif name in maneuver_names():
+            self.steering.driver = Maneuver.named(name)
         else:
-            self.steering.driver = Maneuver.load(name) if Path(name).suffix else Maneuver.named(name)
+            raise not_among("driver", name, (BY_HAND, *self.agents, *maneuver_names()))
 
     def _deciding(self, name: str) -> Deciding:
         if not takes_targets(self.setup.world.control):

@@ -10,11 +10,14 @@ import numpy as np
 from jawenv.live import panels
 from jawenv.live.jaw3d import FIRST_POSITION, Jaw3D
 from jawenv.live.look import DARK_DIGIT, SCRIPTS, STYLE
+from jawenv.live.question import stiffness_colours
 from jawenv.live.session import Shown
+from jawenv.rendering.muscles import muscle_colours
 
 _NARROW = 0.65  # width over height of the picture: 0.6 of 480 by 800, 0.69 between the panels of 1,400 by 900
 _WHOLE_EVERY_S = 0.15  # for sizes and colours; the motion is sent with every step
 _PANEL_PX = 390
+_HOW_SURE, _HOW_STIFF = "how sure", "how stiff"
 _THEME = {"show_logo": False, "show_share_button": False}
 _BRAND = {False: (24, 92, 138), True: (86, 160, 211)}  # on a light, on a dark page
 
@@ -28,6 +31,7 @@ class View:
 
     Attributes:
         gui: of the server, for what a page adds.
+        below_status: where among the controls stands what is most urgent.
     """
 
     def __init__(self, server: Any, first: Shown) -> None:
@@ -41,31 +45,42 @@ class View:
         self.gui.set_panel_label("jawenv live")
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(_PANEL_PX)
-        self._status, self._beside = self.gui.add_html(""), self.gui.add_html("")
+        self._status, self._strip, self._beside = (self.gui.add_html("") for _ in range(3))
+        self.below_status: float = self._strip.order + 0.5
         self.gui.add_html(STYLE + SCRIPTS)
         panel = self.gui.add_panel()
         with panel.add_tab("Knowledge"):
             self._posterior, self._comfort = self.gui.add_html(""), self.gui.add_html("")
-            self.gui.add_html(panels.legend_html())
+            self._colour = self.gui.add_button_group("Colour", (_HOW_SURE, _HOW_STIFF))
+            self._legend = self.gui.add_html("")
         panel.dock_left()
         panel.set_width(_PANEL_PX)
         panel.expand()
         server.on_client_connect(_fit)
+
+    def on_colour(self, callback: Any) -> None:
+        """Call viser's ``callback`` when a browser chooses other colours."""
+        self._colour.on_click(callback)
 
     @property
     def watched(self) -> bool:
         """Whether a browser shows the page."""
         return bool(self._server.get_clients())
 
-    def show(self, shown: Shown, remark: str = "") -> None:
-        """Show a moment, and a remark below the figures."""
+    def show(self, shown: Shown, remark: str = "", hidden_s: float = 0.0) -> None:
+        """Show a moment, and a remark below the figures; before ``hidden_s`` nothing of what muscles are believed."""
+        hidden = shown.scene.time_s < hidden_s and not shown.ended
+        by_stiffness = self._colour.value == _HOW_STIFF and not hidden
         now = time.monotonic()
         whole = shown.ended or now - self._whole_at >= _WHOLE_EVERY_S
         if whole:
             self._whole_at = now
         with self._server.atomic():
+            self._jaw.colours = stiffness_colours if by_stiffness else muscle_colours
             self._jaw.show(shown.scene, whole)
-            self._posterior.content = panels.posterior_html(shown.scene)
+            self._legend.content = panels.legend_html(shown.scene, by_stiffness)
+            self._posterior.content = panels.hidden_html(hidden_s) if hidden else panels.posterior_html(shown.scene)
+            self._strip.content = "" if hidden else panels.strip_html(shown.scene)
             self._comfort.content = panels.comfort_html(shown.scene)
             self._status.content = panels.status_html(shown, remark)
 

@@ -66,8 +66,8 @@ def play(
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise, 0 to 2**32 - 1; of the first world, or one for each.
-        env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, and
-            `control` is that of the agent if it has an attribute of this name.
+        env_kwargs: arguments of the environment; the bound is tracked unless `track_bound` says otherwise, `info` is
+            full, and `control` is that of the agent if it has an attribute of this name.
         env_id: a registered environment of jawenv; where it has no native vector form, single ones are stepped.
         progress: called with (steps done, steps of the longest episode) after every control step.
         on_step: called with the environment and the actions (N, 4) before every control step, and at the end with None
@@ -90,6 +90,7 @@ def play(
     if not isinstance(env_kwargs, Mapping | None):
         raise InputError(f"env_kwargs is {shown(env_kwargs)}; allowed: a mapping of the environment's arguments")
     kwargs = {"track_bound": True, **(env_kwargs or {})}
+    kwargs.pop("info", None)
     if (control := control_of(agent, kwargs)) is not None:
         kwargs["control"] = control
     env = _worlds(env_id, number, kwargs)

@@ -49,6 +49,10 @@ KNOWLEDGE: tuple[Colour, ...] = (
     (18, 66, 118),
 )
 
+STIFFEST = 3.0
+"""Times the stiffness limit at which the scale of stiffness ends; it begins at as small a fraction."""
+STIFFNESS: tuple[Colour, ...] = (GOOD, (214, 200, 140), KNOWLEDGE[0])
+
 
 def mix(first: Colour, second: Colour, share: float) -> Colour:
     """Blend two colours; `share` (0 to 1) is the second one's."""
@@ -67,6 +71,14 @@ def knowledge(sd: float) -> Colour:
     position = min(max(share, 0.0), 1.0) * (len(KNOWLEDGE) - 1)
     index = min(int(position), len(KNOWLEDGE) - 2)
     return mix(KNOWLEDGE[index], KNOWLEDGE[index + 1], position - index)
+
+
+def stiffness(ratio: float) -> Colour:
+    """Colour of a muscle's force in the closed jaw over the one from which it is stiff: green below, clay above 1."""
+    share = 0.5 + 0.5 * math.log(max(ratio, 1e-9)) / math.log(STIFFEST)
+    position = min(max(share, 0.0), 1.0) * (len(STIFFNESS) - 1)
+    index = min(int(position), len(STIFFNESS) - 2)
+    return mix(STIFFNESS[index], STIFFNESS[index + 1], position - index)
 
 
 def comfort(used: float, hard: float) -> Colour:

@@ -21,12 +21,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 import agents
 import jawenv
-from agents.controller import ControlledAgent
-from agents.policies import PlainPolicy, elu, load_policy
-from agents.residual import N_FEATURES, ResidualPolicy
+from agents.policies import load_policy
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.policies.controller import ControlledAgent
+from jawenv.playing.policies.plain import PlainPolicy, elu
+from jawenv.playing.policies.residual import N_FEATURES, ResidualPolicy
 from jawenv.playing.protocol import Agent
 from tests.plain_policies import random_weights, write_corrector, write_policy
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import agents
-from agents.excitation import Excitation
 from jawenv.errors import InputError
+from jawenv.playing.excitation import Excitation
 from jawenv.playing.maneuvers.player import Player
 from jawenv.playing.protocol import Agent
 

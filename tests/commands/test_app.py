@@ -15,7 +15,9 @@ from jawenv.commands.app import main
 from jawenv.ladder import MODELS
 from jawenv.live.session import DriveSession
 from jawenv.live.setup import Setup
+from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
+from jawenv.playing.policies.card import policy_names
 from tests.recorded import BODY
 
 
@@ -53,7 +55,25 @@ def test_a_full_disk_behind_the_standard_output_is_one_line():
 def test_list_of_agents_says_where_the_rest_is(capsys):
     assert main(["list", "agents"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(maneuver_names()) + 1 and "from a clone" in lines[-1]
+    assert [line.split()[0] for line in lines[:-1]] == [*policy_names(), *BASELINES, *maneuver_names()]
+    assert "from a clone" in lines[-1]
+    (trismus,) = (line for line in lines if line.startswith("ppo_trismus"))
+    assert "worst sd 1.9 % after 10 s, discomfort 0.01 s" in trismus and "corrects refined" in trismus
+
+
+@pytest.mark.parametrize(("name", "id"), [("ppo_force", "Jaw-v3"), ("ppo_imaged", "JawImaged-v3"), ("zero", "Jaw-v3")])
+def test_a_policy_is_scored_in_the_world_of_its_training(name, id, capsys):
+    assert main(["score", name, "--patients", "2", "--episode-s", "1"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith(f"{name} in jawenv/{id} on 2 patients")
+
+
+def test_a_policy_is_scored_elsewhere_on_request_or_refused_in_one_line(capsys):
+    assert main(["score", "ppo_trismus", "--patients", "2", "--episode-s", "1", "--control", "force"]) == 0
+    assert main(["score", "ppo_trismus", "--env", "JawSides-v3"]) == 2
+    assert main(["score", "ppo_trismos"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and "ppo_trismus" in said[1]
 
 
 @pytest.mark.parametrize("knowledge", ["exact", "imaged"])
@@ -119,14 +139,14 @@ def interrupt(page):
     ("arguments", "message"),
     [
         (["list", "birds"], "list is 'birds'; allowed: maneuvers, agents, cohorts, models"),
-        (["score", "nope"], "maneuver is 'nope'; allowed: chirp"),
+        (["score", "nope"], "agent is 'nope'; allowed: chirp"),
         (["score", "refined", "--model", "bird"], "env is 'bird'; allowed: jawenv/JawHinge-v3"),
         (["identify", "nowhere.csv"], "nowhere.csv"),
         (["identify", "README.md", "--knowledge", "vague"], "README.md"),
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port is 70000; allowed"),
-        (["live", "--port", "0", "--driver", "nope"], "maneuver is 'nope'"),
+        (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, ppo_one_sided"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from agents.card import SHIPPED, ResultsFile, read_card
 from agents.evaluations import read_evaluations
 from agents.policies import load_policy
 from agents.replay import Replay
@@ -23,6 +22,7 @@ from jawenv.files import read_model
 from jawenv.laboratory.recordings.files import load_record
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
+from jawenv.playing.policies.card import SHIPPED, ResultsFile, read_card
 from jawenv.reality.options import Reality
 from tests.damaged_files import contents
 from training.run.config import TrainingConfig

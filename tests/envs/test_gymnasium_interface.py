@@ -46,6 +46,7 @@ NOT_DEFAULT = {
     "control_hz": 10.0,
     "comfort_weight": 2.0,
     "track_bound": True,
+    "info": "light",
     "record": True,
     "device": {"full_scale_N": 5.0},
     "reality": {"creep_share": 0.2},

@@ -93,7 +93,7 @@ def test_the_observation_shows_the_targets_that_are_followed():
 
 def test_random_targets_hurt_nobody():
     """Sixteen patients, 30 s of uniform random targets: no hard limit, no governor to speak of, an honest belief."""
-    from agents.excitation import EXCITATIONS
+    from jawenv.playing.excitation import EXCITATIONS
 
     played = jawenv.play(EXCITATIONS["random"](5.0), patients=16, seed=5000, env_kwargs={"control": "targets"})
     assert not played.terminated.any()

@@ -10,9 +10,9 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from agents.residual import N_FEATURES
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.residual import N_FEATURES
 from tests.plain_policies import write_corrector
 
 

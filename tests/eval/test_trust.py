@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from agents.card import CARD
 from eval.commands.app import main
 from eval.comparison import results
+from jawenv.playing.policies.card import CARD
 from jawenv.playing.rollout import DEFAULT_ENV
 from tests.eval.runs import make_it_run_code, save_checkpoint, save_run
 from tests.eval.studies import study

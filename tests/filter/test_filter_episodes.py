@@ -6,8 +6,8 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from agents.excitation import EXCITATIONS
 from jawenv.metrics.calibration import covered, nees, nees_band
+from jawenv.playing.excitation import EXCITATIONS
 from jawenv.playing.rollout import play
 
 ID = "jawenv/Jaw-v3"

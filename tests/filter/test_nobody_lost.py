@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import jawenv
-from agents.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.filter.updates.measurement_update import GATE
 from jawenv.metrics.calibration import nees
+from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
 
 EACH = 4  # patients for each way to act
 SECONDS = 10.0

@@ -47,7 +47,7 @@ def looking_at(server, width=700, scheme="light"):
         tab.context.close()
 
 
-CUT = """() => [...document.querySelectorAll("#status, #posterior, #comfort, #legend")]
+CUT = """() => [...document.querySelectorAll("#status, #steps, #posterior, #comfort, #legend")]
   .filter((card) => card.scrollWidth > card.clientWidth).map((card) => card.id)"""
 
 
@@ -78,7 +78,7 @@ def test_keys_open_the_jaw_and_every_browser_sees_the_sds_fall(tmp_path):
         page = Page(server, Setup.of(seed=500, episode_s=600.0), tmp_path)
         with running(page), looking_at(server) as tab, looking_at(server, 480, "dark") as other:
             before = worst(tab)
-            assert page.steps == 0 and "Hold S to open" in tab.inner_text("#status")
+            assert page.steps == 0 and "Hold S" in tab.inner_text("#steps")
             assert tab.title() == "jawenv live" and "not a medical device" in tab.inner_text("#notice")
             assert tab.evaluate(CUT) == other.evaluate(CUT) == []
             tab.keyboard.down("KeyS")
@@ -116,6 +116,15 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
             words = tab.inner_text("#score")
             assert "refined" in words and "slow opening" in words and "you and refined" in words
             assert tab.complaints == []
+            found = Axe().run(tab).response["violations"]
+            assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
+            tab.get_by_text("masseter left", exact=True).click()
+            tab.get_by_text("Answer", exact=True).click()
+            tab.wait_for_selector("#answer")
+            assert page._question.answer[0].said and "of 6 right" in tab.inner_text("#answer")
+            with tab.expect_download() as download:
+                tab.get_by_text("Score as a picture", exact=True).click()
+            assert download.value.suggested_filename == "jawenv_500.png"
             tab.get_by_text("Again", exact=True).click()
             wait_until(lambda: page.session.outcome().duration_s == 0.0)
             assert page.session.driver == BY_HAND and page._score.content == ""
@@ -139,13 +148,13 @@ def test_another_patient_and_a_refused_choice(tmp_path):
     with serving(0) as server:
         page = Page(server, Setup.of(seed=500, episode_s=2.0), tmp_path)
         page.step()
-        page._choices["seed"].value = 501
-        page._choices["model"].value = "sides"
+        page._choices.fields["seed"].value = 501
+        page._choices.fields["model"].value = "sides"
         page._fulfil(page._change)
         assert page.session.setup.seed == 501 and len(page._shown.scene.parameter_names) == 4
         page.step()
-        page._choices["model"].value = "bilateral"
-        page._choices["knowledge"].value = "imaged"
+        page._choices.fields["model"].value = "bilateral"
+        page._choices.fields["knowledge"].value = "imaged"
         page._fulfil(page._change)
         assert page.session.setup.world.model == "sides"
         assert "knowledge is not exact" in page._view._status.content
@@ -166,7 +175,7 @@ def test_a_ghost_moves_in_step_and_comes_along_to_another_patient(tmp_path):
             expected = alone.drive()
         np.testing.assert_array_equal(page._ghost.shown().scene.contact_m, expected.scene.contact_m)
         assert "ghost of refined" in page._view._beside.content
-        page._choices["seed"].value = 501
+        page._choices.fields["seed"].value = 501
         page._fulfil(page._change)
         assert page._ghost.setup.seed == 501 and page._ghost.steps == 0
         page._ghosts.value = "nobody"

@@ -26,8 +26,8 @@ import jawenv
 import jawenv.commands.app
 import jawenv.playing.rollout
 import training.cli
-from agents.card import Result
 from jawenv.laboratory.recordings.files import load_record
+from jawenv.playing.policies.card import Result
 
 EPISODE_S = 2.0
 NOT_OF_THE_WHEEL = {*BLOCKED, "rich", "agents", "training", "eval"} - {"yaml"}  # PyYAML is required by the wheel

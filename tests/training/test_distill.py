@@ -8,8 +8,8 @@ from rich.console import Console
 
 import agents
 import jawenv
-from agents.card import WEIGHTS, read_card
 from agents.evaluations import read_evaluations
+from jawenv.playing.policies.card import WEIGHTS, read_card
 from tests.recorded import Actions
 from training.cli import main
 from training.run.config import TrainingConfig

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from markdown import markdown
 
-from agents.card import SHIPPED, ModelCard, policy_names, read_card
+from jawenv.playing.policies.card import SHIPPED, ModelCard, policy_names, read_card
 from tests.plain_policies import write_corrector
 from training.cli import main
 from training.run.config import TrainingConfig

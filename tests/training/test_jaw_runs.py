@@ -10,12 +10,12 @@ import pytest
 
 import agents
 import jawenv
-from agents.card import read_card
 from agents.evaluations import read_evaluations
-from agents.residual import ResidualPolicy
 from eval.kept.entries import load_entries
 from eval.kept.settings import Settings
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.policies.card import read_card
+from jawenv.playing.policies.residual import ResidualPolicy
 from tests.recorded import BODY
 from training.cli import main
 from training.run.config import BASE_FILE

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from agents import load_agent
-from agents.registry import policy_names
 from jawenv.envs.observation import OBSERVATION_LAYOUT
+from jawenv.playing.policies.card import policy_names
 from training.cli import main
 
 pytest.importorskip("onnx")

@@ -12,8 +12,8 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from agents.card import Architecture
 from jawenv.errors import InputError
+from jawenv.playing.policies.card import Architecture
 from training.run.algorithm_configs import (
     APGConfig,
     LSTMNetworkConfig,

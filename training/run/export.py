@@ -14,7 +14,10 @@ import yaml
 from safetensors.numpy import save
 
 import jawenv
-from agents.card import (
+from jawenv.errors import InputError
+from jawenv.files import read_mapping, read_model, write_text
+from jawenv.locks import alone
+from jawenv.playing.policies.card import (
     CARD,
     WEIGHTS,
     Architecture,
@@ -25,10 +28,7 @@ from agents.card import (
     ResultsFile,
     read_card,
 )
-from agents.policies import read_weights, write_policy
-from jawenv.errors import InputError
-from jawenv.files import read_mapping, read_model, write_text
-from jawenv.locks import alone
+from jawenv.playing.policies.plain import read_weights, write_policy
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
 

@@ -26,11 +26,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from agents.card import CARD
 from agents.evaluations import FILE as EVALUATIONS
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, read_mapping, remove_unfinished, write_json, write_text
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.card import CARD
 from jawenv.reading import LARGEST_TEXT, open_file, read_member
 from jawenv.versions import made_with
 from training.run.config import BASE_FILE, TrainingConfig

@@ -14,14 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jawenv
-from agents.card import ModelCard, policy_folder
-from agents.policies import PlainPolicy, load_policy
-from agents.residual import STEPS_SEEN, BaseTargets, ResidualPolicy
+from agents.policies import load_policy
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
 from jawenv.envs.observation import observation_layout, parameters_of
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
+from jawenv.playing.policies.card import ModelCard, policy_folder
+from jawenv.playing.policies.plain import PlainPolicy
+from jawenv.playing.policies.residual import STEPS_SEEN, BaseTargets, ResidualPolicy
 
 OPSET = 17
 ACTIVATIONS = {"tanh": "Tanh", "relu": "Relu", "elu": "Elu"}

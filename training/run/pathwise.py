@@ -19,13 +19,13 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 from torch import Tensor
 
-from agents.residual import BaseTargets
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.errors import InputError
+from jawenv.playing.policies.residual import BaseTargets
 
 UNSEEN = ("rates", "force", "motor_thrust")
 """Parts of the observation that are mostly noise, which the twin has none of: they have no weight."""

@@ -16,12 +16,12 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 
-from agents.card import CorrectedManeuver, Environment
-from agents.following import decision_hz
-from agents.residual import BaseTargets
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
 from jawenv.locks import alone
+from jawenv.playing.policies.card import CorrectedManeuver, Environment
+from jawenv.playing.policies.following import decision_hz
+from jawenv.playing.policies.residual import BaseTargets
 from jawenv.progress import Progress
 from training.run.algorithm_configs import SACConfig
 from training.run.algorithms import make_model, plain_policy

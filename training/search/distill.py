@@ -22,12 +22,12 @@ from stable_baselines3.common.logger import configure
 
 from agents.array_files import load_arrays, save_arrays
 from agents.planners import PLANNERS
-from agents.residual import BaseTargets
 from jawenv.controls import mode_of
 from jawenv.device.channels import N_CHANNELS
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
 from jawenv.files import InputModel
+from jawenv.playing.policies.residual import BaseTargets
 from jawenv.progress import Progress
 from training.run.algorithm_configs import PositiveInt, PositiveNumber
 from training.run.config import TrainingConfig

@@ -18,7 +18,6 @@ import torch
 from torch import Tensor
 
 import jawenv  # noqa: F401  registers its environments
-from agents.following import DECISION_HZ
 from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.worlds import Worlds
@@ -27,6 +26,7 @@ from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.policies.following import DECISION_HZ
 from jawenv.playing.protocol import Array
 from jawenv.seeds import TUNING
 from training.run.callbacks import Multiplier

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from agents.card import ResultsFile
 from eval.commands.app import main
 from eval.comparison import results
 from eval.comparison.card_results import card_results
 from jawenv.errors import InputError
 from jawenv.files import read_model
+from jawenv.playing.policies.card import ResultsFile
 from tests.eval.studies import GOOD, TRAINED, study
 
 

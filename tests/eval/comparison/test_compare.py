@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
-from agents.card import CARD, Environment
 from eval.commands.app import main
 from eval.comparison import compare as comparison
 from eval.comparison import results
@@ -20,6 +19,7 @@ from eval.studies.design import Design
 from eval.studies.grid import cells_of
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
+from jawenv.playing.policies.card import CARD, Environment
 from tests.eval.runs import save_checkpoint
 from tests.plain_policies import write_policy
 from tests.recorded import BODY

@@ -1,5 +1,7 @@
 """Data sets of Minari: what is written is what is played, and is found again."""
 
+import hashlib
+import json
 import sys
 
 import numpy as np
@@ -7,6 +9,8 @@ import pytest
 
 from agents import load_agent
 from eval.commands.app import main
+from eval.episodes.croissant import FILE, write_croissant
+from jawenv.errors import InputError
 from jawenv.playing.rollout import play
 
 SMALL = ("--env", "JawHinge", "--patients", "2", "--episode-s", "1")
@@ -47,7 +51,33 @@ def test_a_data_set_is_what_was_played(tmp_path, monkeypatch, capsys):
     capsys.readouterr()
     assert main(command) == 2
     assert "exists; use --fresh" in capsys.readouterr().err
-    assert main([*command, "--fresh"]) == 0
+    assert main([*command, "--fresh", "--croissant"]) == 0
+    described = json.loads((tmp_path / "jawenv/hinge/random-v0" / FILE).read_text())
+    assert "Seeds 3 to 4" in described["description"] and len(described["distribution"]) == 5
+
+
+@pytest.mark.filterwarnings("ignore:ConjunctiveGraph is deprecated:DeprecationWarning")  # mlcroissant's use of rdflib
+def test_the_description_for_machines_is_valid_and_names_every_file(tmp_path):
+    croissant = pytest.importorskip("mlcroissant")
+    folder = tmp_path / "refined-v0"
+    (folder / "data").mkdir(parents=True)
+    (folder / "data" / "part-0.arrow").write_bytes(b"arrow")
+    (folder / "data" / "metadata.json").write_text("{}")
+    for _ in range(2):  # it does not describe itself
+        path = write_croissant(folder, "jawenv/hinge/refined-v0", "Refined. Seeds 3 to 4.")
+    metadata = croissant.Dataset(jsonld=path).metadata
+    assert metadata.ctx.issues.errors == set()
+    (warning,) = metadata.ctx.issues.warnings
+    assert "datePublished" in warning
+    assert [file.content_url for file in metadata.distribution] == ["data/metadata.json", "data/part-0.arrow"]
+    assert metadata.distribution[1].sha256 == hashlib.sha256(b"arrow").hexdigest()
+    assert metadata.personal_sensitive_information and len(metadata.data_limitations) == 2
+
+
+def test_without_mlcroissant_there_is_one_line(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "mlcroissant", None)
+    with pytest.raises(InputError, match="--croissant needs mlcroissant: .ci/setup dataset"):
+        write_croissant(tmp_path, "jawenv/hinge/refined-v0", "Refined.")
 
 
 def test_a_planner_is_refused(tmp_path, capsys):

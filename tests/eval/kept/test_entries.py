@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from safetensors.numpy import save
 
-from agents.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from eval.commands.app import main
 from eval.kept.digest import fingerprint
 from eval.kept.entries import env_of_runs, load_entries
@@ -19,6 +18,7 @@ from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.files import write_json
 from jawenv.ladder import model_of_env
+from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, Environment, ModelCard
 from tests.eval.runs import save_run
 
 OWN = """

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from agents.card import CARD
 from eval.comparison.ranking import rank
 from eval.report.learned import learned
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.card import CARD
 from tests.eval.studies import IDLE, TRAINED, study
 from tests.plain_policies import write_corrector
 

@@ -5,9 +5,9 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from agents.card import SHIPPED, policy_folder, policy_names, read_card
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.card import SHIPPED, policy_folder, policy_names, read_card
 from jawenv.seeds import REPORTS
 
 

@@ -1,7 +1,8 @@
 """Policies that decide, and the controllers that turn their decisions into actions of an environment.
 
 `ControlledAgent` uses a controller in play, where an environment is moved step by step; `ControlledWorlds` in training,
-where a policy gets worlds in which an action is a decision. `agents.residual` and `agents.following` have controllers.
+where a policy gets worlds in which an action is a decision. `residual` and `following` beside this module have
+controllers.
 """
 
 from __future__ import annotations

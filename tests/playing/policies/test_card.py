@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 import jawenv
-from agents.card import CARD, Environment, ModelCard, card_of, policy_folder, read_card
 from jawenv.envs.configuration import configure
 from jawenv.errors import InputError
 from jawenv.files import validate, write_json
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.card import CARD, Environment, ModelCard, card_of, policy_folder, read_card
 from tests.plain_policies import fields
 
 RESULT = {"cohort": "trismus", "patients": 64, "seeds": [500, 563], "metric": "nats", "low": 44.4, "high": 46.5}

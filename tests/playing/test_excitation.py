@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.excitation import BASELINES, EXCITATIONS
+from jawenv.playing.excitation import BASELINES, EXCITATIONS
 
 HZ = 20.0
 

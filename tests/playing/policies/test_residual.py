@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.playing.maneuvers import Maneuver, Player
+from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
 
 NAME = "opening_with_swings_and_fore_aft"
 BASE = BaseTargets(Maneuver.named(NAME), scale=0.5)

@@ -6,10 +6,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.controller import ControlledAgent
-from agents.following import DECISION_HZ, TargetsLaw, decision_hz
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.playing.policies.controller import ControlledAgent
+from jawenv.playing.policies.following import DECISION_HZ, TargetsLaw, decision_hz
 
 ID = "jawenv/Jaw-v3"
 TARGET = OBSERVATION_LAYOUT["motor_target"]

@@ -8,12 +8,12 @@ import pytest
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from agents.controller import ControlledAgent, ControlledWorlds
-from agents.following import TargetsLaw
-from agents.residual import N_FEATURES, BaseTargets, ResidualPolicy
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.policies.controller import ControlledAgent, ControlledWorlds
+from jawenv.playing.policies.following import TargetsLaw
+from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
 
 BASE = BaseTargets(Maneuver.named("opening_with_swings"), scale=0.5)
 TARGET = OBSERVATION_LAYOUT["motor_target"]

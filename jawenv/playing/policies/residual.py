@@ -1,6 +1,6 @@
 """A policy that corrects a maneuver: its actions are added to the maneuver's targets, as actions of targets control.
 
-In the other control modes the targets are followed (`agents.following`).
+In the other control modes the targets are followed (`jawenv.playing.policies.following`).
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import ControlledAgent
-from agents.following import DECISION_HZ
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.playing.agents import Memory, check_size
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of, goals_of
+from jawenv.playing.policies.controller import ControlledAgent
+from jawenv.playing.policies.following import DECISION_HZ
 from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation
 
 STEPS_SEEN = 3

@@ -1,0 +1,153 @@
+"""A page to send a link to: three maneuvers beside each other on one patient in 3-D, and the patient's page.
+
+``python docs/site/tour.py`` writes runs/site/tour.html, one file that opens from disk.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT)]
+
+from jawenv.files import write_text  # noqa: E402
+from jawenv.live.jaw3d import Jaw3D  # noqa: E402
+from jawenv.live.outcome import learned_agents  # noqa: E402
+from jawenv.live.server import serving  # noqa: E402
+from jawenv.live.session import DriveSession  # noqa: E402
+from jawenv.live.setup import Setup  # noqa: E402
+from jawenv.rendering import palette  # noqa: E402
+from jawenv.rendering.scene import Scene  # noqa: E402
+
+PAGE, KEPT = ROOT / "runs" / "site" / "tour.html", Path("runs") / "tour"
+COHORT, SEED, SHOWN_S = "one_sided", 500, 30.0
+DRIVERS = {
+    "slow_opening": "Slow opening, by hand",
+    "opening_with_swings_and_fore_aft": "Opening with swings and a push, by hand",
+    "ppo_one_sided": "Learned, adapts",
+}
+"""Name of each of the three, from left to right -> its title."""
+EVERY = 2  # of the control steps one is shown
+APART = 2.5  # units of the scene
+RIGHT, UP = np.array([0.707, 0.707, 0.0]), np.array([0.0, 0.0, 1.0])  # of the viewer
+CAMERA, LOOK_AT = (12.4, -12.0, 1.2), (0.4, 0.0, -0.75)
+BAR, GAP, TALLEST, BARS_AT, BARS_RIGHT = 0.2, 0.3, 0.8, -2.25, 0.25
+BEST_SD = 0.01
+
+
+class Bars:
+    """A bar for each muscle below a jaw, that fills as the less known of its two parameters becomes known."""
+
+    def __init__(self, server: Any, scene: Scene, root: str) -> None:
+        corners = np.array([[-0.5, 0.0], [0.5, 0.0], [0.5, 1.0], [-0.5, 1.0]])
+        vertices = (corners[:, :1] * BAR * RIGHT + corners[:, 1:] * TALLEST * UP).astype(np.float32)
+        faces, self._bars = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32), []
+        for i in range(len(scene.muscles)):
+            place = (BARS_RIGHT + (i - (len(scene.muscles) - 1) / 2) * GAP) * RIGHT + BARS_AT * UP
+            for name, back, colour in (("track", 0.02, palette.TRACK), ("bar", 0.0, palette.KNOWLEDGE[0])):
+                handle = server.scene.add_mesh_simple(
+                    f"{root}/{name}_{i}", vertices, faces, color=colour, side="double",
+                    position=place + back * np.array([-0.7, 0.7, 0.0]),
+                )  # fmt: skip
+            self._bars.append(handle)
+
+    def show(self, scene: Scene) -> None:
+        """Fill them to a moment."""
+        worst = float(scene.prior_sd.max())
+        for muscle, bar in zip(scene.muscles, self._bars, strict=True):
+            rows = [scene.parameter_names.index(f"{parameter}/{muscle}") for parameter in ("log_F_o", "log_b")]
+            sd = float(scene.belief_sd[rows].max())
+            share = round(min(max(np.log(worst / sd) / np.log(worst / BEST_SD), 0.02), 1.0), 2)
+            if np.ravel(bar.scale)[-1] != share:
+                bar.scale, bar.color = (1.0, 1.0, share), palette.knowledge(sd)
+
+
+def drives_html(seconds: float) -> str:
+    """The page of viser that shows the three drives, with a slider over their time."""
+    setup = Setup.of(seed=SEED, cohort=COHORT, episode_s=seconds)
+    with serving(0) as server:
+        shown = []
+        for number, name in enumerate(DRIVERS):
+            session, root = DriveSession(setup, learned_agents()), f"/{name}"
+            session.hand_over(name)
+            server.scene.add_frame(root, show_axes=False, position=(number - 1) * APART * RIGHT)
+            first = session.shown().scene
+            shown.append((session, Jaw3D(server, first, root), Bars(server, first, root)))
+        server.initial_camera.position, server.initial_camera.look_at = CAMERA, LOOK_AT
+        server.initial_camera.fov = float(np.radians(13.0))
+        recorded = server.get_scene_serializer()
+        for _ in range(round(seconds * setup.world.steps_per_s / EVERY)):
+            for session, jaw, bars in shown:
+                scene = [session.drive() for _ in range(EVERY)][-1].scene
+                jaw.show(scene)
+                bars.show(scene)
+            recorded.insert_sleep(EVERY / setup.world.steps_per_s)
+        return str(recorded.as_html())
+
+
+def patient_html(seconds: float, folder: Path) -> str:
+    """The patient's page after a treatment by the last of the three; ``folder`` keeps the treatment."""
+    driver = list(DRIVERS)[-1]
+    asked = ["--cohort", COHORT, "--seed", str(SEED), "--episode-s", f"{seconds:g}", "--output", str(folder)]
+    command = [sys.executable, "-m", "eval", "patient", driver, *asked, "--show-truth"]
+    subprocess.run(command, check=True, cwd=ROOT)
+    (page,) = (ROOT / folder).glob("patient-*.html")
+    return page.read_text(encoding="utf-8")
+
+
+def tour(seconds: float, folder: Path) -> str:
+    """All of it as one HTML file."""
+    frames = {"drives": drives_html(seconds), "patient": patient_html(seconds, folder)}
+    titles = "".join(f"<b>{escape(title)}</b>" for title in DRIVERS.values())
+    return _TEMPLATE.format(titles=titles, **{name: escape(html, quote=True) for name, html in frames.items()})
+
+
+_TEMPLATE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>jawenv: which jaw muscle is stiff?</title>
+<style>
+:root {{ color-scheme: light dark; }}
+body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 75rem; margin: 0 auto; padding: 1rem;
+  color: light-dark(#222a35, #e6e8ea); background: light-dark(#fff, #1b1d21); }}
+iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-radius: 8px; background: #fff; }}
+#titles {{ display: grid; grid-template-columns: repeat(3, 1fr); gap: .5rem; text-align: center; line-height: 1.25; }}
+#drives {{ aspect-ratio: 1.9; }}
+#patient {{ height: 72rem; }}
+small {{ color: light-dark(#5b636e, #a9b0b8); }}
+</style></head><body>
+<h1>Which jaw muscle is stiff?</h1>
+<p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
+<p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter, temporalis and medial
+pterygoid of the left side, then of the right. Muscles turn from clay to blue with them. Drag to orbit; the slider moves
+the time.</p>
+<div id="titles">{titles}</div>
+<iframe id="drives" title="Three drives in 3-D" srcdoc="{drives}"></iframe>
+<h2>The patient's page</h2>
+<p>What a therapist reads after the movement on the right, if the anatomy is known as a scan shows it.</p>
+<iframe id="patient" title="The patient's page" srcdoc="{patient}"
+  onload="this.style.height = this.contentDocument.documentElement.scrollHeight + 4 + 'px'"></iframe>
+<p><small>jawenv. Simulated, for research, not a medical device.</small></p>
+</body></html>
+"""
+
+
+def main() -> None:
+    """Write the page, and say how large it is."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, default=PAGE, metavar="FILE")
+    parser.add_argument("--seconds", type=float, default=SHOWN_S, help="length of the drives")
+    asked = parser.parse_args()
+    asked.output.parent.mkdir(parents=True, exist_ok=True)
+    write_text(asked.output, tour(asked.seconds, KEPT))
+    print(f"{asked.output}: {asked.output.stat().st_size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    main()

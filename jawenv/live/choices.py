@@ -1,0 +1,76 @@
+"""The controls that choose a level, a patient and a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from jawenv.anatomy import COHORTS
+from jawenv.anatomy.knowledge import LEVELS
+from jawenv.controls import CONTROLS
+from jawenv.ladder import MODELS
+from jawenv.live.levels import GAME, OWN, level_of
+from jawenv.live.setup import LONGEST_S, SHORTEST_S, Setup
+from jawenv.playing.rollout import LARGEST_SEED
+
+
+class Choices:
+    """Which patient, and which model; ``setup`` is what they say.
+
+    Args:
+        gui: of a ``viser.ViserServer``.
+        setup: of the first session.
+        leave: makes a callback of viser's that hands a wish to the page.
+        change: called when another setup is chosen.
+    """
+
+    def __init__(
+        self, gui: Any, setup: Setup, leave: Callable[[Callable[[], None]], Any], change: Callable[[], None]
+    ) -> None:
+        self._world, self._change = setup.world, change
+        cohort, knowledge = setup.world.build_cohort(), setup.world.build_knowledge()
+        self._cohorts = {**COHORTS, cohort.name: cohort}
+        known = next((name for name, level in LEVELS.items() if level == knowledge), "as given")
+        self._knowledge = {**LEVELS, known: knowledge}
+        titles = tuple(level.title for level in (*GAME, OWN))
+        self._level = gui.add_dropdown("Level", titles, initial_value=level_of(setup).title)
+        self._level.on_update(leave(self._choose_level))
+        with gui.add_folder("Patient and model", expand_by_default=False):
+            self.fields = {
+                "seed": gui.add_number("Patient seed", setup.seed, min=0, max=LARGEST_SEED, step=1),
+                "cohort": gui.add_dropdown("Cohort", tuple(self._cohorts), initial_value=cohort.name),
+                "model": gui.add_dropdown("Model", tuple(MODELS), initial_value=setup.world.model),
+                "control": gui.add_dropdown("Control", tuple(CONTROLS), initial_value=setup.world.control),
+                "knowledge": gui.add_dropdown("Knowledge", tuple(self._knowledge), initial_value=known),
+                "episode_s": gui.add_number(
+                    "Episode, s", setup.world.episode_s, min=SHORTEST_S, max=LONGEST_S, step=0.5
+                ),
+            }
+            gui.add_button("New episode").on_click(leave(change))
+
+    def setup(self) -> Setup:
+        """What is chosen.
+
+        Raises:
+            InputError: choices that do not fit each other.
+        """
+        values = {name: field.value for name, field in self.fields.items()}
+        seed = int(values.pop("seed"))
+        patient = {"cohort": self._cohorts[values["cohort"]], "knowledge": self._knowledge[values["knowledge"]]}
+        return Setup(replace(self._world, **(values | patient)), seed)
+
+    def show_level(self, setup: Setup) -> None:
+        """Name the level of a setup."""
+        self._level.value = level_of(setup).title
+
+    def next_patient(self) -> None:
+        """The patient of the next seed."""
+        self.fields["seed"].value = (int(self.fields["seed"].value) + 1) % (LARGEST_SEED + 1)
+        self._change()
+
+    def _choose_level(self) -> None:
+        level = next((level for level in GAME if level.title == self._level.value), None)
+        if level is not None:
+            self.fields["cohort"].value, self.fields["knowledge"].value = level.cohort, level.knowledge
+            self.next_patient()

@@ -1,0 +1,66 @@
+"""Which muscles are stiff: the answer of a player beside truth and estimates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from jawenv.metrics import FIBROSED_F_O_N, whole_muscles_per_line
+from jawenv.rendering import palette
+from jawenv.rendering.scene import Scene
+
+
+def stiff_from_N(scene: Scene) -> float:
+    """F_o above which a muscle of the scene's model is called stiff, N."""
+    return FIBROSED_F_O_N * whole_muscles_per_line(scene.parameter_names)
+
+
+def stiffness_colours(scene: Scene) -> list[palette.Colour]:
+    """Colour of every line by the believed F_o of its muscle."""
+    index, limit = {name: i for i, name in enumerate(scene.parameter_names)}, stiff_from_N(scene)
+    forces = (math.exp(float(scene.belief_mean[index[f"log_F_o/{name}"]])) for name in scene.muscle_names)
+    return [palette.stiffness(force / limit) for force in forces]
+
+
+@dataclass(frozen=True)
+class AnsweredMuscle:
+    """A muscle of the answer.
+
+    Attributes:
+        muscle: its name.
+        said: whether the player called it stiff.
+        true_F_o_N: the truth.
+        F_o_N: the filter's estimate.
+        sd: standard deviation of the estimate's natural log.
+        limit_N: F_o above which it is stiff.
+    """
+
+    muscle: str
+    said: bool
+    true_F_o_N: float
+    F_o_N: float
+    sd: float
+    limit_N: float
+
+    @property
+    def stiff(self) -> bool:
+        """Whether it truly is stiff."""
+        return self.true_F_o_N > self.limit_N
+
+    @property
+    def right(self) -> bool:
+        """Whether the player was right."""
+        return self.said == self.stiff
+
+
+def answered(scene: Scene, said: Sequence[bool]) -> list[AnsweredMuscle]:
+    """The answer (M,), whether each muscle is stiff, beside the truth; empty where the scene has no truth."""
+    if scene.truth is None:
+        return []
+    rows = []
+    for muscle, stiff in zip(scene.muscles, said, strict=True):
+        i = scene.parameter_names.index(f"log_F_o/{muscle}")
+        truth, mean = (math.exp(float(values[i])) for values in (scene.truth, scene.belief_mean))
+        rows.append(AnsweredMuscle(muscle, stiff, truth, mean, float(scene.belief_sd[i]), stiff_from_N(scene)))
+    return rows

@@ -1,0 +1,72 @@
+"""Agents that come with jawenv, by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jawenv.controls import CONTROLS, Control, control_of
+from jawenv.errors import InputError
+from jawenv.ladder import DEFAULT_ENV, model_of_env
+from jawenv.playing.excitation import BASELINES
+from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
+from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.policies.card import policy_folder, policy_names
+from jawenv.playing.policies.controller import ControlledAgent
+from jawenv.playing.policies.following import TargetsLaw
+from jawenv.playing.policies.plain import load_plain
+from jawenv.playing.protocol import Agent
+
+
+def agent_names() -> tuple[str, ...]:
+    """Maneuvers, policies and baselines that come with jawenv."""
+    return (*maneuver_names(), *policy_names(), *BASELINES)
+
+
+def named_agent(
+    spec: str | Path, control: Control, control_hz: float | None = None, env_id: str = DEFAULT_ENV
+) -> Agent | None:
+    """The agent of a name, a maneuver file or a policy's folder; None if the text stands for none of these.
+
+    Args:
+        spec: one of `agent_names()`, the path of a maneuver file, or the folder of a policy.
+        control: control mode of the environment that the agent shall play.
+        control_hz: control steps per second of that environment; None for its default.
+        env_id: that environment, by its id or as `jawenv.ladder.model_of_env` takes it.
+
+    Raises:
+        InputError: a file that cannot be used, or an agent that cannot play that environment.
+    """
+    if str(spec) in BASELINES:
+        return BASELINES[str(spec)](steps_per_s(control, control_hz))
+    if str(spec) in maneuver_names():
+        return Player(Maneuver.named(str(spec)), control=control, control_hz=control_hz)
+    folder = policy_folder(spec)
+    if folder is not None:
+        return in_control(load_plain(folder, model_of_env(env_id).env_id), control, control_hz)
+    if Path(spec).suffix in SUFFIXES:
+        return Player(Maneuver.load(Path(spec)), control=control, control_hz=control_hz)
+    return None
+
+
+def in_control(policy: Agent, control: Control, control_hz: float | None) -> Agent:
+    """A policy as an agent of the control mode; where it says targets at a rate of its own, they are followed.
+
+    Raises:
+        InputError: a policy of another control mode, or control steps that do not fit the decisions that the policy was
+            trained to make.
+    """
+    decision_hz: float | None = getattr(policy, "decision_hz", None)
+    if decision_hz is None:
+        control_of(policy, {"control": control})
+        return policy
+    hz = steps_per_s(control, control_hz)
+    if not CONTROLS[control].takes_targets:
+        return ControlledAgent(policy, TargetsLaw(control, hz, decision_hz))
+    if abs(hz - decision_hz) > 1e-6 * hz:
+        raise InputError(f"control_hz {hz:g}: {policy.name} decides {decision_hz:g} times a second")
+    return policy
+
+
+def steps_per_s(control: Control, control_hz: float | None) -> float:
+    """Control steps per second, the control's own where none are given."""
+    return CONTROLS[control].steps_per_s if control_hz is None else control_hz

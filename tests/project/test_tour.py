@@ -1,0 +1,29 @@
+"""The page to send a link to opens from disk, with all that it shows in one file."""
+
+from pathlib import Path
+
+from axe_playwright_python.sync_playwright import Axe
+
+from tests.browser import new_page
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_tour_opens_from_disk_and_asks_for_nothing_else(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
+    import tour
+
+    file = tmp_path / "tour.html"
+    file.write_text(tour.tour(1.0, tmp_path / "kept"), encoding="utf-8")
+    assert file.stat().st_size < 5e6
+    tab = new_page(viewport={"width": 480, "height": 800})
+    tab.goto(file.as_uri())
+    drives, patient = tab.main_frame.child_frames
+    drives.wait_for_selector("canvas")
+    assert "Masseter" in patient.inner_text("body")
+    assert [tab.inner_text(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 480
+    found = Axe().run(tab, options={"iframes": False}).response["violations"]
+    assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
+    assert tab.requests == [file.as_uri()] and tab.complaints == []
+    tab.context.close()
