@@ -41,6 +41,7 @@ docs: ## run notebooks and examples, and build the site: runs/site/index.html; F
 	$(BIN)/python docs/site/notebook_pages.py
 	$(BIN)/python docs/site/example_pages.py
 	$(if $(FILMS),$(BIN)/python docs/site/gallery.py)
+	$(BIN)/python docs/site/build.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables

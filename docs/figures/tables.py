@@ -1,6 +1,7 @@
-"""Write the tables of numbers in docs/model.md from the data files and the code: ``python docs/figures/tables.py``.
+"""Write the model's tables of numbers from the data files and the code: ``python docs/figures/tables.py``.
 
-Each table stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``. A test fails when one is out of date.
+Each table of docs/model.md and docs/tables/model.md stands between ``<!-- table: NAME -->`` and
+``<!-- end of table -->``. A test fails when one is out of date.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set
 from jawenv.ladder import MODELS  # noqa: E402
 from jawenv.mechanics.passive_opening import passive_opening  # noqa: E402
 
-PAGE = ROOT / "docs" / "model.md"
+PAGES = (ROOT / "docs" / "model.md", ROOT / "docs" / "tables" / "model.md")
 _BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)
 
 
@@ -235,4 +236,5 @@ def renewed(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(renewed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(renewed(page.read_text(encoding="utf-8")), encoding="utf-8")
