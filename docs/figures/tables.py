@@ -16,12 +16,18 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
-if str(ROOT) not in sys.path:
-    sys.path.append(str(ROOT))
+for folder in (ROOT, Path(__file__).parent):
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
+
+from field_tables import fields_table  # noqa: E402
 
 from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set  # noqa: E402
+from jawenv.anatomy.knowledge import LEVELS, Knowledge  # noqa: E402
+from jawenv.device.device import Device  # noqa: E402
 from jawenv.ladder import MODELS  # noqa: E402
 from jawenv.mechanics.passive_opening import passive_opening  # noqa: E402
+from jawenv.reality import Reality  # noqa: E402
 
 PAGES = (ROOT / "docs" / "model.md", ROOT / "docs" / "tables" / "model.md")
 _BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)
@@ -227,6 +233,9 @@ TABLES: dict[str, Callable[[], str]] = {
     "cohorts": cohorts,
     "clinical": clinical,
     "constants": constants,
+    "device": lambda: fields_table(Device, {"default": Device()}),
+    "reality": lambda: fields_table(Reality, {"default": Reality()}),
+    "knowledge": lambda: fields_table(Knowledge, dict(LEVELS)),
 }
 
 
