@@ -24,6 +24,7 @@ from field_tables import fields_table  # noqa: E402
 
 from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set  # noqa: E402
 from jawenv.anatomy.knowledge import LEVELS, Knowledge  # noqa: E402
+from jawenv.device.comfort_settings import Comfort  # noqa: E402
 from jawenv.device.device import Device  # noqa: E402
 from jawenv.ladder import MODELS  # noqa: E402
 from jawenv.mechanics.passive_opening import passive_opening  # noqa: E402
@@ -234,6 +235,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "clinical": clinical,
     "constants": constants,
     "device": lambda: fields_table(Device, {"default": Device()}),
+    "comfort": lambda: fields_table(Comfort, {"default": Comfort()}),
     "reality": lambda: fields_table(Reality, {"default": Reality()}),
     "knowledge": lambda: fields_table(Knowledge, dict(LEVELS)),
 }
