@@ -28,7 +28,7 @@ FIRST = (
 )
 CAPTION = (
     "Four seconds into *opening with swings* on one patient. The bluer a muscle, the better it is known. "
-    "Made by `python docs/figures/draw_environments.py`."
+    "Made by `python docs/figures/draw_environments.py`. [All environments](index.md)."
 )
 
 
