@@ -10,7 +10,7 @@ STUDIES := agents headline imaged robustness sensors force_sensors rates ladder 
 DEMO_TRAIN := train demo --output $(DEMO)/ppo --continue
 DEMO_COMPARE := compare $(DEMO)/ppo random --all-maneuvers --seed 500 --output $(DEMO)
 
-comma := ,
+SMALL := $(if $(FULL),,$(addprefix JAWENV_NOTEBOOK_,PATIENTS=4 EPISODE_S=5 DRAWS=2 QUICK=1))
 export PYTHON
 # Compiled sources are kept in .venv and here: without them each of the many processes starts three times as slowly.
 unexport PYTHONDONTWRITEBYTECODE
@@ -35,12 +35,13 @@ notebooks: ## open the notebooks in JupyterLab
 	@.ci/setup train eval notebooks
 	$(BIN)/jupyter lab eval/notebooks
 
-docs: ## run notebooks and examples, and build the site: runs/site/index.html and tour.html; FILMS=1 films the maneuvers too
+docs: ## build the site with small notebooks and examples: runs/site/index.html and tour.html; FULL=1 plays them whole, and films the maneuvers
 	@.ci/setup train eval docs
-	@echo "the first time takes about 5 minutes on two quiet cores$(if $(FILMS),$(comma) and 10 more for the films)"
-	$(BIN)/python docs/site/notebook_pages.py
-	$(BIN)/python docs/site/example_pages.py
-	$(if $(FILMS),$(BIN)/python docs/site/gallery.py)
+	@echo "$(if $(FULL),takes 15 minutes or more,takes some minutes; FULL=1 makes the site as it is published)"
+	$(SMALL) $(BIN)/python docs/site/notebook_pages.py
+	$(SMALL) $(BIN)/python docs/site/example_pages.py
+	$(if $(FULL),$(BIN)/python docs/site/gallery.py)
+	$(SMALL) $(BIN)/python docs/site/build.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	$(BIN)/python docs/site/tour.py
 

@@ -1,6 +1,7 @@
-"""Write the tables of numbers in docs/model.md from the data files and the code: ``python docs/figures/tables.py``.
+"""Write the model's tables of numbers from the data files and the code: ``python docs/figures/tables.py``.
 
-Each table stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``. A test fails when one is out of date.
+Each table of docs/model.md and docs/tables/model.md stands between ``<!-- table: NAME -->`` and
+``<!-- end of table -->``. A test fails when one is out of date.
 """
 
 from __future__ import annotations
@@ -15,14 +16,21 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
-if str(ROOT) not in sys.path:
-    sys.path.append(str(ROOT))
+for folder in (ROOT, Path(__file__).parent):
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
+
+from field_tables import fields_table  # noqa: E402
 
 from jawenv.anatomy import COHORTS, attachment_rows, load_quantities, muscle_set  # noqa: E402
+from jawenv.anatomy.knowledge import LEVELS, Knowledge  # noqa: E402
+from jawenv.device.comfort_settings import Comfort  # noqa: E402
+from jawenv.device.device import Device  # noqa: E402
 from jawenv.ladder import MODELS  # noqa: E402
 from jawenv.mechanics.passive_opening import passive_opening  # noqa: E402
+from jawenv.reality import Reality  # noqa: E402
 
-PAGE = ROOT / "docs" / "model.md"
+PAGES = (ROOT / "docs" / "model.md", ROOT / "docs" / "tables" / "model.md")
 _BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.S)
 
 
@@ -226,6 +234,10 @@ TABLES: dict[str, Callable[[], str]] = {
     "cohorts": cohorts,
     "clinical": clinical,
     "constants": constants,
+    "device": lambda: fields_table(Device, {"default": Device()}),
+    "comfort": lambda: fields_table(Comfort, {"default": Comfort()}),
+    "reality": lambda: fields_table(Reality, {"default": Reality()}),
+    "knowledge": lambda: fields_table(Knowledge, dict(LEVELS)),
 }
 
 
@@ -235,4 +247,5 @@ def renewed(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(renewed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(renewed(page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -17,32 +17,49 @@ import jawenv  # noqa: F401  registers the environments
 from jawenv.envs.jaw import JawEnv, action_space, observation_space
 from jawenv.envs.observation import observation_layout, observation_size
 from jawenv.envs.registration import ENVIRONMENTS
-from jawenv.ladder import MODELS, Model
+from jawenv.ladder import KNOWN_WITHIN_SDS, MODELS, Model
 
 REFERENCE = Path(__file__).parents[1] / "environment.md"
 SECTION = re.compile(r"^## (.+)$", re.M)
+MODEL_OF = {**ENVIRONMENTS, KNOWN_WITHIN_SDS: "jaw"}
+SCAN = "the reference as a clinic would have it: anatomy and device known as a scan and a bench test show them"
+FIRST = (
+    "Choose an environment here: six models of the jaw with one interface, simplest first, and one known from a scan."
+)
+CAPTION = (
+    "Four seconds into *opening with swings* on one patient. The bluer a muscle, the better it is known. "
+    "Made by `python docs/figures/draw_environments.py`. [All environments](index.md)."
+)
 
 
 def pages() -> dict[str, str]:
     """Place in the site -> Markdown, for every registered environment and their overview."""
-    made = {f"environments/{MODELS[model].title}-v3.md": _page(env_id) for env_id, model in ENVIRONMENTS.items()}
+    made = {f"environments/{_title(env_id)}.md": _page(env_id, MODELS[model]) for env_id, model in MODEL_OF.items()}
     return {"environments/index.md": _overview()} | made
 
 
 def _overview() -> str:
-    rows = [
-        f"| [`{env_id}`]({MODELS[name].title}-v3.md) | {len(MODELS[name].muscles.parameter_names)} | "
-        f"{MODELS[name].shows} | {MODELS[name].hides} |"
-        for env_id, name in ENVIRONMENTS.items()
-    ]
+    """A card with the picture of each, and what they can show."""
+    cards, rows = [], []
+    for env_id, name in MODEL_OF.items():
+        title, model = _title(env_id), MODELS[name]
+        link, number = f"{title}.md", len(model.muscles.parameter_names)
+        cards.append(f'<div class="card" markdown>\n\n### [{title}]({link})\n\n{_picture(env_id)}\n\n</div>')
+        shows, hides = (SCAN, model.hides) if env_id == KNOWN_WITHIN_SDS else (model.shows, model.hides)
+        rows.append(f"| [`{env_id}`]({link}) | {number} | {shows} | {hides} |")
     table = "\n".join(["| id | parameters | can show | cannot show |", "|---|--:|---|---|", *rows])
-    return f"# Environments\n\nSix models of the jaw with one interface, simplest first.\n\n{table}\n"
+    return "\n\n".join(["# Environments", FIRST, '<div class="ways" markdown>', *cards, "</div>", table]) + "\n"
 
 
-def _page(env_id: str) -> str:
-    """The sections of Gymnasium's own pages, in their order."""
-    spec, model = gym.spec(env_id), MODELS[ENVIRONMENTS[env_id]]
-    parts = [f"# {model.title}-v{spec.version}", _facts(env_id, spec, model)]
+def _picture(env_id: str) -> str:
+    title = _title(env_id)
+    return f"![The jaw of {title} from the side and from the front](../figures/environments/{title}.webp)"
+
+
+def _page(env_id: str, model: Model) -> str:
+    """A picture, then the sections of Gymnasium's own pages, in their order."""
+    spec = gym.spec(env_id)
+    parts = [f"# {_title(env_id)}", _picture(env_id), CAPTION, _facts(env_id, spec, model)]
     for title, text in _docstring().items():
         text = _of_model(text, model) if title in ("Description", "Action Space", "Observation Space") else text
         parts.append(f"## {title}\n\n{text}")
@@ -51,6 +68,10 @@ def _page(env_id: str) -> str:
         if title == "Arguments":
             parts.append(arguments.table(spec.kwargs).rstrip())
     return "\n\n".join(parts) + "\n"
+
+
+def _title(env_id: str) -> str:
+    return env_id.removeprefix("jawenv/")
 
 
 def _docstring() -> dict[str, str]:
@@ -77,7 +98,7 @@ def _facts(env_id: str, spec: Any, model: Model) -> str:
         "Action space": f"`{action_space()}`",
         "Observation space": f"`{space}`",
         "Parameters": f"{len(names)}: " + ", ".join(f"`{name}`" for name in names),
-        "Can show": model.shows,
+        "Can show": SCAN if env_id == KNOWN_WITHIN_SDS else model.shows,
         "Cannot show": model.hides,
         "Mechanics of the truth": model.plant,
         "Mechanics that the filter believes in": model.estimator,

@@ -6,6 +6,7 @@ are small. What was not made is shown by its command alone.
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
 import subprocess
@@ -91,8 +92,8 @@ def page() -> str:
     made = files()
     parts = [
         "---\nhide: [toc]\n---",
-        "# Examples",
-        "Pages as the commands write them. Each is one file that needs no network.",
+        "# Examples and notebooks",
+        "Open a page as a command writes it: each is one file that needs no network. Or read a notebook below.",
         '<div class="ways" markdown>',
     ]
     for example in EXAMPLES:
@@ -101,7 +102,17 @@ def page() -> str:
         command = f"```sh\npython -m eval {example.command}\n```"
         card = [f"### {example.title}", example.says, link, command]
         parts += ['<div class="card" markdown>', *card, "</div>"]
-    return "\n\n".join([*parts, "</div>"]) + "\n"
+    return "\n\n".join([*parts, "</div>", "## Notebooks", _notebooks()]) + "\n"
+
+
+def _notebooks() -> str:
+    """A line for each notebook, by the heading of its own."""
+    lines = []
+    for path in sorted((ROOT / "eval" / "notebooks").glob("*.ipynb")):
+        source = json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"]
+        title = "".join(source).splitlines()[0].lstrip("# ")
+        lines.append(f"- [{title}](notebooks/{path.stem}.md)")
+    return "With what they print and draw; `make notebooks` opens them.\n\n" + "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -80,7 +80,7 @@ def page() -> str:
         "---\nhide: [toc]\n---\n\n# Gallery of maneuvers\n\n"
         f"One patient of the cohort `trismus`, moved by each maneuver: {SHOWN_S:g} s, at twice their speed. The "
         "bluer a muscle, the better it is known. Below each film are the targets over time, and what 200 patients gave "
-        "([all figures](tables/headline.md)). `jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
+        "([all figures](tables.md#headline)). `jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
         "lets you take over.\n\n"
         f'<div class="gallery">\n{cards}\n</div>\n\n'
         "How to write one of your own: [maneuvers](agents/README.md#write-a-maneuver).\n"

@@ -1,4 +1,4 @@
-"""Write the table of rooms and their imports in docs/architecture.md: ``python docs/site/imports.py``.
+"""Write the table of rooms and their imports in docs/tables/rooms.md: ``python docs/site/imports.py``.
 
 What a room is about is the first paragraph of its docstring; what it imports is read from the sources, imports within
 functions too. A test fails when the table is out of date, when rooms import in a circle, or when one imports upwards.
@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "tables" / "rooms.md"
 
 SHARED = (
     *("errors", "extras", "checks", "plain_yaml", "reading", "files", "locks", "versions", "seeds", "progress"),

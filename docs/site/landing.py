@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 QUESTION = "Which jaw muscle is stiff?"
-BUTTONS = {"Drive a jaw": "docs/live.md", "See maneuvers": "docs/gallery.md", "See a report": "docs/examples.md"}
+BUTTONS = {"Drive a jaw": "live.md", "See maneuvers": "gallery.md", "See a report": "examples.md"}
 
 
 def landing(readme: str) -> str:

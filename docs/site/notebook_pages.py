@@ -20,7 +20,9 @@ from nbformat import NotebookNode
 from rich.console import Console
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
+
+from formulas import with_mathml  # noqa: E402
 
 from jawenv.files import atomic_write  # noqa: E402
 from jawenv.locks import alone  # noqa: E402
@@ -83,7 +85,7 @@ def _page(path: Path) -> str:
     parts = []
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
-            parts.append(cell.source)
+            parts.append(with_mathml(cell.source))
         else:
             parts.append(f"```python\n{cell.source}\n```")
             parts += [_boxed(_html(output)) for output in cell.outputs]

@@ -7,6 +7,13 @@ if (!matchMedia("(prefers-reduced-motion: reduce)").matches) {
   addEventListener("DOMContentLoaded", () => document.querySelectorAll("video[loop][muted]").forEach((film) => watch.observe(film)));
 }
 
+// The theme's search box says what it is, and long names may break after an underscore.
+addEventListener("DOMContentLoaded", () => {
+  document.querySelector('[data-md-component="search"]')?.setAttribute("aria-label", "Search");
+  for (const code of document.querySelectorAll(".md-typeset td code"))
+    if (!code.childElementCount && code.textContent.length > 20) code.innerHTML = code.innerHTML.replaceAll("_", "_<wbr>");
+});
+
 // Who has no pointer scrolls what is too wide with the arrow keys.
 addEventListener("load", () => {
   for (const box of document.querySelectorAll('.md-typeset__scrollwrap, .notebook-output, .md-typeset math[display="block"]'))

@@ -31,7 +31,7 @@ def dataset_command(
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace data sets that the folder already holds.")] = False,
     trust: options.Trust = False,
 ) -> None:
-    """Write episodes as data sets of Minari, one for each entry (docs/dataset.md).
+    """Write episodes as data sets of Minari, one for each entry (docs/benchmark.md#reference-episodes).
 
     MINARI_DATASETS_PATH=FOLDER makes minari.load_dataset find them. Without names these are random, hold_still,
     slow_opening, opening_with_swings_and_fore_aft and refined.

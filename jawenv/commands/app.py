@@ -135,7 +135,7 @@ def import_command(
         Path | None, typer.Option(help="File with the names, units and signs of the forces.", metavar="FILE")
     ] = None,
 ) -> None:
-    """Make a recording of a jaw tracker's file and a load cell's (docs/files_of_the_trade.md)."""
+    """Make a recording of a jaw tracker's file and a load cell's (docs/recordings.md#files-of-the-trade)."""
     from jawenv.laboratory.trackers.importing import ImportSettings, import_file
 
     settings = ImportSettings(forces, landmarks, registered, jaw, head, unit, offset, columns)

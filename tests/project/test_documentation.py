@@ -1,7 +1,6 @@
 """What docs/environment.md tabulates is what the code does, and links lead somewhere."""
 
 import re
-from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -50,12 +49,6 @@ def test_comfort_limits() -> None:
     assert tuple(named(row[0])[0] for row in rows) == COMFORT_LIMITS
     hard = [getattr(jawenv.Comfort(), f"{name}_hard") for name in COMFORT_LIMITS]
     assert [float(row[3]) for row in rows] == hard
-
-
-def test_device() -> None:
-    stated = {named(row[0])[0]: (float(row[1]), float(row[2].replace(",", ""))) for row in table("Device and sensors")}
-    highest = {name: numeric.high for name, numeric in jawenv.Device.numeric_fields().items()}
-    assert stated == {field.name: (field.default, highest[field.name]) for field in fields(jawenv.Device)}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -16,6 +16,7 @@ from rich.console import Console
 import jawenv
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.registration import ENVIRONMENTS
+from jawenv.ladder import KNOWN_WITHIN_SDS
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = (
@@ -50,10 +51,14 @@ class Places(HTMLParser):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
-    built = subprocess.run(build, cwd=ROOT, capture_output=True, text=True, timeout=300)
-    assert built.returncode == 0, built.stderr
-    return folder
+    source, built = folder / "source", folder / "built"
+    config = folder / "mkdocs.yml"
+    config.write_text(f"INHERIT: {ROOT / 'mkdocs.yml'}\ndocs_dir: {source}\nsite_dir: {built}\n", encoding="utf-8")
+    made = ["docs/site/build.py", "--output", str(source)]
+    for words in (made, ["-m", "mkdocs", "build", "--strict", "-f", str(config)]):
+        done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+    return built
 
 
 def test_every_link_leads_somewhere_without_a_server(site: Path) -> None:
@@ -77,17 +82,23 @@ def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
         assert not re.search(r'<(?:script|img|iframe)[^>]* src="https?:|<link[^>]*stylesheet[^>]*https?:', text), page
 
 
-@pytest.mark.parametrize("env_id", ENVIRONMENTS)
+@pytest.mark.parametrize("env_id", [*ENVIRONMENTS, KNOWN_WITHIN_SDS])
 def test_an_environment_has_its_page(site: Path, env_id: str) -> None:
     text = (site / "environments" / f"{env_id.removeprefix('jawenv/')}.html").read_text(encoding="utf-8")
     headings = re.findall(r"<h2[^>]*>([^<]+)<", text)
     assert [heading for heading in headings if heading in SECTIONS] == list(SECTIONS)
     assert all(f"<code>{name}</code>" in text for name in Configuration.__dataclass_fields__)
     assert "<code>float or None</code>" in text
+    assert re.search(r'<img[^>]*src="\.\./figures/environments/', text.split("<h2")[0])
     env = gym.make(env_id)
     assert f"({env.observation_space.shape[0]},)" in text
     assert f"–{env.observation_space.shape[0] - 2}<" in text  # the last part but the time
     env.close()
+
+
+def test_formulas_need_no_script(site: Path) -> None:
+    text = (site / "model.html").read_text(encoding="utf-8")
+    assert text.count("<math") > 100 and "$" not in re.sub(r"<script.*?</script>", "", text, flags=re.S)
 
 
 def test_every_public_name_is_in_the_reference(site: Path) -> None:

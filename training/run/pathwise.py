@@ -2,8 +2,8 @@
 
 The return of an episode is differentiated by the policy's weights through the whole episode, as brax's APG does, and
 Deep Adaptive Design for experiments (Foster et al. 2021, arXiv:2103.02438). In each update all training worlds begin
-anew, and the policy plays their patients in the twin, with its beliefs and their noise; worlds are not stepped.
-The weights are those of stable-baselines3's policies, so that a run has all that others have.
+anew. The policy plays their patients in the twin, with its beliefs and their noise, and then in the worlds themselves:
+the twin has less of the discomfort than they have, so its price follows theirs. The weights are those of stable-baselines3's policies, so that a run has all that others have.
 """
 
 from __future__ import annotations
@@ -55,6 +55,9 @@ class APG(OnPolicyAlgorithm):
         self._simulation: Any = env.get_attr("unwrapped")[0].simulation
         if not isinstance(controlled, BaseTargets) or self._simulation.configuration.control != "targets":
             raise InputError("apg corrects a maneuver in targets control; allowed: residual, control: targets")
+        if self.n_steps != self._simulation.configuration.steps:
+            allowed = f"the {self._simulation.configuration.steps} of an episode"
+            raise InputError(f"apg.n_steps is {self.n_steps}; allowed: {allowed}")
         self._base = controlled
         self.comfort_multiplier = 1.0
         with torch.no_grad():
@@ -74,12 +77,13 @@ class APG(OnPolicyAlgorithm):
     ) -> bool:
         """Play new patients in the twin for so many decisions; the graph is kept for ``train``."""
         callback.on_rollout_start()
-        env.reset()
+        observation: Any = env.reset()
         noise = self._n_updates + 2**16 * (self.seed or 0)
         self._worst, self._discomfort = self.play(n_rollout_steps, noise)
+        infos: list[dict[str, Any]] = []
+        for _ in range(n_rollout_steps):
+            observation, _, _, infos = env.step(self.predict(observation, deterministic=True)[0])
         self.num_timesteps += env.num_envs * n_rollout_steps
-        per_30_s = 30.0 * self._discomfort.detach() * self._base.decision_hz / n_rollout_steps
-        infos = [{"episode": {"discomfort_s": float(value)}} for value in per_30_s]
         callback.update_locals({**locals(), "infos": infos})
         if not callback.on_step():
             return False
