@@ -3,7 +3,8 @@
 The return of an episode is differentiated by the policy's weights through the whole episode, as brax's APG does, and
 Deep Adaptive Design for experiments (Foster et al. 2021, arXiv:2103.02438). In each update all training worlds begin
 anew. The policy plays their patients in the twin, with its beliefs and their noise, and then in the worlds themselves:
-the twin has less of the discomfort than they have, so its price follows theirs. The weights are those of stable-baselines3's policies, so that a run has all that others have.
+the twin has less discomfort than they have, so its price follows theirs. The weights are those of stable-baselines3's
+policies, so that a run has all that others have.
 """
 
 from __future__ import annotations
@@ -77,12 +78,12 @@ class APG(OnPolicyAlgorithm):
     ) -> bool:
         """Play new patients in the twin for so many decisions; the graph is kept for ``train``."""
         callback.on_rollout_start()
-        observation: Any = env.reset()
+        seen: Any = env.reset()
         noise = self._n_updates + 2**16 * (self.seed or 0)
         self._worst, self._discomfort = self.play(n_rollout_steps, noise)
         infos: list[dict[str, Any]] = []
         for _ in range(n_rollout_steps):
-            observation, _, _, infos = env.step(self.predict(observation, deterministic=True)[0])
+            seen, _, _, infos = env.step(self.predict(seen, deterministic=True)[0])
         self.num_timesteps += env.num_envs * n_rollout_steps
         callback.update_locals({**locals(), "infos": infos})
         if not callback.on_step():
