@@ -2,7 +2,7 @@
 
 Adam (Kingma & Ba 2015, arXiv:1412.6980) on offsets of the targets, one for each channel and 0.4 s: of single decisions
 they would make the jaw tremble. Each update takes new patients. Discomfort has a price that is learned, so that it is
-within its limit on average.
+within its limit on average in the environment, which has more of it than the twin.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
+from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.policies.following import DECISION_HZ
 from jawenv.playing.protocol import Array
 from jawenv.seeds import TUNING
@@ -86,7 +87,8 @@ def refine(
     """
     is_file = Path(settings.refine).suffix in SUFFIXES
     maneuver = Maneuver.load(settings.refine) if is_file else Maneuver.named(settings.refine)
-    env: Any = gym.make_vec(DEFAULT_ENV, settings.patients, cohort=settings.cohort, autoreset_mode="disabled")
+    arguments: dict[str, Any] = {"cohort": settings.cohort, "episode_s": settings.horizon_s}
+    env: Any = gym.make_vec(DEFAULT_ENV, settings.patients, **arguments, autoreset_mode="disabled")
     env.reset(seed=TUNING.start)
     simulation = env.unwrapped.simulation
     twin = Twin(simulation)
@@ -102,13 +104,14 @@ def refine(
     price = Multiplier(limit)
     for update in range(settings.updates):
         worlds = Worlds(twin, Patients.of_worlds(simulation.worlds))
-        worst, discomfort = play(worlds, start + between @ x * SCALE)
+        targets = start + between @ x * SCALE
+        worst, discomfort = play(worlds, targets)
         loss = (worst + price.value * discomfort).mean()
         optimiser.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
         schedule.step()
-        per_30_s = PER_30_S / settings.horizon_s * float(discomfort.detach().mean())
+        per_30_s = PER_30_S / settings.horizon_s * discomfort_of(env, within_reach(targets.detach(), twin.decision_s))
         price.update(per_30_s)
         report(update + 1, float(log_worst(worlds).detach().mean()), per_30_s)
         env.reset()
@@ -126,6 +129,15 @@ def play(worlds: Worlds, targets: Tensor) -> tuple[Tensor, Tensor]:
         if step in marks:
             worst = worst + marks[step] * log_worst(worlds)
     return worst, discomfort
+
+
+def discomfort_of(env: Any, targets: Tensor) -> float:
+    """Mean discomfort, s, of targets (T, 4) for the patients of an environment after its ``reset``."""
+    cost = 0.0
+    for target in action_of(targets.numpy()):
+        info = env.step(np.tile(target.astype(np.float32), (env.num_envs, 1)))[-1]
+        cost += float(info["cost"].mean())
+    return cost / DECISION_HZ
 
 
 def within_reach(targets: Tensor, decision_s: float) -> Tensor:
