@@ -19,7 +19,7 @@ from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play
 
 RIVALS = ("refined", "slow_opening")
-LEARNED = ("ppo_one_sided", "ppo_trismus")
+LEARNED = ("apg_one_sided", "ppo_trismus")
 """Policies of targets control that come with jawenv and play against the hand."""
 KNOWN = (0.10, 0.05)
 """Standard deviations of natural logs below which a parameter counts as known."""

@@ -146,7 +146,7 @@ def interrupt(page):
         (["live", "nowhere.csv"], "nowhere.csv"),
         (["live", "--seed", "-1"], "seed is -1; allowed"),
         (["live", "--port", "70000"], "port is 70000; allowed"),
-        (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, ppo_one_sided"),
+        (["live", "--port", "0", "--driver", "nope"], "driver is 'nope'; allowed: you, apg_one_sided"),
         (["live", "--port", "0", "--control", "nope"], "control is 'nope'; allowed: force"),
         (["score", "refined", "--comfort", "nowhere.toml"], "nowhere.toml: no such file"),
         (["score", "refined", "--force-sensor", "spring"], "force_sensor is 'spring'; allowed: cell, motors, straps"),
