@@ -10,6 +10,7 @@ from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation, split, turning_axes
 
 N_MEASUREMENTS = 12  # mouthpiece position, Euler angles, mouthpiece velocity, body angular velocity
+N_POSE = 6  # of these, position and angles
 
 
 @njit

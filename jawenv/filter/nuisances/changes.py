@@ -21,7 +21,7 @@ from jawenv.device.device import N_MOTORS
 from jawenv.device.force_sensor import N_ERRORS
 from jawenv.filter.belief.state import Belief, FilterSettings, Nuisances
 from jawenv.filter.model.balance import at_mouthpiece, left_over
-from jawenv.filter.model.encoders import N_MEASUREMENTS, read_motion
+from jawenv.filter.model.encoders import N_MEASUREMENTS, N_POSE, read_motion
 from jawenv.filter.nuisances.changed_jaw import change_jaw, copy_rest
 from jawenv.filter.nuisances.turned import turn_readings, turn_wrench
 from jawenv.filter.nuisances.without_cell import (
@@ -40,6 +40,7 @@ from jawenv.mechanics.jaw import Jaw, jaw_dtype
 from jawenv.mechanics.kinematics import contact_point, fossa, rotation
 
 STEP = 0.01  # sds of the differences that stand for derivatives
+STILL = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class NuisanceScratch:
@@ -117,7 +118,7 @@ def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench
 
 @njit
 def add_readings(jaw: Jaw, motion, nuisances: Nuisances, used, first, rows, scratch: NuisanceScratch):
-    """Add to ``rows`` (12, columns) from column ``first`` on what one sd of each nuisance adds to the used readings."""
+    """Add to ``rows`` (readings, columns), from column ``first`` on, what one sd of each nuisance adds to them."""
     read_motion(jaw, motion, scratch.expected)
     copy_rest(jaw, scratch.jaw)
     for j in range(nuisances.reads.shape[0]):
@@ -125,12 +126,12 @@ def add_readings(jaw: Jaw, motion, nuisances: Nuisances, used, first, rows, scra
             continue
         change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
         read_motion(scratch.jaw, motion, scratch.changed)
-        for i in range(N_MEASUREMENTS):
+        for i in range(rows.shape[0]):
             if used[i]:
                 rows[i, first + j] += (scratch.changed[i] - scratch.expected[i]) / STEP
         turn = nuisances.turn[j]
         turn_readings(turn, -1.0, scratch.expected, scratch.changed)
-        for i in range(3, N_MEASUREMENTS):
+        for i in range(3, rows.shape[0]):
             if used[i]:
                 rows[i, first + j] += scratch.changed[i] - scratch.expected[i]
 
@@ -155,6 +156,35 @@ def middle_rates(before, after, dt):
     return u, rate
 
 
+def _has_memory(settings):
+    return settings.typeof("disturbance_variance").shape[0]
+
+
+def _as_predicted(settings, before, after):
+    return middle_rates(before, after, settings.dt)
+
+
+@where(_has_memory, otherwise=_as_predicted)
+def rates_of_tick(settings: FilterSettings, before, after):
+    """Rates over the tick and their rate of change for the nuisances' columns: none beside a disturbance with memory.
+
+    What lasts shakes the jaw slowly, and servos answer to the true motion. The predicted rates are then correlated with
+    the error of the filtered motion: mass, fossa and seat would seem known, and be wrong on one side. Without memory
+    the way in which a jaw is shaken tells them from the muscles.
+    """
+    return STILL, STILL
+
+
+def _all_readings(settings):
+    return N_MEASUREMENTS
+
+
+@where(_has_memory, otherwise=_all_readings)
+def readings_of_nuisances(settings: FilterSettings):
+    """How many of the readings a nuisance changes: those of the pose alone where ``rates_of_tick`` is none."""
+    return N_POSE
+
+
 def has_nuisances(belief):
     """Whether more than the muscles is unknown, by the belief's type."""
     return belief.typeof("nuisances").shape[0]
@@ -167,15 +197,16 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     wrenches = scratch.line_wrench
     last = belief.smoothed
     reading = (last[0], last[1], last[2], last[3], last[4], last[5])
-    u, rate = middle_rates(scratch.start_motion, scratch.instrument.motion, settings.dt)
+    u, rate = rates_of_tick(settings, scratch.start_motion, scratch.instrument.motion)
     set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)
 
 
 @where(has_nuisances)
-def add_nuisance_readings(jaw: Jaw, belief: Belief, nuisances: Nuisances, used, scratch):
+def add_nuisance_readings(jaw: Jaw, belief: Belief, settings: FilterSettings, used, scratch):
     """``add_readings`` where there are nuisances, compiled only then."""
     first = belief.nominal.shape[0] * belief.nominal.shape[1] + 1
-    add_readings(jaw, belief.predicted, nuisances, used, first, scratch.by_tension_rows, scratch.nuisances)
+    rows = scratch.by_tension_rows[: readings_of_nuisances(settings)]
+    add_readings(jaw, belief.predicted, settings.nuisances, used, first, rows, scratch.nuisances)
 
 
 @where(has_nuisances)

@@ -189,7 +189,7 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: 
         correct_state(belief, scratch)
         return verdict
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
-    add_nuisance_readings(jaw, belief, settings.nuisances, used, scratch)
+    add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
     correct_motion(belief, scratch)
     if resolved and verdict != REFUSED:
