@@ -182,6 +182,14 @@ def test_train_with_torchrl() -> None:
     assert rounds == ["round 1", "round 2"]
 
 
+@pytest.mark.parametrize("algorithm", ["ppo", "apg"])
+def test_train_in_one_file(algorithm: str) -> None:
+    done = run("examples/train_in_one_file.py", algorithm, "--updates", "1", "--worlds", "4")
+    assert done.returncode == 0, done.stderr
+    before, after = (float(line.split()[-1]) for line in done.stdout.splitlines())
+    assert np.isfinite(after) and before != after
+
+
 @pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py"])
 def test_training_examples_are_short(script: str) -> None:
     assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80
