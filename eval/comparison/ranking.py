@@ -71,6 +71,7 @@ class RankingRow:
         time_to_p90: target -> its 90 % quantile.
         discomfort_s: integral of the cost.
         discomfort_rate: the same, s per 30 s, of all episodes together.
+        above_limit: share of the episodes with more discomfort than is admitted on average.
         largest_fraction: largest used fraction of a soft limit in any patient.
         violated: share of the episodes in which a hard limit was crossed.
         rings: share of the episodes in which the alarm rings.
@@ -106,6 +107,7 @@ class RankingRow:
     time_to_p90: dict[float, Interval]
     discomfort_s: Interval
     discomfort_rate: float
+    above_limit: Interval
     largest_fraction: float
     violated: Interval
     rings: Interval
@@ -254,6 +256,7 @@ def _row(study: Results, entry: str, admission: AdmissionLimits) -> RankingRow:
     rings = alarm_rings(table["misfit"].to_numpy(dtype=np.float64))
     unfit = does_not_fit(float(rings.mean()))
     rate = PER_S * float(table["discomfort_s"].sum() / table["duration_s"].sum())
+    per_30_s = PER_S * (table["discomfort_s"] / table["duration_s"]).to_numpy(dtype=np.float64)
     reasons = [CLAIRVOYANT] if metadata.get("clairvoyant") else []
     reasons += [reason for reason in (unfit, false) if reason]
     reasons += admission.reasons(rate, float(table["violated"].mean()))
@@ -285,6 +288,7 @@ def _row(study: Results, entry: str, admission: AdmissionLimits) -> RankingRow:
         time_to_p90={target: statistics.quantile(seconds, 0.9) for target, seconds in times.items()},
         discomfort_s=mean("discomfort_s"),
         discomfort_rate=rate,
+        above_limit=statistics.mean((per_30_s > admission.discomfort_s).astype(np.float64)),
         largest_fraction=float(table["largest_fraction"].max()),
         violated=mean("violated"),
         rings=statistics.mean(rings.astype(np.float64)),

@@ -14,6 +14,8 @@ import pandas as pd
 from jawenv.metrics import alarm_rings
 
 Array = npt.NDArray[np.float64]
+ADMITTED_S = 0.1
+"""Of discomfort in 30 s."""
 Better = Literal["higher", "lower"]
 
 
@@ -57,6 +59,12 @@ def _median_sd(rows: pd.DataFrame, parameters: int) -> Array:
     return median
 
 
+def _above_limit(rows: pd.DataFrame, parameters: int) -> Array:
+    per_30_s = 30.0 * (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
+    above: Array = (per_30_s > ADMITTED_S).astype(np.float64)
+    return above
+
+
 def _rings(rows: pd.DataFrame, parameters: int) -> Array:
     return alarm_rings(rows["misfit"].to_numpy(dtype=np.float64)).astype(np.float64)
 
@@ -92,6 +100,9 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
         "time_to_5_p90": Metric("time to 5 %, p90, s", _column("time_to_0.05_s"), "lower", "p90"),
         "reaches_5": Metric("reach 5 %, % of patients", _reached("time_to_0.05_s"), "higher", scale=100.0),
         "discomfort_s": Metric("discomfort, s", _column("discomfort_s"), "lower", digits=3),
+        "above_limit": Metric(
+            f"above {ADMITTED_S} s of discomfort in 30 s, % of patients", _above_limit, "lower", scale=100.0
+        ),
         "violated": Metric("violating episodes, %", _column("violated"), "lower", scale=100.0),
         "rings": Metric("alarm rings, % of episodes", _rings, "lower", scale=100.0),
         "governor": Metric("governor, % of the time", _column("governor"), "lower", scale=100.0),

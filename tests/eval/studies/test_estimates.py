@@ -7,6 +7,7 @@ import pytest
 from eval.studies import estimates, tables
 from eval.studies.design import Design
 from eval.studies.grid import FACTORS
+from eval.studies.metrics import METRICS
 
 PATIENTS = 30
 
@@ -132,3 +133,8 @@ def test_the_page_names_how_it_was_made(rng):
     heads = [line for line in page.splitlines() if line.startswith("| ")]
     assert len(heads) == (1 + 4) + (1 + 3) + (1 + 4)
     assert "67 (49 … 81)" in page, "20 of 30 patients by Wilson's interval"
+
+
+def test_patients_above_the_admitted_discomfort_are_counted_per_30_s():
+    rows = pd.DataFrame({"discomfort_s": [0.0, 0.03, 0.04, 0.09], "duration_s": [10.0, 10.0, 10.0, 30.0]})
+    np.testing.assert_array_equal(METRICS["above_limit"].of(rows, 12), [0.0, 0.0, 1.0, 0.0])
