@@ -12,7 +12,7 @@ from jawenv.seeds import REPORTS
 
 
 def test_they_have_names() -> None:
-    assert policy_names() == ("apg_one_sided", "ppo_force", "ppo_imaged", "ppo_one_sided", "ppo_trismus")
+    assert policy_names() == ("apg_one_sided", "apg_trismus", "ppo_force", "ppo_imaged", "ppo_one_sided", "ppo_trismus")
     assert policy_folder("ppo_trismus") == SHIPPED / "ppo_trismus"
     with pytest.raises(InputError):
         load_agent("ppo_nobody")
