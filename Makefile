@@ -7,7 +7,7 @@ DEMO := runs/demo
 QUICK := $(addprefix tests/,anatomy device mechanics/test_equations_of_motion.py metrics reality test_errors.py test_files.py test_reading.py \
 	test_numeric_fields.py test_refusals.py project/test_imports.py project/test_dependencies.py envs/test_rewards_and_ends.py)
 STUDIES := agents headline imaged robustness sensors force_sensors rates ladder cohorts
-DEMO_TRAIN := train apg --residual-on opening_with_swings_and_fore_aft --steps 96000 --output $(DEMO)/apg --continue
+DEMO_TRAIN := train apg --steps 96000 --target-discomfort 0.08 --output $(DEMO)/apg --continue
 DEMO_COMPARE := compare $(DEMO)/apg random --all-maneuvers --with-replay --cohort one_sided --episode-s 10 --seed 500 --output $(DEMO)
 
 SMALL := $(if $(FULL),,$(addprefix JAWENV_NOTEBOOK_,PATIENTS=4 EPISODE_S=5 DRAWS=2 QUICK=1))
@@ -26,7 +26,7 @@ live: ## a page on which you move the jaw of a patient
 	@.ci/setup
 	$(BIN)/jawenv live --open
 
-demo: ## train an agent that adapts, from a hand-made maneuver, and compare it with every maneuver: runs/demo/report.html
+demo: ## train an agent that adapts, and compare it with every maneuver: runs/demo/report.html
 	@.ci/setup train eval
 	$(BIN)/python -m training $(DEMO_TRAIN)
 	$(BIN)/python -m eval $(DEMO_COMPARE)
