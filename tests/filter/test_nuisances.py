@@ -94,7 +94,7 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
         motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
         columns = np.zeros((6, len(simulation._sds)))
         rate = twin.acceleration(jaw, theta, motion[:5], motion[5:], wrench)
-        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench)
+        at = tuple(motion[:5]), tuple(motion[5:]), tuple(motion[5:]), tuple(rate), tuple(wrench)
         wrenches_of(jaw, muscles, at, settings, columns, scratch)
         by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
         for j, values in enumerate(simulation._sds):

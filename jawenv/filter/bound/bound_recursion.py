@@ -160,7 +160,7 @@ def add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: Boun
         mean_reading(wrench, 4),
         mean_reading(wrench, 5),
     )
-    set_wrenches(jaw, muscles, (pose, u, rate, mean), settings.nuisances, 0, scratch.wrench, scratch.nuisances)
+    set_wrenches(jaw, muscles, (pose, u, u, rate, mean), settings.nuisances, 0, scratch.wrench, scratch.nuisances)
     total, by_wrench = scratch.recursion.total, scratch.joint.total
     first, column = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
     for i in range(by_wrench.shape[0]):

@@ -83,16 +83,16 @@ def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_hea
 def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench, scratch: NuisanceScratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
-    ``at`` is the pose half way through the tick, the rates and their rate of change over it, and the load cell's
-    smoothed reading (six numbers), all as the past alone has them (``instrument``).
+    ``at`` is the pose half way through the tick, the rates of motors, those of the jaw and their rate of change, and
+    the load cell's smoothed reading (six numbers), all as the past alone has them (``instrument``).
     """
-    pose, u, rate, reading = at
+    pose, of_motors, u, rate, reading = at
     body_to_head = rotation(pose)
     contact = contact_point(jaw, pose)
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
     base_x, base_y, base_turn = left_over(jaw, muscles, pose, u, reading, rate)
-    motors = motors_of(nuisances, jaw, (pose, u, body_to_head, reading), scratch)
+    motors = motors_of(nuisances, jaw, (pose, of_motors, body_to_head, reading), scratch)
     for j in range(nuisances.mass.shape[0]):
         if nuisances.of_motors[j]:
             set_motor_column(nuisances, j, (body_to_head, motors), first + j, line_wrench)
@@ -197,8 +197,11 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     wrenches = scratch.line_wrench
     last = belief.smoothed
     reading = (last[0], last[1], last[2], last[3], last[4], last[5])
-    u, rate = rates_of_tick(settings, scratch.start_motion, scratch.instrument.motion)
-    set_wrenches(jaw, muscles, (pose, u, rate, reading), settings.nuisances, first, wrenches, scratch.nuisances)
+    before, after = scratch.start_motion, scratch.instrument.motion
+    of_motors, _ = middle_rates(before, after, settings.dt)
+    u, rate = rates_of_tick(settings, before, after)
+    at = (pose, of_motors, u, rate, reading)
+    set_wrenches(jaw, muscles, at, settings.nuisances, first, wrenches, scratch.nuisances)
 
 
 @where(has_nuisances)
