@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
@@ -56,11 +56,13 @@ class EnvironmentChoice(InputModel):
     Attributes:
         env: its id, or as `jawenv.ladder.model_of_env` takes it.
         estimator: mechanics that the filter believes in; the environment's own by default.
+        knowledge: what the filter knows exactly; the environment's own level by default.
         controls: control modes that it is played in; all of the study's by default.
     """
 
     env: str
     estimator: Estimator | None = None
+    knowledge: Literal["exact", "imaged"] | None = None
     controls: tuple[Control, ...] | None = None
 
     @field_validator("env")
@@ -71,7 +73,8 @@ class EnvironmentChoice(InputModel):
     @property
     def name(self) -> str:
         """As tables call it."""
-        return self.env if self.estimator is None else f"{self.env}, {self.estimator} filter"
+        filters = f", {self.estimator} filter" if self.estimator else ""
+        return self.env + filters + (f", {self.knowledge}" if self.knowledge else "")
 
 
 class Side(InputModel):

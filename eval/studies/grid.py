@@ -84,6 +84,7 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
             "env": environment.env,
             "reality": design.reality[reality],
             "estimator": environment.estimator,
+            **({"knowledge": environment.knowledge} if environment.knowledge else {}),
             "control_hz": hz,
         }
         world = Configuration.from_mapping(fields)
