@@ -56,7 +56,7 @@ def load_agent(
     """
     path, model = Path(spec), model_of_env(env_id)
     if str(spec) in PLANNERS:
-        return PLANNERS[str(spec)].planner(control)
+        return PLANNERS[str(spec)](control=control)
     named = named_agent(spec, control, control_hz, env_id)
     if named is not None:
         return named

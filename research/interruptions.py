@@ -20,7 +20,7 @@ import numpy as np
 
 from tests.stopping import finished, stopped, unfinished
 
-DISTILL = """
+TRAINING = """
 algorithm: ppo
 n_envs: 2
 env: {kwargs: {control: targets, reward: worst, episode_s: 2.0}}
@@ -41,21 +41,8 @@ pairs: [[hold_still, slow_opening]]
 SMALL = ["--horizon-s", "4", "--patients", "2"]
 GENERATIONS = ["--population", "4", "--generations", "6"]
 COMMANDS = {
-    "design": ["training", "design", "--output", "mine.yaml", *SMALL, "--candidates", "16", "--rounds", "2"],
     "optimise": ["training", "optimise", "--refine", "chirp", "--output", "mine.yaml", *SMALL, *GENERATIONS],
-    "distill": [
-        "training",
-        "distill",
-        "d.yaml",
-        "--planner",
-        "myopic",
-        "--patients",
-        "3",
-        "--rounds",
-        "3",
-        "--output",
-        "run",
-    ],
+    "train": ["training", "train", "d.yaml", "--continue", "--steps", "60", "--output", "run"],
     "study": ["eval", "study", "s.yaml", "--output", "out", "--workers", "2"],
     "export": ["training", "export", "run", "--output", "shared"],
 }
@@ -75,7 +62,7 @@ def main() -> int:
         for name in arguments.commands:
             whole = prepared(Path(folder) / f"{name}-whole")
             if name == "export":
-                finished(COMMANDS["distill"], whole)
+                finished(COMMANDS["train"], whole)
             start = time.monotonic()
             finished(COMMANDS[name], whole)
             length = time.monotonic() - start
@@ -89,7 +76,7 @@ def main() -> int:
 def prepared(folder: Path) -> Path:
     """A folder with the files that the commands take."""
     folder.mkdir()
-    (folder / "d.yaml").write_text(DISTILL)
+    (folder / "d.yaml").write_text(TRAINING)
     (folder / "s.yaml").write_text(STUDY)
     return folder
 

@@ -11,7 +11,7 @@ from estimation_records import records
 
 import agents
 import jawenv
-from agents.planners import PLANNERS
+from agents.sampling_planner import SamplingPlanner
 from eval.comparison.admission import AdmissionLimits
 from eval.kept.entries import load_entries
 from eval.kept.settings import Settings
@@ -39,14 +39,12 @@ from jawenv.rendering import Renderer
 from training.run.config import Residual, TrainingConfig
 from training.run.train import parse_seeds
 from training.search.optimise import Refinement
-from training.search.sequential import SequentialDesign
 
 nan, inf = np.nan, np.inf
 ONE, TWO = np.ones((1, 3)), np.ones((2, 3))
 NOTHING, SD, FREE = np.zeros((3, 12)), np.ones(12), np.ones(10)
 BLIND = np.where(np.arange(12) > 2, nan, NOTHING)  # no angle is read
 STILL = {"q": np.zeros(5), "u": np.zeros(5), "log_parameters": np.zeros(12), "force": np.zeros(3)}
-RECEDING = PLANNERS["receding_horizon"]
 
 
 def hinge():
@@ -189,11 +187,7 @@ AGENTS = [
     ("control_hz 12 5", lambda: TargetsLaw("force", 12.0)),
     ("control_hz often positive", lambda: decision_hz({"control": "targets", "control_hz": "often"})),
     ("scale 0 greater", lambda: Residual(maneuver="chirp", scale=0)),
-    ("maneuvers () more", lambda: RECEDING.kind(replace(RECEDING.plan, maneuvers=()))),
-    *(
-        (f"candidates {n} {least} 10000", lambda n=n, a=a: replace(PLANNERS[a].plan, candidates=n))
-        for a, n, least in (("myopic", 10**9, 1), ("myopic", 0, 1), ("myopic", 64.0, 1), ("receding_horizon", 5, 6))
-    ),
+    *((f"candidates {n} 1 10000", lambda n=n: SamplingPlanner("sampling", candidates=n)) for n in (10**9, 0, 64.5)),
 ]
 COMMANDS = [
     ("nowhere.yaml file", lambda: TrainingConfig.load("nowhere.yaml")),
@@ -212,18 +206,6 @@ COMMANDS = [
     ),
     ("nothing.yaml file", lambda: Refinement(refine="nothing.yaml")),
     ("episode_s -1 allowed", lambda: Refinement(refine="chirp", horizon_s=-1.0)),
-    *(
-        (f"{field} {words}", lambda field=field, value=value: SequentialDesign(**{field: value}))
-        for field, value, words in (
-            ("goal", "most", "most mixed"),
-            ("over", "nominal", "nominal tail"),
-            ("patients", 0, "0 1"),
-            ("candidates", 3, "3 6 10000"),
-            ("look_ahead_s", nan, "nan 30"),
-            ("comfort_weight", inf, "inf finite"),
-            ("cohort", "nobody", "nobody"),
-        )
-    ),
     ("largest-discomfort-s nan finite", lambda: AdmissionLimits(discomfort_s=nan)),
     ("largest-discomfort-s -1.0 allowed", lambda: AdmissionLimits(discomfort_s=-1.0)),
     ("largest-violation 1.5 share", lambda: AdmissionLimits(violation=1.5)),

@@ -14,13 +14,10 @@ from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
 from training.run import options
-from training.search.commands import design, distill, optimise
-from training.twin.commands import refine, twin
+from training.search.commands import optimise, refine, twin
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
-app.command("design")(design)
-app.command("distill")(distill)
 app.command("twin")(twin)
 app.command("refine")(refine)
 

@@ -19,7 +19,6 @@ BASELINES = (
     "random",
     "slow_opening",
     "opening_with_swings_and_fore_aft",
-    "designed",
     "refined",
     "refined_imaged",
     "ppo_trismus",

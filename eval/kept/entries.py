@@ -168,7 +168,7 @@ def load_entry(
         description=getattr(maneuver or agent, "description", ""),
         agent=agent,
         planned=isinstance(agent, Planner),
-        clairvoyant=isinstance(agent, Planner) and agent.plan.clairvoyant,
+        clairvoyant=isinstance(agent, Planner) and agent.clairvoyant,
     )
 
 

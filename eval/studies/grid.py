@@ -15,7 +15,6 @@ from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 
 PATIENTS_IN_A_PART = 20
-PATIENTS_OF_A_PLANNER = 4
 _BOUNDS = {"information_bound", "worst_bound_sd"}
 FACTORS = ("environment", "cohort", "control", "sensors", "force_sensor", "reality", "control_hz", "entry")
 """Factors of a cell, in the order of the columns."""
@@ -99,7 +98,7 @@ def _of_environment(design: Design, environment: EnvironmentChoice, trust: bool)
                     partial(load_entry, choice.agent, world, trust=trust),
                     range(design.seed, design.seed + number),
                     Outcomes(bound=not _BOUNDS.isdisjoint(design.metrics), over_time=False),
-                    PATIENTS_OF_A_PLANNER if entry.planned else PATIENTS_IN_A_PART,
+                    getattr(entry.agent, "together", PATIENTS_IN_A_PART),
                 )
 
 

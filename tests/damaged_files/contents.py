@@ -19,8 +19,6 @@ from jawenv.laboratory.recordings import defaults
 from jawenv.laboratory.recordings.files import save_record
 from jawenv.laboratory.recordings.record import Record
 from jawenv.ladder import model_named
-from training.search.distill import Labels
-from training.search.sequential import SequentialDesign, write_plans
 
 ANATOMY = """[mandible]
 mass_kg = 0.25
@@ -38,8 +36,6 @@ COHORT = """name = "stiff left"
 left = {F_o_N = 2.0, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 right = {F_o_N = 0.3, F_o_sd = 0.5, b = 7.0, b_sd = 0.3}
 """
-DISTILLATION = "planner: receding_horizon\nrounds: 3\npatients: 4\nepochs: 2\nlearning_rate: 1e-3\nweight_decay: 0.1\n"
-DESIGN = SequentialDesign()
 EVALUATIONS = "steps,return,worst_sd\n" + "".join(f"{1000 * k},{0.5 * k},{0.2 / (k + 1):.6g}\n" for k in range(30))
 RESULTS = """results:
 - {cohort: trismus, patients: 64, seeds: [500, 563], metric: worst sd in %, median: 2.3, low: 2.1, high: 2.6}
@@ -97,17 +93,6 @@ def table(folder: Path) -> None:
 def replay(folder: Path) -> None:
     """Recorded actions."""
     Replay("replay", np.random.default_rng(0).uniform(-1, 1, (2, 10, 4)), 5.0).save(folder / "a.npz")
-
-
-def labels(folder: Path) -> None:
-    """What a planner would do."""
-    rng = np.random.default_rng(0)
-    Labels(rng.normal(size=(9, 30)), rng.uniform(-1, 1, (9, 4))).save(folder / "a.npz")
-
-
-def plans(folder: Path) -> None:
-    """The plans of a design that was stopped."""
-    write_plans(folder / "a.npz", DESIGN, np.random.default_rng(0).uniform(0, 1, (3, 2, 4)))
 
 
 def treatment(folder: Path) -> None:

@@ -27,8 +27,6 @@ from jawenv.reality.options import Reality
 from tests.damaged_files import contents
 from training.run.config import TrainingConfig
 from training.run.folder import read_counts
-from training.search.distill import Distillation, Labels
-from training.search.sequential import read_plans
 
 CONFIGS = Path(__file__).parents[2] / "training" / "configs"
 
@@ -104,15 +102,6 @@ def _replay(folder: Path) -> Any:
     return replay.name, replay.decision_hz, contents.actions_of(replay)
 
 
-def _labels(folder: Path) -> Any:
-    labels = Labels.load(folder / "a.npz")
-    return labels.observation.tobytes(), labels.residual.tobytes()
-
-
-def _plans(folder: Path) -> Any:
-    return read_plans(folder / "a.npz", contents.DESIGN, (2, 4)).tobytes()
-
-
 def _policy(folder: Path) -> Any:
     return contents.actions_of(load_policy(folder))
 
@@ -134,7 +123,6 @@ FORMATS = (
     _text("reality", "a.yaml", contents.numbers(Reality).replace(" = ", ": "), Reality.load),
     _copied("study", shipped_studies()["ladder"], lambda path: read_study(str(path))),
     _copied("training configuration", CONFIGS / "ppo.yaml", TrainingConfig.load),
-    _text("distillation", "a.yaml", contents.DISTILLATION, lambda path: read_model(path, Distillation)),
     _text("evaluations", "evaluations.csv", contents.EVALUATIONS, lambda path: read_evaluations(path.parent)),
     _text("results for a card", "a.yaml", contents.RESULTS, lambda path: read_model(path, ResultsFile)),
     Format("card", "card.json", _shipped_policy, lambda folder: repr(read_card(folder))),
@@ -145,8 +133,6 @@ FORMATS = (
     Format("results", "a.parquet", contents.table, _table, has_checksums=True),
     Format("recorded actions", *_NPZ, has_checksums=True),
     Format("recorded actions, anew", *_NPZ, **_member("actions.npy")),
-    Format("labels", "a.npz", contents.labels, _labels, has_checksums=True),
-    Format("plans", "a.npz", contents.plans, _plans, has_checksums=True),
     Format("treatment", "a.npz", contents.treatment, lambda folder: repr(load_treatment(folder / "a.npz")), True),
     Format("checkpoint", *_CHECKPOINT, has_checksums=True),
     Format("checkpoint's settings, anew", *_CHECKPOINT, **_member("data")),

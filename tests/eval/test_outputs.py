@@ -16,7 +16,7 @@ SHORT = ["--episode-s", "1", "--seed", "5000"]
         (["play", "hold_still", *SHORT], "--video", "film.webp"),
         (["compare", "hold_still", *SHORT, "--patients", "2"], "--output", "compare"),
         (["diagnose", "hold_still", *SHORT, "--patients", "2"], "--output", "diagnose"),
-        (["replay", "designed", *SHORT, "--patients", "2"], "--output", "replay.yaml"),
+        (["replay", "refined", *SHORT, "--patients", "2"], "--output", "replay.yaml"),
     ],
 )
 def test_an_output_in_use_is_refused_in_one_line(tmp_path, capsys, command, option, output):

@@ -42,8 +42,6 @@ def test_every_file_loads_under_its_own_name(name: str) -> None:
 def test_the_maneuvers_that_come_along() -> None:
     assert set(names()) == {
         "chirp",
-        "designed",
-        "designed_one_sided",
         "hold_still",
         "information_optimal",
         "multisine",

@@ -175,7 +175,7 @@ def test_damaged_checkpoint_is_named(
         (["--steps", "0"], "steps is 0"),
         (["--n-envs", "3"], "ppo.batch_size"),
         (["nowhere.yaml"], "nowhere.yaml"),
-        (["nowhere"], "demo, distilled, plain_ppo, ppo, recurrent_ppo, sac, tqc"),
+        (["nowhere"], "demo, plain_ppo, ppo, recurrent_ppo, sac, tqc"),
         (["--resume", "runs/a", "sac"], "CONFIG"),
         (["--resume", "runs/a", "--seeds", "1"], "--seeds"),
         (["--resume", "runs/a", "--env", "sides"], "--env"),
@@ -324,9 +324,7 @@ def test_finished_seeds_are_skipped_unfinished_ones_go_on_and_settings_are_not_m
 @pytest.mark.parametrize(
     ("command", "output"),
     [
-        (["design", "--horizon-s", "1"], "found.yaml"),
         (["optimise", "--refine", "chirp", "--generations", "1", "--overwrite"], "found.yaml"),
-        (["distill", "--rounds", "1"], "run"),
         (["train", "plain_ppo", "--steps", "256", "--overwrite"], "run"),
     ],
 )

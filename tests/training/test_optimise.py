@@ -31,7 +31,7 @@ SHORT = {"refine": "slow_opening", "horizon_s": 2.0, "patients": 2, "population"
 TIMES = STEP_S * np.arange(1, 11)
 
 
-@pytest.mark.parametrize("name", ["designed", "opening_with_swings"])
+@pytest.mark.parametrize("name", ["refined", "opening_with_swings"])
 def test_without_offsets_a_maneuver_is_itself(name):
     base = Maneuver.named(name)
     knots = Knots(base, 2.0)
@@ -40,7 +40,7 @@ def test_without_offsets_a_maneuver_is_itself(name):
 
 
 def test_what_lies_behind_the_horizon_stays():
-    base = Maneuver.named("designed")
+    base = Maneuver.named("refined")
     assert length_s(base) == 30.0 and length_s(Maneuver.named("opening_with_swings")) == 0.0
     knots = Knots(base, 4.0)
     changed = knots.targets(knots.start + 0.3)
@@ -73,7 +73,7 @@ def test_a_number_moves_its_channel_at_its_knot():
 @settings(max_examples=20)
 @given(arrays(float, 20, elements=st.floats(-50.0, 50.0)))
 def test_any_numbers_make_a_maneuver_that_the_device_can_follow(numbers):
-    knots = Knots(Maneuver.named("designed"), 2.0)
+    knots = Knots(Maneuver.named("refined"), 2.0)
     path = np.vstack([np.zeros(4), knots.targets(numbers)])
     assert (np.abs(np.diff(path, axis=0)) <= np.array(FASTEST_TARGET) * STEP_S + 1e-12).all()
     np.testing.assert_allclose(knots.maneuver(numbers, CANDIDATE).targets(TIMES).value, path[1:11], atol=1e-5)

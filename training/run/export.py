@@ -78,7 +78,7 @@ def write_run_policy(
         environment=environment,
         observation_size=architecture.layers[0],
         architecture=architecture,
-        algorithm=_algorithm(run, config),
+        algorithm=config.algorithm,
         seed=config.seed,
         steps=steps,
         residual=residual,
@@ -143,14 +143,6 @@ def config_sha256(path: Path) -> str:
     """
     canonical = json.dumps(read_mapping(path), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
-
-
-def _algorithm(run: RunFolder, config: TrainingConfig) -> str:
-    """Record of the training of a run's policy so far."""
-    if not run.distillation_file.exists():
-        return config.algorithm
-    distilled = f"distillation of {read_mapping(run.distillation_file).get('planner')}"
-    return f"{distilled}, then {config.algorithm}" if len(run.commands()) > 1 else distilled
 
 
 def _check_free(output: Path, overwrite: bool) -> None:

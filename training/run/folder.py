@@ -5,8 +5,6 @@
     runs/<name>/config.yaml        every setting, defaults included
                 repeat.json        command lines, seeds, versions, git commit, machine
                 base_maneuver.json the maneuver that the policy corrects, if it is a residual
-                distillation.yaml  the planner and its settings, if the policy was distilled
-                labels/            round_<number>.npz, the planner's decisions
                 card.json          model card of the policy with the best evaluation, and
                 policy.safetensors its weights (in an environment that is not of jawenv: best_model.zip)
                 checkpoints/       step_<steps>.zip, the latest few, to go on from
@@ -52,8 +50,6 @@ class RunFolder:
         self.checkpoints = path / "checkpoints"
         self.evaluations = path / EVALUATIONS
         self.tensorboard = path / "tensorboard"
-        self.distillation_file = path / "distillation.yaml"
-        self.labels = path / "labels"
 
     def exists(self) -> bool:
         """Whether the folder holds a run."""
@@ -111,7 +107,6 @@ class RunFolder:
         config: TrainingConfig,
         world_seed: int,
         base: Maneuver | None = None,
-        distillation: str | None = None,
     ) -> None:
         """Make the folder in place of an older one, whole or not at all, with the files that describe this run.
 
@@ -119,7 +114,6 @@ class RunFolder:
             config: of the run.
             world_seed: of the first training world.
             base: the maneuver that the policy corrects. A copy is kept: its file may change or go.
-            distillation: settings of a distillation, as YAML.
 
         Raises:
             InputError: the folder cannot be written.
@@ -129,7 +123,7 @@ class RunFolder:
             for left in (new, old):
                 if left.exists():
                     shutil.rmtree(left)
-            RunFolder(new)._fill(config, world_seed, base, distillation)
+            RunFolder(new)._fill(config, world_seed, base)
             if self.path.exists():
                 self.path.rename(old)
             new.rename(self.path)
@@ -138,7 +132,7 @@ class RunFolder:
         except OSError as error:
             raise InputError(f"output {self.path}: {error.strerror}") from None
 
-    def _fill(self, config: TrainingConfig, world_seed: int, base: Maneuver | None, distillation: str | None) -> None:
+    def _fill(self, config: TrainingConfig, world_seed: int, base: Maneuver | None) -> None:
         self.checkpoints.mkdir(parents=True)
         config.save(self.config_file)
         seeds = {
@@ -149,12 +143,10 @@ class RunFolder:
         write_text(self.repeat_file, json.dumps(repeat, indent=2) + "\n")
         if base is not None:
             write_json(self.path / BASE_FILE, base)
-        if distillation is not None:
-            write_text(self.distillation_file, distillation)
 
     def remove_unfinished(self) -> None:
         """Remove unfinished files of a killed process. Nobody else may be at work in the folder."""
-        for folder in (self.path, self.checkpoints, self.labels):
+        for folder in (self.path, self.checkpoints):
             remove_unfinished(folder)
 
     def add_session(self, config: TrainingConfig, from_step: int, world_seed: int) -> None:

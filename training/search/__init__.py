@@ -1,1 +1,1 @@
-"""Searches for maneuvers, and policies that learn a planner's decisions."""
+"""Searches for maneuvers: by CMA-ES in the environment, and by the gradient of its differentiable twin."""

@@ -1,4 +1,4 @@
-"""The commands ``design`` and ``optimise``, which write maneuver files, and ``distill``, which trains a policy."""
+"""The commands ``optimise`` and ``refine``, which write maneuver files, and ``twin``, by which ``refine`` goes."""
 
 from __future__ import annotations
 
@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-import yaml
 from rich.console import Console
 
 from jawenv.commands.options import takes_world
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
-from jawenv.files import read_model, validate, write_text
 from jawenv.ladder import env_id_of, title_of_env
-from jawenv.locks import alone
+from jawenv.playing.protocol import Array
 from jawenv.progress import Progress
-from training.run.options import Config, Output, Overwrite, ResidualOn, Reward, Seed
+from jawenv.seeds import TUNING
 from training.search.session import (
     INTERRUPTED,
     Anew,
@@ -30,13 +28,10 @@ from training.search.session import (
 )
 
 if TYPE_CHECKING:
-    from jawenv.playing.maneuvers import Maneuver
-    from training.run.config import TrainingConfig
-    from training.run.folder import RunFolder
-    from training.search.distill import Distillation
     from training.search.optimise import Found, Refinement
 
 SOURCE = "optimal input design (Goodwin and Payne 1977, chapter 6) by CMA-ES (Hansen and Ostermeier 2001)"
+BY_GRADIENT = "optimal input design (Goodwin and Payne 1977, chapter 6) by Adam (Kingma and Ba 2015) through the twin"
 CRITERIA = {"worst": "the largest sd", "D": "the determinant of the covariance", "A": "the mean variance"}
 OVER = {
     "mean": "on average over {patients} patients",
@@ -110,138 +105,50 @@ def _description(design: Refinement) -> str:
     )
 
 
-def design(
-    output: ManeuverFile,
-    cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
-    horizon_s: Annotated[float, typer.Option(help="Length of the maneuver.", metavar="S")] = 10.0,
-    goal: Annotated[str, typer.Option(help="What shall grow: mixed, worst or uncertainty (as the rewards).")] = "mixed",
-    over: Annotated[str, typer.Option(help="mean of the patients, or tail (the worst third).")] = "mean",
-    patients: Annotated[int, typer.Option(help="Patients that each plan is tried on.", metavar="N")] = 24,
-    look_ahead_s: Annotated[float, typer.Option(help="How far a plan looks.", metavar="S")] = 3.0,
-    candidates: Annotated[int, typer.Option(help="Sequences tried in a round.", metavar="N")] = 48,
-    rounds: Annotated[int, typer.Option(help="Rounds of a plan.", metavar="N")] = 5,
-    comfort_weight: Annotated[float, typer.Option(help="Nats that a second of discomfort is worth.")] = 60.0,
-    seed: Annotated[int, typer.Option(help="Of the search.", metavar="N")] = 0,
-    overwrite: Anew = False,
-) -> int:
-    """Design an open-loop maneuver second by second: all patients are moved alike, by the plan that teaches most.
+@takes_world()
+def twin(
+    world: dict[str, Any],
+    patients: Annotated[int, typer.Option(help="How many are compared.", metavar="N")] = 120,
+    seed: Annotated[int, typer.Option(help="Of the first.", metavar="N")] = TUNING.start,
+) -> None:
+    """Compare the differentiable twin with the environment and its filter, after 10 s of perturbed maneuvers."""
+    from training.search.agreement import agreement
 
-    A few minutes for 10 s of a maneuver. Comfort is a price here; `optimise` has it as a constraint. A design that was
-    stopped goes on when the same command is given again. The plans so far stand beside the file, in NAME.search.npz.
-    """
+    Console(highlight=False, markup=False).print(agreement(world, patients, seed).table(), soft_wrap=True)
+
+
+def refine(
+    output: ManeuverFile,
+    refine: Annotated[str, typer.Option(help="Maneuver (name or file) where the search begins.", metavar="M")],
+    cohort: Annotated[str, typer.Option(help="Population of the patients.", metavar="NAME")] = "trismus",
+    updates: Annotated[int, typer.Option(help="Of the targets.", metavar="N")] = 80,
+    patients: Annotated[int, typer.Option(help="New ones in each update.", metavar="N")] = 64,
+    horizon_s: Annotated[float, typer.Option(help="Length of the maneuver.", metavar="S")] = 10.0,
+    target_discomfort_s: Annotated[float, typer.Option(help="Allowed on average, in 30 s.", metavar="S")] = 0.1,
+    learning_rate: Annotated[float, typer.Option(help="First step size of the offsets.")] = 0.03,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
+) -> int:
+    """Refine a maneuver by the gradient of the differentiable twin, within comfort. Minutes; it is not resumed."""
     options = dict(locals())
-    from training.search.sequential import SequentialDesign, design_maneuver
+    from training.search.gradient import DECISION_S, GradientSearch, maneuver_of
+    from training.search.gradient import refine as search
 
     check_output(output)
-    settings = SequentialDesign.of(options)
-    description = (
-        f"Designed second by second: each plan is the one after which {patients} patients of {cohort!r} "
-        f"are known best{', the least known third of them counting,' if over == 'tail' else ''} within comfort."
-    )
-    source = "receding-horizon input design (Goodwin and Payne 1977, chapter 6) by random search"
-    header = named(output, description, source)
+    if output.exists() and not overwrite:
+        raise InputError(f"--output: {output} exists already; replace it with --overwrite")
+    settings, console = GradientSearch.of(options), quiet_console()
 
-    log = output.with_suffix(".search.npz")
+    def work(progress: Progress) -> Array:
+        def report(done: int, worst: float, discomfort: float) -> None:
+            progress.note("figures", f"log of the largest sd {worst:.3f}, discomfort {discomfort:.3f} s in 30 s")
+            progress.advance_to(done)
 
-    def search(progress: Progress) -> tuple[Maneuver, bool]:
-        def report(done: int, planned_now: bool) -> None:
-            if planned_now:
-                progress.advance_to(done)
-            else:
-                progress.skip(1)
+        return search(settings, report)
 
-        maneuver, plans_made = design_maneuver(settings, header, log, report)
-        return maneuver, plans_made > 0
-
-    def write(maneuver: Maneuver) -> str:
-        write_found(output, maneuver.model_dump(mode="json", exclude_none=True), "design", settings)
-        return f"{horizon_s:g} s"
-
-    return search_maneuver(output, log, overwrite, settings.steps, "steps of the maneuver", search, write)
-
-
-@takes_world()
-def distill(
-    world: dict[str, Any],
-    config: Config = "distilled",
-    planner: Annotated[str, typer.Option(metavar="NAME", help="Whose decisions are learnt.")] = "receding_horizon",
-    residual_on: ResidualOn = None,
-    reward: Reward = None,
-    rounds: Annotated[int, typer.Option(metavar="N", help="How often labels are gathered.")] = 8,
-    patients: Annotated[int, typer.Option(metavar="N", help="New patients in each round.")] = 12,
-    output: Output = None,
-    seed: Seed = None,
-    overwrite: Overwrite = False,
-) -> int:
-    """Learn a planner's decisions: a policy that decides at once what the planner needs up to a second for.
-
-    In the first round the planner plays; then the policy learnt so far does, and the planner labels its steps. Up to
-    a second of computing for each second of a patient. One that was stopped goes on after its last finished round when
-    the same command is given again. The run's folder is like any other: compare, export, or `train --resume` it.
-    """
-    from training.run.config import asked_for
-    from training.run.folder import RunFolder
-    from training.search.distill import Distillation, check_distillable
-
-    training, stem = asked_for(config, world | {"reward": reward}, residual_on=residual_on, seed=seed)
-    check_distillable(training)
-    options = {"planner": planner, "rounds": rounds, "patients": patients}
-    settings = validate(Distillation, options, "command line")
-    run = RunFolder(output or Path("runs") / f"{stem}-seed{training.seed}")
-    console = quiet_console()
-    with alone(run.path):
-        return _learn(training, settings, run, console, overwrite)
-
-
-def _learn(training: TrainingConfig, settings: Distillation, run: RunFolder, console: Console, overwrite: bool) -> int:
-    """Gather labels and learn from them, round by round; the exit code."""
-    from training.run.train import TrainingSession, base_targets
-    from training.search.distill import distill as learn_from_planner
-    from training.search.distill import is_finished, seconds_of
-
-    rounds = settings.rounds
-    begun = not overwrite and _is_begun(run, training, settings)
-    if begun and is_finished(run, rounds):
-        console.print(f"{run.path} has all of its {rounds} rounds; nothing to do (--overwrite begins anew)")
-        return 0
-    if begun:
-        run.remove_unfinished()
-    else:
-        run.check_free(overwrite)
-    base = base_targets(training, run.path if begun else None)
-    with TrainingSession(training, run, console, 0, base) as session:
-        if not begun and base is not None:
-            run.create(training, session.world_seed, base.maneuver, _text(settings))
-        write_text(run.distillation_file, _text(settings))
-
-        def gather(progress: Progress) -> bool:
-            learn_from_planner(session, settings, progress)
-            return True
-
-        total = rounds * settings.patients * seconds_of(training)
-        if not until_stopped(gather, total, "seconds of patients", console, "after the last finished round"):
-            return INTERRUPTED
-    console.print(f"the policy of the best round: {run.path}", soft_wrap=True)
+    targets = until_stopped(work, updates, "updates", console, "from the beginning")
+    if targets is None:
+        return INTERRUPTED
+    text = f"{refine!r} with its targets varied by gradient for the largest sd of {cohort!r} after {horizon_s:g} s."
+    write_found(output, maneuver_of(targets, DECISION_S, named(output, text, BY_GRADIENT)), "refine", settings)
+    console.print(f"{output}: {horizon_s:g} s", soft_wrap=True)
     return 0
-
-
-def _is_begun(run: RunFolder, training: TrainingConfig, settings: Distillation) -> bool:
-    """Whether the folder holds a distillation that goes on.
-
-    Raises:
-        InputError: it holds one with other settings.
-    """
-    file = run.distillation_file
-    if not (run.exists() and file.is_file()):
-        return False
-    run.check_settings(training)
-    present = read_model(file, type(settings))
-    fields = type(settings).model_fields
-    other = [name for name in fields if name != "rounds" and getattr(present, name) != getattr(settings, name)]
-    if other:
-        raise InputError(f"the run in {run.path} has other settings ({', '.join(other)}); replace it with --overwrite")
-    return True
-
-
-def _text(settings: Distillation) -> str:
-    return yaml.safe_dump(settings.model_dump(mode="json"), sort_keys=False)

@@ -35,7 +35,6 @@ from jawenv.playing.maneuvers.maneuver import Targets
 from jawenv.playing.maneuvers.signals import Keyframes
 from jawenv.reading import read_bytes
 from jawenv.seeds import TUNING
-from training.search.sequential import RETURN_S
 from training.search.session import SearchSettings
 
 Array = NDArray[np.float64]
@@ -48,6 +47,7 @@ DISCOMFORT_S = 0.03 / 30.0  # mean discomfort per second of the episode that is 
 GOVERNOR = 0.02  # share of the time with the governor at work that is allowed
 MOST_WORLDS = 10_000  # that are played at once; each takes about a megabyte
 INFEASIBLE = 1e3  # worse than any criterion
+RETURN_S = 2.0  # from the horizon to the maneuver that follows
 STEP_S = 0.2  # between targets of the maneuver that is made
 KNOT_S = 0.4  # between knots
 SIZE = np.array([0.25, 0.4, 0.1, 0.4])

@@ -15,8 +15,8 @@ from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of
-from training.twin.agreement import agreement
-from training.twin.search import maneuver_of, play, within_reach
+from training.search.agreement import agreement
+from training.search.gradient import maneuver_of, play, within_reach
 
 TARGETS = Maneuver.named("refined_one_sided").targets(0.2 * np.arange(1, 16)).value
 

@@ -1,10 +1,11 @@
 """The commands that make and compare replays."""
 
+from functools import partial
+
 import pandas as pd
 import pytest
 
-from agents import planning
-from agents.planners import Named
+from agents.sampling_planner import SamplingPlanner
 from eval.commands.app import main
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.seeds import REPLAYS
@@ -15,9 +16,7 @@ SHORT = ["--patients", "2", "--episode-s", "2"]
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
     """A planner of few candidates, and no report."""
-    plan = planning.Plan("myopic", "Quick.", horizon_s=1.0, candidates=4)
-    plans = {"myopic": Named(plan, planning.Planner)}
-    monkeypatch.setattr("agents.registry.PLANNERS", plans)
+    monkeypatch.setattr("agents.registry.PLANNERS", {"myopic": partial(SamplingPlanner, "myopic", candidates=4)})
     monkeypatch.setattr("eval.report.page.write", lambda study, ranking, path: path)
 
 

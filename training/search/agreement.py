@@ -21,7 +21,14 @@ from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.protocol import Array
 
-MANEUVERS = ("refined", "refined_one_sided", "designed", "information_optimal", "opening_with_swings", "slow_opening")
+MANEUVERS = (
+    "refined",
+    "refined_one_sided",
+    "refined_imaged",
+    "information_optimal",
+    "opening_with_swings",
+    "slow_opening",
+)
 HORIZON_S = 10.0
 KNOT_S = 0.4
 SPREAD = (0.3, 0.5, 0.15, 0.5)

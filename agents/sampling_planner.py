@@ -1,0 +1,72 @@
+"""A planner for every model of the jaw: it plays random targets ahead in copies of the worlds and begins the best."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from agents.planning import Planner
+from agents.prediction import Prediction
+from jawenv.checks import whole_number
+from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.device.channels import N_CHANNELS
+from jawenv.errors import InputError, shown
+from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.protocol import Array, Mask
+
+LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
+"""Targets that are sampled lie in this box, fractions of the patient's comfort."""
+HORIZON_S = 1.0
+COMFORT_WEIGHT = 20.0  # nats that a second of discomfort is worth
+GOAL = "mixed"  # potential of the gain
+MOST_CANDIDATES = 10_000  # each is a copy of the world, some 50 kB with its scratch arrays
+FORBIDDEN = 1e6  # nats off the score of a candidate that crosses a hard limit
+
+
+class SamplingPlanner(Planner):
+    """It samples targets for the next second and predicts what each would teach and cost (``agents.prediction``).
+
+    World i draws from streams seeded by ``seed + i`` and the number of the step, so that its plans do not depend on the
+    other worlds.
+
+    Args:
+        name: its name.
+        candidates: targets that are tried, to stay first.
+        **arguments: of ``Planner``.
+
+    Raises:
+        InputError: no or too many candidates, or another control mode than targets.
+    """
+
+    together = 4
+
+    def __init__(
+        self, name: str, *, candidates: int = 64, clairvoyant: bool = False, control: Control = DEFAULT_CONTROL
+    ) -> None:
+        number = whole_number(candidates)
+        if number is None or not 1 <= number <= MOST_CANDIDATES:
+            raise InputError(f"candidates is {shown(candidates)}; allowed: 1 to {MOST_CANDIDATES}")
+        self.candidates = number
+        text = "Of sampled targets for the next second, the one of the largest predicted gain less discomfort."
+        super().__init__(name, text, clairvoyant=clairvoyant, control=control)
+
+    def _begin(self, simulation: Any) -> None:
+        self._horizon = max(1, round(HORIZON_S * self._hz))
+        self._prediction = Prediction(simulation, self.candidates, goal=GOAL, clairvoyant=self.clairvoyant)
+
+    def _search(self, step: Array, due: Mask) -> None:
+        streams = [np.random.default_rng([self._seed + i, int(k)]) for i, k in enumerate(step)]
+        keys = np.array([stream.integers(0, 2**63, size=2, dtype=np.uint64) for stream in streams])
+        tried = np.zeros((len(due), self.candidates, self._horizon, N_CHANNELS))
+        share = (np.arange(1, self._horizon + 1) / self._horizon)[:, None]
+        for i in np.flatnonzero(due):
+            start = self._simulation.targets[i]
+            goals = streams[i].uniform(LOW, HIGH, (self.candidates, 1, N_CHANNELS))
+            goals[0] = start
+            tried[i] = start + share * (goals - start)
+        forecast = self._prediction.try_out(action_of(tried), due, keys)
+        score = np.where(forecast.lost, -FORBIDDEN, forecast.gain - COMFORT_WEIGHT * forecast.cost)
+        for i in np.flatnonzero(due):
+            ahead = self._planned[i, step[i] : step[i] + self._horizon]
+            ahead[:] = tried[i, np.argmax(score[i]), : len(ahead)]

@@ -1,1 +1,0 @@
-"""The differentiable twin's agreement with the filter, and a search of maneuvers by its gradient."""
