@@ -52,6 +52,7 @@ site: ## one page to send a link to, which opens from disk: runs/site/tour.html
 tables: ## play the studies whose tables the documentation shows, and renew these: docs/tables
 	@.ci/setup train eval
 	for study in $(STUDIES); do $(BIN)/python -m eval study $$study && cp runs/study/$$study/study.md docs/tables/$$study.md || exit 1; done
+	$(BIN)/python -m research.honesty all > runs/honesty.md && cp runs/honesty.md docs/tables/honesty.md
 
 check: lint ## lint, types and the quick tests, which share one compiled filter: a minute and a half
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 $(QUICK)

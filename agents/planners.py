@@ -7,7 +7,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Protocol
 
-from agents.gradient_planner import GradientPlanner
+from agents.clairvoyant import Clairvoyant
 from agents.planning import Planner
 from agents.sampling_planner import SamplingPlanner
 from jawenv.controls import Control
@@ -21,11 +21,9 @@ class MakesPlanner(Protocol):
 
 PLANNERS: Mapping[str, MakesPlanner] = MappingProxyType(
     {
-        f"{'clairvoyant_' * clairvoyant}{name}": partial(
-            kind, f"{'clairvoyant_' * clairvoyant}{name}", clairvoyant=clairvoyant
-        )
-        for clairvoyant in (False, True)
-        for name, kind in (("myopic", SamplingPlanner), ("gradient_planner", GradientPlanner))
+        "myopic": partial(SamplingPlanner, "myopic"),
+        "clairvoyant_myopic": partial(SamplingPlanner, "clairvoyant_myopic", clairvoyant=True),
+        "clairvoyant": partial(Clairvoyant, "clairvoyant"),
     }
 )
 """Name -> what makes it."""

@@ -21,7 +21,6 @@ from jawenv.playing.agents import BatchAgent
 from jawenv.playing.maneuvers.player import action_of
 from jawenv.playing.protocol import Action, Array, Mask, Observation, State
 
-REPLAN_S = 1.0
 CLAIRVOYANT = "No contestant: knows the true patient, a yardstick of what adapting can be worth. "
 """The description of a clairvoyant planner begins with it."""
 
@@ -37,6 +36,7 @@ class Planner(BatchAgent, ABC):
 
     Attributes:
         together: worlds that are best planned for at the same time.
+        replan_s: how long it follows a plan.
         decisions: plans made since ``reset``, over all worlds.
         seconds: time that they took in all.
 
@@ -45,6 +45,7 @@ class Planner(BatchAgent, ABC):
     """
 
     together: int
+    replan_s = 1.0
 
     def __init__(
         self, name: str, description: str, *, clairvoyant: bool = False, control: Control = DEFAULT_CONTROL
@@ -94,8 +95,7 @@ class Planner(BatchAgent, ABC):
         step = (filters["tick"] // configuration.ticks_per_step).astype(np.intp)
         running = (step < configuration.steps) & (violated == 0) & np.isfinite(filters["log_det"])
         since = step - self._planned_at
-        follow = max(1, round(REPLAN_S * self._hz))
-        due = running & ((self._planned_at < 0) | (since < 0) | (since >= follow) | (step == 0))
+        due = running & ((self._planned_at < 0) | (since < 0) | (since >= self.replan_s * self._hz - 0.5) | (step == 0))
         if due.any():
             began = time.perf_counter()
             self._search(step, due)

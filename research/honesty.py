@@ -1,13 +1,14 @@
 """How honest the filter is where ``eval calibrate`` does not look: one table in Markdown, chosen by its name.
 
     python -m research.honesty still --knowledge imaged --patients 64 --seed 20000
+    python -m research.honesty all > docs/tables/honesty.md
 
 still: a servo holds the jaw at 40 % of its opening for two minutes. corners: motors held at each of the 16 corners of
 their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is
 not told. groups: each group of what is known within sds alone, and what it costs. bias: the largest mean z of all
 parameters, six cohorts, three controls. alarm: what rings, of honest episodes and of those that are not. change: how
-much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo moves, beside the filter's own. A row
-is printed as soon as it is there.
+much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo moves, beside the filter's own. all:
+each of these under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is there.
 """
 
 import argparse
@@ -267,16 +268,34 @@ def _sds(name):
 
 
 TABLES = {table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change, jaws)}
+ALL = {
+    "bias": ("To which side estimates lie", 40),
+    "corners": ("Motors held at the corners of their range", 64),
+    "memory": ("A disturbance that lasts, told rightly and wrongly", 32),
+    "alarm": ("What rings, and what does not", 16),
+    "jaws": ("A jaw that the filter does not know", 16),
+}
+"""Table -> its title and patients of a row; those of ``docs/tables/honesty.md``."""
+
+
+def every(arguments):
+    """``ALL``, each with its command."""
+    print("# Where the error bars are right, and where the alarm rings\n")
+    for name, (title, patients) in ALL.items():
+        print(f"## {title}\n\n`python -m research.honesty {name} --patients {patients}`, seeds from 20000 on:\n")
+        arguments.patients = patients
+        TABLES[name](arguments)
+        print(flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measure how honest the filter is.")
-    parser.add_argument("table", choices=TABLES)
+    parser.add_argument("table", choices=("all", *TABLES))
     parser.add_argument("--knowledge", default="exact")
     parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
     arguments = parser.parse_args()
-    TABLES[arguments.table](arguments)
+    (TABLES | {"all": every})[arguments.table](arguments)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,81 @@
+"""A yardstick of what adapting can be worth: a maneuver for each patient, searched with the true patient at hand.
+
+Adam (Kingma & Ba 2015, arXiv:1412.6980) moves the targets of the whole episode along the gradient of the differentiable
+twin (``agents.twin``), for the largest sd at the end less discomfort. All worlds are searched together: one takes as
+long as fifty.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from agents.planning import Planner
+from jawenv.controls import DEFAULT_CONTROL, Control
+from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.playing.maneuvers import Maneuver
+from jawenv.playing.protocol import Array, Mask
+
+BEGINNING = "refined_one_sided"
+"""The maneuver from which the search goes."""
+KNOT_S = 0.4
+SCALE = np.array([0.25, 0.4, 0.1, 0.4])
+"""Of the channels' steps."""
+LEARNING_RATE = 0.03  # of Adam, in parts of ``SCALE``
+PRICE = 8.0  # nats that a second of the twin's discomfort is worth
+
+
+class Clairvoyant(Planner):
+    """It goes down the twin's gradient for the true patient, before the episode.
+
+    Args:
+        name: its name.
+        updates: steps of Adam.
+        control: control mode of the environment.
+
+    Raises:
+        InputError: another control mode than targets.
+    """
+
+    together = 50
+    replan_s = math.inf
+
+    def __init__(self, name: str = "clairvoyant", *, updates: int = 60, control: Control = DEFAULT_CONTROL) -> None:
+        self.updates = updates
+        text = "Searches the whole episode by the gradient of the differentiable twin."
+        super().__init__(name, text, clairvoyant=True, control=control)
+
+    def _begin(self, simulation: Any) -> None:
+        from agents.twin.constants import Twin
+
+        self._twin = Twin(simulation)
+        times = np.arange(1, self._planned.shape[1] + 1) / self._hz
+        knots = np.arange(0.0, times[-1] + KNOT_S, KNOT_S)
+        between = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
+        self._knots = len(knots)
+        self._moves: Array = between[..., None] * SCALE
+        self._base: Array = Maneuver.named(BEGINNING).targets(times).value
+
+    def _search(self, step: Array, due: Mask) -> None:
+        import torch
+
+        from agents.twin.constants import Patients
+        from agents.twin.objective import log_worst
+        from agents.twin.worlds import Worlds
+
+        chosen = np.flatnonzero(due)
+        patients = Patients.of_worlds(self._simulation.worlds[chosen])
+        base, moves = torch.tensor(self._base), torch.tensor(self._moves)
+        x = base.new_zeros(len(chosen), self._knots, N_CHANNELS, requires_grad=True)
+        optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
+        for _ in range(self.updates):
+            worlds, discomfort = Worlds(self._twin, patients), x.new_zeros(len(chosen))
+            for target in (base + torch.einsum("tkc,nkc->ntc", moves, x)).unbind(1):
+                discomfort = discomfort + worlds.step(target)
+            optimiser.zero_grad()
+            (log_worst(worlds) + PRICE * discomfort).sum().backward()  # type: ignore[no-untyped-call]
+            optimiser.step()
+        found = base + torch.einsum("tkc,nkc->ntc", moves, x.detach())
+        self._planned[chosen] = np.clip(found.numpy(), np.array(LOWEST), HIGHEST)
