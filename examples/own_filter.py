@@ -8,7 +8,6 @@ percent), NEES/2 (about 1 on average if the sds are true) and the reward; then t
 
 import argparse
 import sys
-from dataclasses import dataclass
 
 import gymnasium as gym
 import numpy as np
@@ -62,42 +61,32 @@ class HingeFilter:
         return self.mean[2:4], self.cov[2:4, 2:4]
 
 
-@dataclass
-class Played:
-    """What is left of an episode of n patients."""
-
-    sd: np.ndarray
-    nees: np.ndarray
-    reward: np.ndarray
-
-
-def play(patients: int, seconds: int, seed: int, estimator: object = None) -> Played:
-    """Open and close the jaws of ``patients``, with the estimator in the environment."""
+def play(patients: int, seconds: int, seed: int, estimator: object = None) -> tuple[np.ndarray, ...]:
+    """Sds (%), NEES/2 and rewards of ``patients`` whose jaws open and close, with the estimator in the environment."""
     env = gym.make_vec("jawenv/JawHinge-v3", num_envs=patients, control="force", estimator=estimator)
     env.reset(seed=seed)
     total = np.zeros(patients)
     for time in np.arange(1, 20 * seconds + 1) / 20:
-        opened = 0.5 * np.sin(0.5 * np.pi * time) ** 2 * np.array([1.0, 1.0, 0.0, 0.0], np.float32)
+        opened = 0.5 * np.sin(0.5 * np.pi * time) ** 2 * np.array([1.0, 1.0, 0.0, 0.0])
         _, reward, _, _, info = env.step(np.tile(opened.astype(np.float32), (patients, 1)))
         total += reward
-    return Played(100.0 * info["belief_sd"], info["nees"] / 2.0, total)
+    return 100.0 * info["belief_sd"], info["nees"] / 2.0, total
 
 
 def main() -> None:
     """Read the command line, play and print."""
     parser = argparse.ArgumentParser(description="Play with a filter of one's own.")
-    parser.add_argument("--patients", type=int, default=4)
-    parser.add_argument("--seconds", type=int, default=4)
-    parser.add_argument("--seed", type=int, default=0)
+    for name, default in (("patients", 4), ("seconds", 4), ("seed", 0)):
+        parser.add_argument(f"--{name}", type=int, default=default)
     given = parser.parse_args()
     for name in ("patients", "seconds"):
         if getattr(given, name) < 1:
             raise jawenv.InputError(f"{name} is {getattr(given, name)}; allowed: 1 or more")
     for title, estimator in (("own", HingeFilter()), ("environment's", None)):
-        played = play(given.patients, given.seconds, given.seed, estimator)
-        for sd, nees, reward in zip(played.sd, played.nees, played.reward, strict=True):
+        rows = list(zip(*play(given.patients, given.seconds, given.seed, estimator), strict=True))
+        for sd, nees, reward in rows:
             print(f"{title:13}  F_o ± {sd[0]:5.2f} %  b ± {sd[1]:5.2f} %  NEES/2 {nees:6.2f}  {reward:5.2f} nats")
-        print(f"{title:13}  mean NEES/2 {np.mean(played.nees):.2f}\n", flush=True)
+        print(f"{title:13}  mean NEES/2 {np.mean([nees for _, nees, _ in rows]):.2f}\n", flush=True)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from eval.kept.settings import Settings
 from eval.patient.treatments import Course
 from jawenv import InputError
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set
-from jawenv.anatomy.cohorts import Stiffness
+from jawenv.anatomy.stiffness import Stiffness
 from jawenv.laboratory.analysis.identifiability import collinearity, collinearity_of_size, in_words
 from jawenv.laboratory.analysis.observability import observability
 from jawenv.laboratory.record_filter import TensionFilter

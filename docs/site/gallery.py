@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
 
 from purposes import purpose  # noqa: E402
+from table_page import first_table  # noqa: E402
 
 from eval.report import drawing  # noqa: E402
 from eval.report.template import picture  # noqa: E402
@@ -178,21 +179,11 @@ def _chart(maneuver: Maneuver) -> str:
 
 def _figures() -> dict[str, dict[str, str]]:
     """Maneuver -> heading of the table -> figure without its interval, in targets control and `Jaw-v3`."""
-    rows = [
-        line.strip("|\n").split("|") for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith("|")
-    ]
-    heads, _, *body = [[cell.strip() for cell in row] for row in rows[: _first_table(rows)]]
     found = {}
-    for row in body:
-        values = dict(zip(heads, row, strict=True))
-        if values["control"] == "targets" and "JawImaged" not in row:
-            found[values["entry"].replace(" ", "_")] = {key: re.split(r" \(", values[key])[0] for key in FIGURES}
+    for row in first_table(TABLE.read_text(encoding="utf-8")):
+        if row["control"] == "targets" and "JawImaged" not in row.values():
+            found[row["entry"].replace(" ", "_")] = {key: re.split(r" \(", row[key])[0] for key in FIGURES}
     return found
-
-
-def _first_table(rows: list[list[str]]) -> int:
-    """How many rows have as many cells as the first."""
-    return next((number for number, row in enumerate(rows) if len(row) != len(rows[0])), len(rows))
 
 
 if __name__ == "__main__":

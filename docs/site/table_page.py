@@ -24,6 +24,13 @@ def page(texts: Mapping[str, str]) -> str:
     return "\n\n".join(["# Tables", FIRST, contents, *bodies]) + "\n"
 
 
+def first_table(text: str) -> list[dict[str, str]]:
+    """The rows of a page's first table, each as heading -> cell."""
+    lines = re.search(r"(?:^\|.*\n)+", text, re.M)[0].splitlines()  # type: ignore[index]
+    heads, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return [dict(zip(heads, row, strict=True)) for row in rows]
+
+
 def anchor(name: str, heading: str) -> str:
     """Where a table stands on the page, or a section of it, whose own anchor is ``heading``."""
     return f"{name}-{heading}" if heading else name

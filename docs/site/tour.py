@@ -89,7 +89,14 @@ def drives_html(seconds: float) -> str:
                 jaw.show(scene)
                 bars.show(scene)
             recorded.insert_sleep(EVERY / setup.world.steps_per_s)
-        return str(recorded.as_html())
+        return _as_the_reader_prefers(str(recorded.as_html()))
+
+
+def _as_the_reader_prefers(html: str) -> str:
+    """Viser's page, dark where the browser's reader prefers dark pages."""
+    dark = "matchMedia('(prefers-color-scheme: dark)').matches"
+    assert "darkMode:false" in html, "viser writes its configuration otherwise"
+    return html.replace("darkMode:false", f"darkMode:{dark}", 1)
 
 
 def patient_html(seconds: float, folder: Path) -> str:
@@ -116,7 +123,8 @@ _TEMPLATE = """<!doctype html>
 :root {{ color-scheme: light dark; }}
 body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 75rem; margin: 0 auto; padding: 1rem;
   color: light-dark(#222a35, #e6e8ea); background: light-dark(#fff, #1b1d21); }}
-iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-radius: 8px; background: #fff; }}
+iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-radius: 8px;
+  background: light-dark(#fff, #141414); }}
 #titles {{ display: grid; grid-template-columns: repeat(3, 1fr); gap: .5rem; text-align: center; line-height: 1.25; }}
 #drives {{ aspect-ratio: 1.9; }}
 #patient {{ height: 72rem; }}

@@ -9,7 +9,7 @@ import pandas as pd
 from rich.console import Console
 from rich.text import Text
 
-from eval.calibration import nuisances
+from eval.calibration import nuisances, scores
 from eval.figures import statistics, words
 from eval.figures.statistics import UNKNOWN, Interval
 from eval.figures.tables import Table
@@ -84,7 +84,7 @@ def _figures(rows: pd.DataFrame) -> dict[str, object]:
     figures |= {"honest_low": low / size, "honest_high": high / size}
     figures |= {f"inside_{sigmas}": judged[f"inside_{sigmas}"].mean() if number else float("nan") for sigmas in SIGMAS}
     figures |= {key: int((rows["outcome"] == key).sum()) for key in (ENDED, DIVERGED)}
-    return figures | nuisances.summarised(judged) | {"parameters": size}
+    return figures | scores.summarised(judged, parameters) | nuisances.summarised(judged) | {"parameters": size}
 
 
 def _bias(judged: pd.DataFrame, parameters: list[str]) -> dict[str, object]:
@@ -130,13 +130,13 @@ def cells(row: pd.Series) -> list[str]:
 
 
 def tables(table: pd.DataFrame) -> list[Table]:
-    """The table of a summary, and a second one of nuisances where the filter has some.
+    """The table of a summary, one of its scores, and one of nuisances where the filter has some.
 
     Args:
         table: of `summarise`.
     """
     main = Table(COLUMNS, [cells(row) for _, row in table.iterrows()], (0, 1), NOTE)
-    return [main, nuisances.table_of(table)] if nuisances.groups_in(table) else [main]
+    return [main, scores.table_of(table), *([nuisances.table_of(table)] if nuisances.groups_in(table) else [])]
 
 
 def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> None:
@@ -145,7 +145,7 @@ def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> Non
     Args:
         table: the summary.
         console: where.
-        details: whether to print the nuisances too.
+        details: whether to print scores and nuisances too.
     """
     lost = {"ended early": ENDED, "diverged": DIVERGED}
     printed = [name for name in _PRINTED if name not in lost or table[lost[name]].any()]
@@ -153,6 +153,8 @@ def show(table: pd.DataFrame, console: Console, *, details: bool = False) -> Non
         Table(printed, _columns(rows, printed), title=words.label(str(entry))).show(console)
     Table(_BIAS, _columns(table, _BIAS), (0, 1, 3), title="Bias: the parameter with the largest mean z").show(console)
     console.print(Text(NOTE, style="dim"))
+    if details:
+        scores.table_of(table).show(console)
     if details and nuisances.groups_in(table):
         nuisances.table_of(table, intervals=False).show(console)
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
 BASELINES = (
+    "hold_still",
     "random",
     "slow_opening",
     "opening_with_swings_and_fore_aft",
@@ -25,6 +26,8 @@ BASELINES = (
     "ppo_one_sided",
     "ppo_force",
     "ppo_imaged",
+    "apg_trismus",
+    "apg_one_sided",
 )
 
 

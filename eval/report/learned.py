@@ -14,7 +14,7 @@ from eval.comparison.ranking import KNOWN, Ranking, RankingRow
 from eval.comparison.results import Results
 from eval.figures import statistics, words
 from eval.figures.statistics import Interval
-from eval.report import charts
+from eval.report import marks
 from eval.rows.outcomes import EARLY_S
 from jawenv.controls import takes_targets
 from jawenv.errors import InputError
@@ -122,13 +122,13 @@ def _changes(
     )
 
 
-def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, charts.Chart], list[str]]:
+def learning_charts(study: Results, ranking: Ranking) -> tuple[dict[str, marks.Chart], list[str]]:
     """A chart of each of ``agents.evaluations.CURVES`` over steps, and notes on unreadable runs."""
     trained = [entry for entry in study.about.get("entries", []) if entry.get("trained")]
     if not trained:
         return {}, []
     tables, notes = _tables({entry["label"]: entry["spec"] for entry in trained}, ranking)
-    looks = charts.entries(ranking)
+    looks = marks.entries(ranking)
     drawn = {}
     for column, label, factor in CURVES if tables else ():
         traces = []

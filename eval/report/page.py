@@ -19,7 +19,7 @@ from eval.comparison.results import Results
 from eval.comparison.trainings import adaptations
 from eval.figures import words
 from eval.figures.statistics import RESAMPLES
-from eval.report import charts, films, first, template
+from eval.report import charts, films, first, marks, template
 from eval.report.learned import learned, learning_charts
 from eval.rows.outcomes import EARLY_S
 from jawenv.anatomy.muscles import SIDES
@@ -54,7 +54,7 @@ def render(study: Results, ranking: Ranking) -> str:
     filmed = films.filmed(study, ranking, [row for lesson in learnt for row in (lesson.base, lesson.entry)])
     titles = [words.parameter(name) for name in ranking.parameters]
     data: dict[str, Any] = {
-        "entries": charts.entries(ranking),
+        "entries": marks.entries(ranking),
         "charts": charts.all_charts(study, ranking) | learning,
         "parameters": [{"key": key, "title": title} for key, title in zip(ranking.parameters, titles, strict=True)],
         "curves": charts.curves(study, ranking),
@@ -118,7 +118,7 @@ def _played(study: Results) -> str:
     return f"the {'first ' if seed == first_seed else ''}patient (seed {seed})"
 
 
-def _entries_in(traced: dict[str, charts.Chart], entries: list[dict[str, Any]]) -> list[str]:
+def _entries_in(traced: dict[str, marks.Chart], entries: list[dict[str, Any]]) -> list[str]:
     """Place and name of the entries that have a line in a chart."""
     numbers = dict.fromkeys(trace["meta"] for chart in traced.values() for trace in chart["data"])
     return [f"{entries[i]['place']} {entries[i]['name']}" for i in numbers]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scoringrules import es_ensemble
 
 from eval.kept.cells import Rows
 from eval.kept.entries import Entry
@@ -23,6 +24,7 @@ Array = NDArray[np.float64]
 
 JUDGED, ENDED, DIVERGED = "judged", "ended", "diverged"
 SIGMAS = (1, 2, 3)
+DRAWS = 2000  # of a belief, for its energy score: by chance off by 1 % of the sds
 LATE = 1e-6  # s; by how much a kept time may miss the wanted one
 
 
@@ -85,7 +87,7 @@ def rows_of(recording: Recording, name: str, times: Sequence[float], seed: int) 
 
 def columns_of(parameters: Sequence[str]) -> list[str]:
     """Names of the columns for these parameters."""
-    figures = ["nees", "claimed", "true", *(f"inside_{sigmas}" for sigmas in SIGMAS)]
+    figures = ["nees", "energy", "claimed", "true", *(f"inside_{sigmas}" for sigmas in SIGMAS)]
     own = [f"{kind}/{name}" for kind in ("error", "sd", "bound_sd") for name in parameters]
     return ["time_s", "seed", "outcome", *figures, *own]
 
@@ -116,6 +118,7 @@ def _judge(recording: Recording, world: int, estimate: Estimate, time: float) ->
     figures: dict[str, object] = {
         "outcome": JUDGED,
         "nees": float(nees(error, cov)),
+        "energy": _energy_score(error, cov),
         "claimed": float(claimed),
         "true": float(true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd)),
     }
@@ -123,6 +126,12 @@ def _judge(recording: Recording, world: int, estimate: Estimate, time: float) ->
     for kind, values in (("error", error), ("sd", sd), ("bound_sd", recording.bound_sd[world, step])):
         figures |= {f"{kind}/{name}": float(values[i]) for i, name in enumerate(recording.parameter_names)}
     return figures
+
+
+def _energy_score(error: Array, cov: Array) -> float:
+    """Of a normal belief: mean distance of its draws from the truth less half of that between two of them."""
+    draws = np.random.default_rng(0).multivariate_normal(error, cov, DRAWS, method="cholesky")
+    return float(es_ensemble(np.zeros(len(error)), draws, estimator="akr", backend="numpy"))
 
 
 def index_of(times: Array, time: float) -> int:

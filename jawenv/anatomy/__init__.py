@@ -1,7 +1,7 @@
 """Who the patient is: attachments, muscles, mandible, fossa, patients, priors and cohorts."""
 
 from jawenv.anatomy.attachments import Attachment, AttachmentRow, attachment, attachment_rows
-from jawenv.anatomy.cohorts import COHORTS, Cohort, Stiffness, cohort
+from jawenv.anatomy.cohorts import COHORTS, Cohort, cohort
 from jawenv.anatomy.description import Anatomy, anatomy_of
 from jawenv.anatomy.fossa import Fossa, default_fossa
 from jawenv.anatomy.mandible import Mandible, default_mandible
@@ -20,6 +20,7 @@ from jawenv.anatomy.muscles import (
 from jawenv.anatomy.patient import Patient
 from jawenv.anatomy.prior import Prior
 from jawenv.anatomy.quantities import Quantity, load_quantities
+from jawenv.anatomy.stiffness import Stiffness
 
 __all__ = [
     "COHORTS",

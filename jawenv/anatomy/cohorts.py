@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, cast
@@ -27,11 +27,12 @@ from jawenv.anatomy.cohort_fields import CohortFields
 from jawenv.anatomy.muscles import MuscleSet, muscle_set
 from jawenv.anatomy.patient import LARGEST_B, LARGEST_F_O_N, Patient
 from jawenv.anatomy.prior import Prior
-from jawenv.checks import real_number, whole_number
+from jawenv.anatomy.stiffness import Stiffness
+from jawenv.checks import whole_number
 from jawenv.errors import InputError, not_among, shown
 from jawenv.files import FILE_TYPES, Source, instance_of, read_into, validate
 
-__all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "Stiffness", "cohort"]
+__all__ = ["COHORTS", "TRUNCATION_SD", "Cohort", "cohort"]
 
 TRUNCATION_SD = 2.0
 """No parameter is drawn further than this many sd from its median."""
@@ -48,60 +49,6 @@ TRUNCATED_VARIANCE = 1.0 - 2.0 * TRUNCATION_SD * math.exp(-0.5 * TRUNCATION_SD**
     math.sqrt(2.0 * math.pi) * (1.0 - 2.0 * _TAIL)
 )
 """Variance that truncation at so many sd leaves of 1."""
-
-
-@dataclass(frozen=True)
-class Stiffness:
-    """Log-normal distribution of the two numbers of a muscle.
-
-    Attributes:
-        F_o_N: median force at the closed-jaw length, N.
-        F_o_sd: sd of its natural log.
-        b: median stiffness exponent.
-        b_sd: sd of its natural log.
-
-    Raises:
-        InputError: a number that is not finite and positive.
-    """
-
-    F_o_N: float
-    F_o_sd: float
-    b: float
-    b_sd: float
-
-    def __post_init__(self) -> None:
-        """Check that the logarithms exist."""
-        for name in (entry.name for entry in fields(self)):
-            value = getattr(self, name)
-            number = real_number(value)
-            if number is None or number <= 0:
-                raise InputError(f"{name} is {shown(value)}; allowed: finite numbers above 0")
-            object.__setattr__(self, name, number)
-
-    def log_mean(self) -> tuple[float, float]:
-        """Means of log F_o and log b."""
-        return math.log(self.F_o_N), math.log(self.b)
-
-    def log_sd(self) -> tuple[float, float]:
-        """Their standard deviations, before truncation."""
-        return self.F_o_sd, self.b_sd
-
-    def together(self, other: Stiffness) -> Stiffness:
-        """A muscle of the sagittal plane, per whole muscle: mean force, mean logarithms of the rest."""
-        return Stiffness(
-            0.5 * (self.F_o_N + other.F_o_N),
-            0.5 * (self.F_o_sd + other.F_o_sd),
-            math.sqrt(self.b * other.b),
-            0.5 * (self.b_sd + other.b_sd),
-        )
-
-    def times(self, factor: float) -> Stiffness:
-        """The same with a force larger by a factor."""
-        return Stiffness(factor * self.F_o_N, self.F_o_sd, self.b, self.b_sd)
-
-    def widened(self, factor: float) -> Stiffness:
-        """The same medians with sds larger by a factor."""
-        return Stiffness(self.F_o_N, factor * self.F_o_sd, self.b, factor * self.b_sd)
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,12 +114,10 @@ class Page:
 
     def _drives(self) -> bool:
         """Whether time passes."""
-        if self._waiting and not self._paused and (self._keys.used or self._shown_maneuver()):
+        shows_itself = self.session.driver != BY_HAND and self._view.watched
+        if self._waiting and not self._paused and (self._keys.used or shows_itself):
             self._start()
         return not (self._paused or self._waiting or self.session.ended)
-
-    def _shown_maneuver(self) -> bool:
-        return self.session.driver != BY_HAND and self._view.watched
 
     def _start(self) -> None:
         if self._waiting:
@@ -156,13 +154,11 @@ class Page:
 
     def _end(self) -> None:
         """Save what was driven, and say what the rivals reach on this patient."""
-        saved: list[str] = []
         try:
-            saved = self._saved()
+            saved, remark = self._saved(), _AGAIN
         except InputError as error:
-            self._say(str(error))
-        else:
-            self._say(_AGAIN)
+            saved, remark = list[str](), str(error)
+        self._say(remark)
         if not self._rivals:
             self._rivals = outcomes_of_rivals(self.session.setup, self.session.agents)
         self._score.content = panels.score_html([self._shown.outcome, *self._rivals], saved)

@@ -182,6 +182,17 @@ def test_train_with_torchrl() -> None:
     assert rounds == ["round 1", "round 2"]
 
 
+def test_sbi_posterior() -> None:
+    """Those who cannot be treated are NaN, and left out by training and diagnostics."""
+    pytest.importorskip("sbi")
+    done = run("-W", "ignore", "examples/sbi_posterior.py", "--simulations", "110", "--tests", "120", "--epochs", "2")
+    assert done.returncode == 0, done.stderr
+    assert "13 NaN simulations" in done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0] == "110 of 120 patients can be treated"
+    assert [line.split(":")[0] for line in lines[2:]] == ["coverage of 50%", "coverage of 80%", "coverage of 95%"]
+
+
 @pytest.mark.parametrize("algorithm", ["ppo", "apg"])
 def test_train_in_one_file(algorithm: str) -> None:
     done = run("examples/train_in_one_file.py", algorithm, "--updates", "1", "--worlds", "4")
@@ -190,6 +201,6 @@ def test_train_in_one_file(algorithm: str) -> None:
     assert np.isfinite(after) and before != after
 
 
-@pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py"])
+@pytest.mark.parametrize("script", ["train_with_sb3.py", "train_with_torchrl.py", "sbi_posterior.py"])
 def test_training_examples_are_short(script: str) -> None:
     assert len((ROOT / "examples" / script).read_text(encoding="utf-8").splitlines()) < 80

@@ -86,11 +86,7 @@ def run(found: list[Block]) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("page", pages_with("python"), ids=lambda page: str(page.relative_to(ROOT)))
-def test_python_examples_run(page: Path, short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import stable_baselines3
-
-    learn = stable_baselines3.SAC.learn
-    monkeypatch.setattr(stable_baselines3.SAC, "learn", lambda model, steps, **kwargs: learn(model, min(steps, 16)))
+def test_python_examples_run(page: Path, short: Path) -> None:
     if page.name == "recordings.md":  # a bench's file, of which the page speaks after it has made one of its own
         first, *rest = blocks(page, "python")
         names = run([first])

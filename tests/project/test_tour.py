@@ -16,10 +16,11 @@ def test_the_tour_opens_from_disk_and_asks_for_nothing_else(tmp_path, monkeypatc
     file = tmp_path / "tour.html"
     file.write_text(tour.tour(1.0, tmp_path / "kept"), encoding="utf-8")
     assert file.stat().st_size < 5e6
-    tab = new_page(viewport={"width": 480, "height": 800})
+    tab = new_page(viewport={"width": 480, "height": 800}, color_scheme="dark")
     tab.goto(file.as_uri())
     drives, patient = tab.main_frame.child_frames
     drives.wait_for_selector("canvas")
+    assert drives.evaluate("window.__VISER_EMBED_CONFIG__.darkMode") is True
     assert "Masseter" in patient.inner_text("body")
     assert [tab.inner_text(f"#titles b:nth-child({i})") for i in (1, 2, 3)] == list(tour.DRIVERS.values())
     assert tab.evaluate("document.documentElement.scrollWidth") <= 480

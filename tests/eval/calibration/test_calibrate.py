@@ -11,7 +11,7 @@ import pytest
 
 import jawenv
 from agents import load_agent
-from eval.calibration import cells, summary
+from eval.calibration import cells, scores, summary
 from eval.calibration import nuisances as tables
 from eval.commands.app import main
 from eval.rows import beliefs, nuisances
@@ -77,7 +77,7 @@ def test_the_figures_are_those_of_the_recordings(tmp_path, capsys, recording):
                 assert row[f"{key}_low"] <= row[key] <= row[f"{key}_high"]
     page = (tmp_path / "calibration.md").read_text().splitlines()
     lines = [line for line in page if line.startswith("|")]
-    assert len(lines) == 2 + 4 and len({line.count("|") for line in lines}) == 1
+    assert len(lines) == 2 * (2 + 4) and len({line.count("|") for line in lines}) == 2, "figures, and scores"
     made_with = json.loads(pq.read_schema(tmp_path / "calibration.parquet").metadata[b"jawenv.eval"])
     assert made_with["settings"]["seed"] == 4 and made_with["times"] == [0.5, 1.0]
 
@@ -154,6 +154,20 @@ def test_a_bias_of_a_known_size_is_found_and_named():
     assert shifted["largest_mean_z_low"] <= -0.5 <= shifted["largest_mean_z_high"] < 0.0
     cell = summary.cells(shifted)[summary.COLUMNS.index("largest mean z")]
     assert cell.startswith("−0.") and cell.endswith("), b of temporalis right")
+
+
+def test_scores_tell_calibrated_beliefs_from_sds_that_are_half_as_large():
+    exact, halved = (
+        summary.summarise(beliefs.rows_of(each, "tension", (10.0,), 0).assign(entry="some", filter="some")).iloc[0]
+        for each in (linear_gaussian(patients=400), linear_gaussian(patients=400, shrink=0.25))
+    )
+    sd = linear_gaussian(patients=400).belief_sd[:, 20]
+    assert exact["crps"] == pytest.approx(sd.mean() / np.sqrt(np.pi), rel=0.03), "of a normal distribution"
+    assert exact["pit_deviation"] < exact["pit_limit"] < halved["pit_deviation"]
+    for level in scores.NOMINAL:
+        assert exact[f"covered_{100 * level:g}"] == pytest.approx(level, abs=3 * np.sqrt(level * (1 - level) / 400))
+        assert halved[f"covered_{100 * level:g}"] < level - 0.3
+    assert halved["crps"] > exact["crps"] and halved["energy"] > exact["energy"]
 
 
 def test_a_filter_without_a_belief_has_diverged(recording, monkeypatch):

@@ -8,7 +8,7 @@ from rich.console import Console
 from eval.comparison.admission import AdmissionLimits
 from eval.comparison.ranking import rank
 from eval.report import first, table
-from eval.report.charts import entries
+from eval.report.marks import entries
 from tests.eval.studies import BOASTFUL, GOOD, IDLE, many_entries, study
 
 

@@ -1,0 +1,111 @@
+"""The leaderboard: the benchmark's baselines and submissions, each task's score as points."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from purposes import purpose
+from table_page import FOLDER, first_table
+
+from agents.planners import PLANNERS
+from eval.benchmark.check import CANNOT_KNOW
+from eval.benchmark.tasks import TASKS, VERSION
+from eval.figures import words
+from eval.figures.tables import Table
+from jawenv.playing.excitation import BASELINES
+from jawenv.playing.maneuvers import maneuver_names
+from jawenv.playing.maneuvers.maneuver import FOLDER as MANEUVERS
+from jawenv.playing.policies.card import policy_names
+
+TABLE = FOLDER / "benchmark.md"
+SUBMISSIONS = Path(__file__).parents[1] / "submissions"
+STILL, CLAIRVOYANT = "hold_still", "clairvoyant_"
+TITLE = re.compile(r"^# Benchmark (\S+)$", re.M)
+GROUPS = ("Learned", "Planned", "Searched", "Made by hand", "Random actions", "From elsewhere")
+Scores = dict[str, dict[str, float]]
+"""Agent -> task -> s; tasks that it does not play are left out."""
+HOW = f"""## How to submit
+
+1. In a clone without changes, play all patients: `python -m eval benchmark AGENT --output docs/submissions/NAME`.
+2. Delete `parts/` in that folder, and open a pull request with the rest ([what it holds](benchmark.md#submission)).
+3. A maintainer plays it again: `python -m eval benchmark --check docs/submissions/NAME`.
+4. When the request is merged, this page has its points.
+
+Tasks are those of `{VERSION}`; submissions of another version are left out.
+
+## What a check proves
+
+A check proves that the submitted agent gets these scores on these patients with this code. It cannot know:
+"""
+
+
+def page() -> str:
+    """The page as Markdown."""
+    version, baselines = _read(TABLE)
+    scores = dict(baselines)
+    for path in sorted(SUBMISSIONS.glob("*/benchmark.md")):
+        submitted, more = _read(path)
+        scores |= {f"{name} ({path.parent.name})": times for name, times in more.items() if submitted == version}
+    banner = f"**Older patients.** These are scores of `{version}`; tasks are now `{VERSION}`.\n\n"
+    limits = "\n".join(f"- {line};" for line in CANNOT_KNOW).removesuffix(";") + "."
+    return (
+        "# Leaderboard\n\nSee here which agent finds the truth soonest, and submit your own. "
+        "Tasks: [benchmark](benchmark.md). Scores in seconds with intervals: [table](tables.md#benchmark).\n\n"
+        f"{banner if version != VERSION else ''}{_table(scores, baselines).markdown()}\n\n{HOW}\n{limits}\n"
+    )
+
+
+def _read(path: Path) -> tuple[str, Scores]:
+    """Version and scores of a ``benchmark.md``."""
+    text = path.read_text(encoding="utf-8")
+    scores: Scores = {}
+    for row in first_table(text):
+        name = row.pop("agent").replace(" ", "_")
+        scores[name] = {task: float(cell.split(" ")[0]) for task, cell in row.items() if cell != words.NOTHING}
+    return TITLE.findall(text)[0], scores
+
+
+def _table(scores: Scores, baselines: Scores) -> Table:
+    """Points of every agent, best of its group first, below the seconds that they are reckoned from."""
+    tasks = list(dict.fromkeys(task for times in baselines.values() for task in times))
+    ends = {task: _ends(task, baselines) for task in tasks}
+    points = {
+        name: {task: 100.0 * (ends[task][0] - time) / (ends[task][0] - ends[task][1]) for task, time in times.items()}
+        for name, times in scores.items()
+        if name != STILL
+    }
+    common = [task for task in tasks if all(task in row for row in points.values())]
+    mean = {name: sum(row[task] for task in common) / max(len(common), 1) for name, row in points.items()}
+    table = [
+        [f"*{text}*", "", *(f"{ends[task][number]:.2f} s{ends[task][2] if number else ''}" for task in tasks), ""]
+        for number, text in enumerate(("0 points", "100 points"))
+    ]
+    for name in sorted(points, key=lambda name: (GROUPS.index(_group(name)), -mean[name])):
+        cells = [words.number(points[name].get(task, float("nan")), 0) for task in tasks]
+        table.append([words.label(name), _group(name), *cells, words.number(mean[name], 0)])
+    note = (
+        "0 points: holding still, or an episode's length where that was not played. 100 points: the planner that knows "
+        "the truth, or the best baseline where that was not played. "
+        f"Mean: of the tasks that all play ({', '.join(common)})."
+    )
+    return Table(["agent", "group", *tasks, "mean"], table, (0, 1), note)
+
+
+def _ends(task: str, scores: Scores) -> tuple[float, float, str]:
+    """Seconds of 0 and of 100 points in a task, and whose the latter are."""
+    zero = scores.get(STILL, {}).get(task, TASKS[task].episode_s)
+    times = {name: row[task] for name, row in scores.items() if task in row}
+    among = {name: time for name, time in times.items() if name.startswith(CLAIRVOYANT)} or times
+    best = min(among, key=among.__getitem__)
+    return zero, among[best], f", {words.label(best)}"
+
+
+def _group(name: str) -> str:
+    if name in policy_names():
+        return "Learned"
+    if name in PLANNERS:
+        return "Planned"
+    if name in maneuver_names():
+        return "Searched" if purpose(MANEUVERS / f"{name}.yaml") else "Made by hand"
+    return "Random actions" if name in BASELINES else "From elsewhere"
