@@ -197,7 +197,7 @@ class Planner(BatchAgent):
 
     def _least_known(self, due: Mask) -> NDArray[np.intp]:
         """Indices of the worlds with a say in the common plan."""
-        level = np.where(due, potential(self.plan.goal, self._env.simulation.worlds), np.inf)
+        level = np.where(due, potential(self.plan.goal, self._env.simulation), np.inf)
         return np.argsort(level, kind="stable")[: max(1, round(self.plan.common * int(due.sum())))]
 
     def _first(self, world: int, step: int, stream: np.random.Generator) -> Array:
