@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
 BASELINES = (
     "random",
+    "hold_still",
     "slow_opening",
     "opening_with_swings_and_fore_aft",
     "designed",
     "refined",
     "refined_imaged",
+    "refined_one_sided",
     "ppo_trismus",
     "ppo_one_sided",
     "ppo_force",
