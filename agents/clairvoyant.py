@@ -67,11 +67,12 @@ class Clairvoyant(Planner):
 
         chosen = np.flatnonzero(due)
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
+        asked = torch.tensor(self._simulation.asked[chosen]).double()
         base, moves = torch.tensor(self._base), torch.tensor(self._moves)
         x = base.new_zeros(len(chosen), self._knots, N_CHANNELS, requires_grad=True)
         optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
         for _ in range(self.updates):
-            worlds, discomfort = Worlds(self._twin, patients), x.new_zeros(len(chosen))
+            worlds, discomfort = Worlds(self._twin, patients, asked=asked), x.new_zeros(len(chosen))
             for target in (base + torch.einsum("tkc,nkc->ntc", moves, x)).unbind(1):
                 discomfort = discomfort + worlds.step(target)
             optimiser.zero_grad()

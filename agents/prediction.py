@@ -51,7 +51,7 @@ class Prediction:
             chosen: (N,) the worlds to predict; rows of the others hold no meaning.
             keys: (N, 2) of the noise, the same for all candidates of a world, so that only their actions differ.
         """
-        before = potential(self._goal, self._real.worlds)
+        before = potential(self._goal, self._real)
         self._fork.begin(keys)
         truth, filters = self._fork.worlds["truth"], self._fork.worlds["known"]
         cost = np.zeros(len(self._fork.worlds))
@@ -59,6 +59,6 @@ class Prediction:
             flat = np.ascontiguousarray(actions[:, :, step].reshape(-1, actions.shape[3]), dtype=np.float64)
             self._fork.advance(flat, chosen)
             cost += truth["costs"].sum(axis=-1) / self._real.configuration.steps_per_s
-        after, shape = potential(self._goal, self._fork.worlds), (len(chosen), self._candidates)
+        after, shape = potential(self._goal, self._fork), (len(chosen), self._candidates)
         lost = (truth["violated"] != 0) | ~np.isfinite(filters["log_det"]) | ~np.isfinite(cost)
         return Forecast(after.reshape(shape) - before[:, None], cost.reshape(shape), lost.reshape(shape))

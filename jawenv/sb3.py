@@ -43,8 +43,8 @@ class NativeVecEnv(VecEnv):
     ``TimeLimit.truncated`` and ``episode``: return ``r``, length ``l``, seconds ``t`` since the adapter was
     made, the `EPISODE_FIGURES` of the last step, ``cost``, the sum of ``info["cost"]`` over the episode's
     steps (safety-gymnasium's episode cost), and ``discomfort_s``, what that is for 30 s. Where the environment tells
-    time and sds, there is the largest sd at the end (``worst_sd``) and `EARLY_S` after the start, or at the end of a
-    shorter episode (``worst_sd_10s``).
+    time and sds, there is the largest sd that is asked for at the end (``worst_sd``) and `EARLY_S` after the start, or
+    at the end of a shorter episode (``worst_sd_10s``).
 
     Attributes:
         discomfort_s: (N,) cost of the latest step times its length, s; 0 where the environment tells no cost or time.
@@ -118,9 +118,11 @@ class NativeVecEnv(VecEnv):
         if time_s is None:
             return
         cost, sd = _last(info, "cost", done), _last(info, "belief_sd", done)
+        asked = _last(info, "asked", done)
         if cost is not None:
             self.discomfort_s = cost * time_s / self._lengths
         if sd is not None:
+            sd = sd if asked is None else sd * np.repeat(asked, 2, axis=1)
             early = np.isnan(self._early_sd) & ((time_s >= EARLY_S - 1e-9) | done)
             self._early_sd[early] = sd[early].max(axis=1)
 
@@ -150,7 +152,8 @@ class NativeVecEnv(VecEnv):
                 episode["cost"] = float(self._costs[i])
                 episode["discomfort_s"] = DISCOMFORT_PER_S * float(self._costs[i] / self._lengths[i])
             if "time" in final_info and "belief_sd" in final_info:
-                episode["worst_sd"] = float(np.max(final_info["belief_sd"][i]))
+                asked = np.repeat(final_info["asked"][i], 2) if "asked" in final_info else True
+                episode["worst_sd"] = float(np.max(final_info["belief_sd"][i] * asked))
                 episode["worst_sd_10s"] = float(self._early_sd[i])
             infos[i] = {
                 "terminal_observation": np.asarray(info["final_obs"][i]),

@@ -109,8 +109,8 @@ def test_a_command_says_so() -> None:
 @pytest.mark.parametrize("options", [1, "patient", ["patient"], np.ones(2)])
 def test_options_that_are_no_mapping(options: object) -> None:
     for env, names in (
-        (gym.make("jawenv/JawHinge-v3"), "patient, episode_key"),
-        (gym.make_vec("jawenv/JawHinge-v3", num_envs=2), "patients, reset_mask, episode_keys"),
+        (gym.make("jawenv/JawHinge-v3"), "patient, episode_key, asked"),
+        (gym.make_vec("jawenv/JawHinge-v3", num_envs=2), "patients, reset_mask, episode_keys, asked"),
     ):
         with pytest.raises(InputError) as caught:
             env.reset(options=options)

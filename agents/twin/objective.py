@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from torch import Tensor
 
 from agents.twin.worlds import Worlds
@@ -14,9 +12,10 @@ MARKS = ((0.36, 0.2), (0.64, 0.2), (1.0, 0.6))
 
 
 def log_worst(worlds: Worlds) -> Tensor:
-    """Smooth log (P,) of the largest sd of the parameters: that of their 10-norm."""
+    """Smooth log (P,) of the largest sd of the parameters that are asked for: that of their 10-norm."""
     variances = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12]
-    log: Tensor = variances.pow(POWER / 2.0).mean(-1).log() / POWER + math.log(12.0) / POWER
+    asked = worlds.asked.repeat_interleave(2, -1)
+    log: Tensor = (asked * variances.pow(POWER / 2.0)).sum(-1).log() / POWER
     return log
 
 

@@ -11,12 +11,13 @@ from agents.twin.worlds import Worlds
 from jawenv.envs.observation import FORCE_SCALE, MOMENT_SCALE, OBSERVATION_BOUND, POSE_SCALE, RANGE_SCALE, RATE_SCALE
 
 
-def observation(worlds: Worlds, time_left: float) -> Tensor:
-    """Rows (P, size) in the order of ``jawenv.envs.observation.OBSERVATION_LAYOUT``.
+def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor:
+    """Rows (P, size) in the order of ``jawenv.envs.observation.observation_layout``.
 
     Args:
         worlds: of the twin.
         time_left: share of the episode.
+        asked: whether muscles are asked for.
     """
     twin, p, q = worlds.twin, worlds.patients, worlds.pose.q
     sd = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
@@ -42,4 +43,5 @@ def observation(worlds: Worlds, time_left: float) -> Tensor:
         worlds.margin,
         q.new_full((len(q), 1), time_left),
     )
-    return torch.cat(parts, -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)
+    end = (worlds.asked, worlds.discomfort[:, None]) if asked else ()
+    return torch.cat([*parts, *end], -1).clamp(-OBSERVATION_BOUND, OBSERVATION_BOUND)

@@ -52,8 +52,11 @@ class Worlds:
         twin: constants.
         patients: P.
         generator: of the readings' noise; without one the belief goes to the truth as far as information reaches.
+        asked: (P, 6) the muscles that are asked for; all by default.
 
     Attributes:
+        asked: as given.
+        discomfort: (P,) since the start, s.
         pose: of the jaw.
         target: (P, 4) of the channels.
         size: (P, 4) what the guard multiplies them by.
@@ -63,8 +66,12 @@ class Worlds:
         mean: (P, 12) believed parameters, as of the last decision.
     """
 
-    def __init__(self, twin: Twin, patients: Patients, generator: torch.Generator | None = None) -> None:
+    def __init__(
+        self, twin: Twin, patients: Patients, generator: torch.Generator | None = None, asked: Tensor | None = None
+    ) -> None:
         self.twin, self.patients, self._generator = twin, patients, generator
+        self.asked = patients.theta.new_ones(len(patients), 6) if asked is None else asked
+        self.discomfort = patients.theta.new_zeros(len(patients))
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
         self.size, self.thrust = self.target + 1.0, self.target
         sd = torch.cat([twin.prior_sd, twin.prior_sd.new_tensor([twin.gain_sd])])
@@ -100,6 +107,7 @@ class Worlds:
             self.target = self.target + twin.dt * rate
         self._learn_from_shaking()
         self._believe()
+        self.discomfort = self.discomfort + discomfort
         return discomfort
 
     def _believe(self) -> None:

@@ -59,12 +59,18 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
     """
     load = partial(load_entry, spec, task.settings().world, trust=trust, load=load_apart)
     levels = {"task": task.id, "agent": agent or load().label}
-    return Cell(levels, load, task.seeds[:patients], Times(task.within, task.episode_s), PATIENTS_IN_A_PART)
+    return Cell(
+        levels,
+        load,
+        task.seeds[:patients],
+        Times(task.within, task.episode_s, task.comfort_limit_s),
+        PATIENTS_IN_A_PART,
+    )
 
 
 def _fitting(spec: str, tasks: Sequence[Task]) -> list[Task]:
     trained_in = world_of(spec)
-    fitting = [task for task in tasks if trained_in is None or fits(trained_in.env_id, task.settings().world.env_id)]
+    fitting = [task for task in tasks if trained_in is None or fits(trained_in, task.settings().world)]
     if trained_in is not None and not fitting:
         raise InputError(f"{spec} was trained in {trained_in.env_id}, where none of these tasks is played")
     return fitting

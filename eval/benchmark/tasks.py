@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
@@ -37,6 +38,8 @@ class Task:
         control: of agents that have no other.
         episode_s: length of every episode.
         patients: how many.
+        asked: the muscles that have to be found, as the environment's argument; None for all.
+        comfort_limit_s: discomfort of an episode above which the patient counts as not found.
     """
 
     id: str
@@ -50,6 +53,8 @@ class Task:
     control: str = "targets"
     episode_s: float = 30.0
     patients: int = 100
+    asked: str | None = None
+    comfort_limit_s: float = math.inf
 
     @property
     def seeds(self) -> range:
@@ -68,7 +73,7 @@ class Task:
             patients: the first ones only; all by default.
         """
         world = {"env": self.env, "cohort": self.cohort, "control": self.control, "episode_s": self.episode_s}
-        within = {"device": dict(self.device), "knowledge": self.known_within}
+        within = {"device": dict(self.device), "knowledge": self.known_within, "asked": self.asked}
         return Settings.of(patients or self.patients, self.first_seed, **world, **within)
 
     def frozen(self) -> dict[str, Any]:
@@ -142,6 +147,18 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 "exact",
                 56_000,
                 0.10,
+            ),
+            Task(
+                "jaw-asked",
+                "One muscle, drawn and told, in 10 s; above 0.03 s of discomfort a patient counts as not found",
+                "jawenv/Jaw-v3",
+                "patchy",
+                "exact",
+                57_000,
+                0.02,
+                episode_s=10.0,
+                asked="random",
+                comfort_limit_s=0.03,
             ),
         )
     }

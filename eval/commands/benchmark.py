@@ -18,10 +18,12 @@ TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
 BASELINES = (
     "hold_still",
     "random",
+    "hold_still",
     "slow_opening",
     "opening_with_swings_and_fore_aft",
     "refined",
     "refined_imaged",
+    "refined_one_sided",
     "ppo_trismus",
     "ppo_one_sided",
     "ppo_force",

@@ -119,9 +119,10 @@ def env_of_runs(specs: Iterable[str]) -> str:
     return next((own.env_id for own in trained_in if own is not None), DEFAULT_ENV)
 
 
-def fits(trained_in: str, env_id: str) -> bool:
-    """Whether a policy trained in the environment of one id can be played in another id's."""
-    return trained_in == env_id or {trained_in, env_id} <= _ALIKE
+def fits(trained_in: Configuration, world: Configuration) -> bool:
+    """Whether a policy trained in one world can be played in another: actions and observations mean the same."""
+    ids = {trained_in.env_id, world.env_id}
+    return (len(ids) == 1 or ids <= _ALIKE) and (trained_in.asked is None) == (world.asked is None)
 
 
 def load_entries(
@@ -174,9 +175,9 @@ def load_entry(
 
 def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[Configuration, list[str]]:
     """World of a trained run, and notes on its differences from the world asked for and from the training."""
-    if not fits(trained.env_id, asked.env_id):
+    if not fits(trained, asked):
         raise InputError(
-            f"{spec} was trained in {trained.env_id}, but this comparison is in {asked.env_id}: "
+            f"{spec} was trained in {_told(trained)}, but this comparison is in {_told(asked)}: "
             "entries of one comparison have one environment"
         )
     # Arguments implied by an id need no note: the id names them.
@@ -188,6 +189,10 @@ def _of_a_run(spec: str, trained: Configuration, asked: Configuration) -> tuple[
     notes += [f"trained with another {name}" for name in other if name not in (*_OWN_OF_A_RUN, *_NAMED_IN_NOTES)]
     notes += [] if trained.env_id == asked.env_id else [f"trained in {trained.env_id}"]
     return replace(asked, **own), notes
+
+
+def _told(world: Configuration) -> str:
+    return world.env_id if world.asked is None else f"{world.env_id} with asked"
 
 
 def _shown(world: Configuration, name: str) -> Any:

@@ -107,7 +107,7 @@ def _early(recording: Recording) -> dict[str, Array]:
     mean, cov = recording.belief_mean[:, early], recording.belief_cov[:, early]
     error, priors = mean - recording.truth, (recording.prior_mean, recording.prior_sd)
     information = true_information(recording.truth, mean, cov, *priors)
-    worst = worst_sd(recording.belief_sd[:, early])
+    worst = worst_sd(recording.of_asked(recording.belief_sd[:, early]))
     return dict(zip(EARLY_METRICS, (worst, information, nees(error, cov), rmse(error)), strict=True))
 
 

@@ -18,7 +18,7 @@ from jawenv.metrics import time_to
 from jawenv.playing.recording import Recording
 
 Array = npt.NDArray[np.float64]
-LEVELS = (0.20, 0.10, 0.05)
+LEVELS = (0.20, 0.10, 0.05, 0.02)
 """Relative errors with a column of times in every task."""
 _OF_THE_EPISODE = ("seed", "worst_sd", "rmse", "nees", "discomfort_s", "violated")
 _FOUND = tuple(f"within_{level:g}_s" for level in LEVELS)
@@ -42,7 +42,7 @@ def within_for_good(recording: Recording, within: float) -> Array:
     """
     if not within > 0.0:
         raise InputError(f"within is {within}; allowed: a share above 0")
-    relative = np.abs(np.expm1(recording.belief_mean - recording.truth[:, None]))
+    relative = recording.of_asked(np.abs(np.expm1(recording.belief_mean - recording.truth[:, None])))
     outside = relative.max(axis=-1) > within
     steps = outside.shape[1]
     first = steps - np.argmax(outside[:, ::-1], axis=1)  # the step after the last one outside
@@ -69,21 +69,28 @@ class Times(Rows):
     Attributes:
         within: largest relative error that the task allows.
         episode_s: length of its episodes.
+        comfort_limit_s: discomfort of an episode above which nothing counts as found.
     """
 
     columns = COLUMNS
     made_by = (outcomes,)
     within: float
     episode_s: float
+    comfort_limit_s: float = np.inf
 
     def play(self, entry: Entry, number: int, seed: int, progress: Callable[[int, int], None]) -> pd.DataFrame:
         """See `Rows`."""
         recording = entry.play(number, seed, progress, track_bound=False)
         rows = outcomes_of(recording, seed)
+        comfortable = rows["discomfort_s"].to_numpy() <= self.comfort_limit_s
+
+        def found(level: float) -> Array:
+            return np.where(comfortable, within_for_good(recording, level), np.inf)
+
         for level, column in zip(LEVELS, _FOUND, strict=True):
-            rows[column] = within_for_good(recording, level)
-        claimed = time_to(recording.belief_sd, recording.time, self.within, recording.valid)
+            rows[column] = found(level)
+        claimed = time_to(recording.of_asked(recording.belief_sd), recording.time, self.within, recording.valid)
         rows["claimed_s"] = restricted(claimed, self.episode_s)
         rows["completed"] = completed(recording)
-        rows["score_s"] = restricted(within_for_good(recording, self.within), self.episode_s)
+        rows["score_s"] = restricted(found(self.within), self.episode_s)
         return rows[list(COLUMNS)]

@@ -18,6 +18,7 @@ from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.device.force_sensor import ForceSensor
+from jawenv.envs.asked import checked_asked
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.registration import IMAGED
 from jawenv.envs.world.plants import TICK
@@ -77,6 +78,7 @@ class Configuration:
         None, "Control steps per second; the control mode's own by default.", "HZ", "number"
     )
     comfort_weight: float = _argument(0.0, "What a second of discomfort of 1 takes from the reward, nats.")
+    comfort_limit_s: float = _argument(0.0, "Discomfort of an episode, s, up to which `comfort_weight` takes nothing.")
     track_bound: bool = _argument(False, "Whether `info` has the bound as well.")
     info: Info = _argument("full", "Which keys `info` has: full for all, light for those of belief, cost and time.")
     record: bool = _argument(False, "Whether what the device measures is kept.")
@@ -109,6 +111,13 @@ class Configuration:
         None, "Mechanics of the true jaw that are the user's own, a class as my_module:MyJaw.", "MODULE:NAME", "value"
     )
 
+    asked: str | None = _argument(
+        None,
+        "Muscles that are asked for: one by its name, random for one drawn at reset, or a word of several, as left.",
+        "NAME",
+        "value",
+    )
+
     def __post_init__(self) -> None:
         """Check every field.
 
@@ -125,7 +134,8 @@ class Configuration:
         if self.control_hz is not None:
             hz = _checked_number("control_hz", self.control_hz)
         self._set("control_hz", hz)
-        self._set("comfort_weight", _checked_number("comfort_weight", self.comfort_weight, or_zero=True))
+        for name in ("comfort_weight", "comfort_limit_s"):
+            self._set(name, _checked_number(name, getattr(self, name), or_zero=True))
         model = model_named(self.model)
         names = (*model.estimators, NO_ESTIMATOR)
         if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
@@ -149,6 +159,7 @@ class Configuration:
         if self.anatomy is not None:
             self._set("anatomy", anatomy_of(self.anatomy))
         self._set("cohort", cohort(self.cohort, self.muscles))
+        self._set("asked", checked_asked(self.asked, self.muscles.names))
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))

@@ -71,6 +71,12 @@ class Fork:
         worlds: NDArray[np.void] = self._copies.worlds
         return worlds
 
+    @property
+    def asked(self) -> NDArray[np.bool_]:
+        """(N K, M), as ``Simulation.asked``."""
+        asked: NDArray[np.bool_] = self._copies.asked
+        return asked
+
     def begin(self, keys: NDArray[np.uint64]) -> None:
         """Put all copies where the worlds are now.
 
@@ -83,6 +89,7 @@ class Fork:
         worlds["truth"]["key"] = keys
         self._copies.worlds[:] = np.repeat(worlds, self._number)
         self._copies.models[:] = np.repeat(self._real.models, self._number)
+        self._copies.asked[:] = np.repeat(self._real.asked, self._number, axis=0)
 
     def advance(self, actions: NDArray[np.float64], chosen: NDArray[np.bool_]) -> None:
         """Play a control period with actions (N K, 4) in the copies of chosen worlds (N,)."""

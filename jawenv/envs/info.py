@@ -25,23 +25,31 @@ class WorldReader:
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
     claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
-    uint64: of the episode's patient and random numbers, with which ``reset`` begins it again).
+    uint64: of the episode's patient and random numbers, with which ``reset`` begins it again); ``asked`` (6, bool:
+    which muscles are asked for; only with the argument ``asked``).
 
     A light info has ``belief_mean``, ``belief_sd``, ``truth``, ``cost``, ``violation``, ``misfit``, ``time``,
-    ``episode_key`` and the bound's keys alone.
+    ``episode_key``, ``asked`` and the bound's keys alone.
 
     Args:
         worlds: (N,) records of dtype ``world_dtype``; the array must stay the simulation's own.
         keys: (N, 2) of the episodes; likewise.
         with_bound: whether the bound is computed.
         light: whether the info is light.
+        asked: (N, M) of the muscles, likewise; None where all are.
     """
 
     def __init__(
-        self, worlds: NDArray[np.void], keys: NDArray[np.uint64], with_bound: bool, light: bool = False
+        self,
+        worlds: NDArray[np.void],
+        keys: NDArray[np.uint64],
+        with_bound: bool,
+        light: bool = False,
+        asked: NDArray[np.bool_] | None = None,
     ) -> None:
         """Make the views."""
-        self._arguments = worlds, keys, with_bound, light
+        self._arguments = worlds, keys, with_bound, light, asked
+        self._asked = asked
         self._keys, self._bounded, self._light = keys, with_bound, light
         truth, known = worlds["truth"], worlds["known"]
         self._mean, self._covariance = known["belief"]["mean"], known["belief"]["cov"]
@@ -78,6 +86,8 @@ class WorldReader:
             "time": self._tick.item(0) * TICK,
             "episode_key": self._keys[0].copy(),
         }
+        if self._asked is not None:
+            info["asked"] = self._asked[0].copy()
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance[0])
             info["information_bound"] = 0.5 * (prior - self._log_det_bound.item(0))
@@ -109,6 +119,8 @@ class WorldReader:
             "time": self._tick * TICK,
             "episode_key": self._keys.copy(),
         }
+        if self._asked is not None:
+            info["asked"] = self._asked.copy()
         if self._bounded:
             info["bound_sd"] = np.sqrt(self._bound_variance)
             info["information_bound"] = 0.5 * (self._prior - self._log_det_bound)

@@ -15,7 +15,14 @@ from jawenv.device.device import N_MOTORS
 from jawenv.envs.actions import checked_action
 from jawenv.envs.configuration import configure, described
 from jawenv.envs.observation import OBSERVATION_BOUND
-from jawenv.envs.reset_options import checked_keys, checked_options, checked_patient, checked_seed, episode_keys
+from jawenv.envs.reset_options import (
+    checked_keys,
+    checked_options,
+    checked_patient,
+    checked_questions,
+    checked_seed,
+    episode_keys,
+)
 from jawenv.envs.rewards import potential
 from jawenv.envs.shown_world import build_scene, moment_of
 from jawenv.envs.simulation import Simulation
@@ -56,13 +63,15 @@ class JawEnv(gym.Env[Observation, Action]):
 
     ## Observation Space
     ``Box(-10, 10, (63,), float32)``: belief (mean, sd), filtered motion, excursions, load cell, motors, comfort
-    margins, time left; see ``jawenv.envs.observation.OBSERVATION_LAYOUT``. It never contains the truth.
+    margins, time left; see ``jawenv.envs.observation.OBSERVATION_LAYOUT``. It never contains the truth. With ``asked``
+    there are 7 more: the muscles asked for, and the discomfort of the episode so far.
 
     ## Rewards
     ``"uncertainty"``: nats of information that the filter claims to have gained in this step. ``"bound"``: the same for
     the posterior Cramer-Rao bound. ``"score"``: gain of the log posterior density at the truth. ``"worst"``: fall of
     the logarithm of nearly the largest sd, times the number of parameters. ``"mixed"``: mean of the first and this.
-    From each, ``comfort_weight`` times the integral of the cost over the step (s) is taken.
+    From each, ``comfort_weight`` times the integral of the cost over the step (s) is taken, as far as that of the
+    episode is above ``comfort_limit_s``. With ``asked``, ``"worst"`` is of the parameters of the muscles asked for.
 
     ## Starting State
     A patient drawn from ``cohort``, or ``options={"patient": ...}``: a ``jawenv.Patient``, a mapping of its fields or
@@ -146,21 +155,23 @@ class JawEnv(gym.Env[Observation, Action]):
         Args:
             seed: whole number, 0 or more, of a new ``np_random``; without one, the present ``np_random`` goes on.
             options: ``{"patient": ...}`` with a ``Patient``, a mapping of its fields or the path of a file;
-                ``{"episode_key": ...}`` to begin the episode again whose ``info`` has it.
+                ``{"episode_key": ...}`` to begin the episode again whose ``info`` has it; ``{"asked": ...}`` as the
+                argument, for this episode.
 
         Raises:
             InputError: the seed or an option is not allowed, or the patient is not usable.
         """
-        given = checked_options(options, ("patient", "episode_key"))
+        given = checked_options(options, ("patient", "episode_key", "asked"))
         patient = checked_patient(given.get("patient"), "option patient")
         again = checked_keys(given.get("episode_key"), (2,), "episode_key")
+        asked = checked_questions(given.get("asked"), 1, self.configuration)
         seed = checked_seed(seed)
         generator, number = (self.np_random, self.np_random_seed) if seed is None else np_random(seed)
         with episode_keys([generator], _ON) as keys:
-            self.simulation.reset(_ON, [patient], keys if again is None else again[None])
+            self.simulation.reset(_ON, [patient], keys if again is None else again[None], asked)
         self._np_random, self._np_random_seed = generator, number
         self._begun, self._end = True, None
-        self._potential = float(potential(self.configuration.reward, self.simulation.worlds)[0])
+        self._potential = float(potential(self.configuration.reward, self.simulation)[0])
         if self.render_mode is not None:
             self._renderer_made().reset()
             self._renderer.note(moment_of(self.simulation))
@@ -184,9 +195,10 @@ class JawEnv(gym.Env[Observation, Action]):
             return simulation.observation[0].copy(), 0.0, *self._end, simulation.reader.first()
         simulation.advance(checked, _ON)
         known = simulation.worlds[0]["known"]
-        now = float(potential(configuration.reward, simulation.worlds)[0])
+        now = float(potential(configuration.reward, simulation)[0])
         info = simulation.reader.first()
-        discomfort = configuration.comfort_weight * info["cost"] / configuration.steps_per_s
+        cost = float(simulation.cost_above_limit()[0])
+        discomfort = configuration.comfort_weight * cost / configuration.steps_per_s
         reward = now - self._potential - discomfort
         self._potential = now
         terminated = bool(info["violation"] or not np.isfinite(known["log_det"]))

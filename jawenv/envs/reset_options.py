@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from jawenv.anatomy import Patient
 from jawenv.checks import whole_number
+from jawenv.envs.asked import checked_asked
+from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
 from jawenv.files import instance_of
 
@@ -20,6 +22,7 @@ __all__ = [
     "checked_options",
     "checked_patient",
     "checked_patients",
+    "checked_questions",
     "checked_seed",
     "checked_seeds",
     "episode_keys",
@@ -97,6 +100,20 @@ def checked_patients(patients: object, number: int) -> list[Patient | None]:
     if len(patients) != number:
         raise InputError(f"option patients has {len(patients)} entries; allowed: {number}")
     return [checked_patient(patient, f"option patients[{i}]") for i, patient in enumerate(patients)]
+
+
+def checked_questions(asked: object, number: int, configuration: Configuration) -> list[str | None]:
+    """What each of N worlds asks for, given for all or one by one; None for the configuration's.
+
+    Raises:
+        InputError: a sequence of another length, no muscles of the model, or an environment that does not ask.
+    """
+    questions = list(asked) if isinstance(asked, Sequence) and not isinstance(asked, str) else [asked] * number
+    if len(questions) != number:
+        raise InputError(f"option asked has {len(questions)} entries; allowed: {number}")
+    if configuration.asked is None and any(question is not None for question in questions):
+        raise InputError(f"option asked is {shown(asked)}; allowed in an environment with the argument asked alone")
+    return [checked_asked(question, configuration.muscles.names, "option asked") for question in questions]
 
 
 def checked_mask(mask: object, number: int) -> NDArray[np.bool_]:

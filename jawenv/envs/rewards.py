@@ -5,7 +5,7 @@ No information is paid for twice: what a re-inflating covariance takes from the 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +13,29 @@ from numpy.typing import NDArray
 NORM = 6.0  # of the sds: near to the largest, and still smooth
 
 
-def potential(reward: str, worlds: NDArray[np.void]) -> NDArray[np.float64]:
+class Worlds(Protocol):
+    """N worlds, of a ``Simulation`` or a ``Fork``."""
+
+    @property
+    def worlds(self) -> NDArray[np.void]:
+        """(N,) records."""
+
+    @property
+    def asked(self) -> NDArray[np.bool_]:
+        """(N, M) the muscles that are asked for."""
+
+
+def potential(reward: str, simulation: Worlds) -> NDArray[np.float64]:
     """The potential (N,) of a reward, which pays its increments, in nats; 0 for a belief that is not a number.
 
     ``"uncertainty"``: half the fall of the log-determinant that the filter claims. ``"bound"``: the same for the
     posterior Cramer-Rao bound at the truth. ``"score"``: log posterior less log prior density at the truth.
     ``"worst"``: minus the number of parameters times the logarithm of the mean 6-norm of the sds, which is nearly the
-    largest sd's; it grows as ``"uncertainty"`` does where all sds, uncorrelated, fall alike. ``"mixed"``: the mean of
-    ``"uncertainty"`` and ``"worst"``.
+    largest sd's; it grows as ``"uncertainty"`` does where all sds, uncorrelated, fall alike. Parameters are those of
+    the muscles that are asked for. ``"mixed"``: the mean of ``"uncertainty"`` and ``"worst"``.
     """
     nats: Any
+    worlds = simulation.worlds
     if reward == "bound":
         nats = 0.5 * (worlds["known"]["log_det_prior"] - worlds["truth"]["log_det_bound"])
     elif reward == "score":
@@ -30,9 +43,9 @@ def potential(reward: str, worlds: NDArray[np.void]) -> NDArray[np.float64]:
     elif reward == "uncertainty":
         nats = claimed_information(worlds)
     elif reward == "worst":
-        nats = worst_sd_potential(worlds)
+        nats = worst_sd_potential(simulation)
     else:
-        nats = 0.5 * (claimed_information(worlds) + worst_sd_potential(worlds))
+        nats = 0.5 * (claimed_information(worlds) + worst_sd_potential(simulation))
     finite: NDArray[np.float64] = np.where(np.isfinite(nats), nats, 0.0)
     return finite
 
@@ -42,9 +55,11 @@ def claimed_information(worlds: NDArray[np.void]) -> Any:
     return 0.5 * (worlds["known"]["log_det_prior"] - worlds["known"]["log_det"])
 
 
-def worst_sd_potential(worlds: NDArray[np.void]) -> Any:
+def worst_sd_potential(simulation: Worlds) -> Any:
     """The potential (N,) of ``"worst"``, nats."""
-    variances = np.diagonal(worlds["known"]["belief"]["cov"], axis1=-2, axis2=-1)
+    variances = np.diagonal(simulation.worlds["known"]["belief"]["cov"], axis1=-2, axis2=-1)
+    asked = np.repeat(simulation.asked, 2, axis=-1)
+    number = asked.sum(axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        norm = np.log(np.mean(variances ** (0.5 * NORM), axis=-1)) / NORM
-    return -variances.shape[-1] * norm
+        norm = np.log(np.sum(asked * variances ** (0.5 * NORM), axis=-1) / number) / NORM
+    return -number * norm

@@ -17,10 +17,11 @@ from jawenv.device.force_sensor import (
     sds_of_sensor,
     slack_force,
 )
+from jawenv.envs.asked import asked_muscles
 from jawenv.envs.configuration import NO_ESTIMATOR, Configuration
 from jawenv.envs.fork import Fork
 from jawenv.envs.info import WorldReader
-from jawenv.envs.observation import observation_size
+from jawenv.envs.observation import OBSERVATION_BOUND, observation_size
 from jawenv.envs.own_estimators import EpisodeStart, OwnEstimators
 from jawenv.envs.world.belief_kernel import show_beliefs
 from jawenv.envs.world.bound_kernel import track_bound
@@ -93,8 +94,13 @@ class Simulation:
         """(N, ticks) what was read, as far as it is kept."""
         self.paths = record_zeros((num_worlds, self._kept_truths()), true_tick_dtype(sizes[2]))
         """(N, ticks) what was true then, as far as it is kept."""
-        self.observation = np.zeros((num_worlds, observation_size(2 * len(muscles))), dtype=np.float32)
+        size = observation_size(2 * len(muscles), configuration.asked is not None)
+        self.observation = np.zeros((num_worlds, size), dtype=np.float32)
         """(N, size) as of the last reset or step."""
+        self.asked = np.ones((num_worlds, len(muscles)), dtype=np.bool_)
+        """(N, M) the muscles that the present episodes ask for; all by default."""
+        self.cost_so_far = np.zeros(num_worlds)
+        """(N,) sum of the steps' costs since the episode began."""
         moved = own_plant is not None or self.model.plant == "contact"
         self.moved = self._moved_plants(own_plant, sizes) if moved else None
         """The true jaws, where Python moves them."""
@@ -102,7 +108,9 @@ class Simulation:
         self._bound_scratches = record_zeros(bound_threads, bound_scratch_dtype(*sizes))
         self.keys = np.zeros((num_worlds, 2), dtype=np.uint64)
         """(N, 2) of all random numbers of the present episodes."""
-        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, configuration.info == "light")
+        asked = None if configuration.asked is None else self.asked
+        light = configuration.info == "light"
+        self.reader = WorldReader(self.worlds, self.keys, configuration.needs_bound, light, asked)
         own = configuration.own_estimator
         self.own_estimators = None if own is None else OwnEstimators(own, num_worlds, 2 * len(muscles))
         """The user's estimators, where they are in the place of the device's filter."""
@@ -174,35 +182,54 @@ class Simulation:
         return Fork(self, copies, reward=reward, believed=believed)
 
     @property
+    def _costs(self) -> NDArray[np.float64]:
+        """(N, limits) costs of the last step."""
+        costs: NDArray[np.float64] = self.worlds["truth"]["costs"]
+        return costs
+
+    @property
     def targets(self) -> NDArray[np.float64]:
         """(N, 4) where the device's law of targets control is, fractions of comfort; a copy."""
         targets: NDArray[np.float64] = self.worlds["known"]["tracker"]["target"].copy()
         return targets
 
-    def reset(self, chosen: NDArray[np.bool_], patients: Sequence[Patient | None], keys: NDArray[np.uint64]) -> None:
+    def reset(
+        self,
+        chosen: NDArray[np.bool_],
+        patients: Sequence[Patient | None],
+        keys: NDArray[np.uint64],
+        asked: Sequence[str | None] | None = None,
+    ) -> None:
         """Begin a new episode in every chosen world; where one cannot begin, all worlds stay as they were.
 
         Args:
             chosen: (N,) which worlds.
             patients: A patient per world, or None where one is to be drawn from the cohort.
             keys: (N, 2) of all random numbers of the episodes; only those of chosen worlds are read.
+            asked: The muscles that each world asks for, or None for the configuration's.
 
         Raises:
             InputError: a given patient has no rest pose that the device can treat.
         """
         numbers = np.flatnonzero(chosen)
         ticks = self.ticks[:, 0], self.paths[:, 0]
-        arrays: tuple[NDArray[Any], ...] = (self.worlds, self.models, self.keys, self.observation, *ticks)
+        of_episodes = self.asked, self.cost_so_far, self.keys
+        arrays: tuple[NDArray[Any], ...] = (self.worlds, self.models, *of_episodes, self.observation, *ticks)
         before = [array[numbers] for array in arrays]
         plants = None if self.moved is None else self.moved.each
         try:
             self.keys[numbers] = keys[numbers]
+            for i in numbers.tolist():
+                question = (None if asked is None else asked[i]) or self.configuration.asked
+                self.asked[i] = asked_muscles(question, self.cohort.muscles.names, keys[i])
+            self.cost_so_far[numbers] = 0.0
             self._begin(chosen, patients, keys)
             self._read_first(chosen)
             if self.own_estimators is not None:
                 starts = [self._episode_start(int(i)) for i in numbers]
                 self.own_estimators.begin(self.worlds, self.ticks, chosen, starts)
                 self._show_own_beliefs(chosen)
+            self._show_question(chosen)
         except BaseException:
             for array, values in zip(arrays, before, strict=True):
                 array[numbers] = values
@@ -287,6 +314,22 @@ class Simulation:
         if own is not None:
             own.after_step(self.worlds, self.ticks, active, self.configuration.ticks_per_step)
             self._show_own_beliefs(active)
+        np.add(self.cost_so_far, self._costs.sum(axis=1), out=self.cost_so_far, where=active)
+        self._show_question(active)
+
+    def cost_above_limit(self) -> NDArray[np.float64]:
+        """The cost (N,) of the last step, as far as the episode's discomfort is above ``comfort_limit_s``."""
+        limit = self.configuration.comfort_limit_s * self.configuration.steps_per_s
+        cost: NDArray[np.float64] = self._costs.sum(axis=1)
+        return np.minimum(cost, np.maximum(self.cost_so_far - limit, 0.0))
+
+    def _show_question(self, chosen: NDArray[np.bool_]) -> None:
+        """The end of the chosen worlds' observation, where muscles are asked for."""
+        if self.configuration.asked is None:
+            return
+        discomfort = self.cost_so_far[chosen] / self.configuration.steps_per_s
+        self.observation[chosen, -1 - self.asked.shape[1] : -1] = self.asked[chosen]
+        self.observation[chosen, -1] = np.minimum(discomfort, OBSERVATION_BOUND)
 
     def _show_own_beliefs(self, chosen: NDArray[np.bool_]) -> None:
         """Information and observation of the chosen worlds by the beliefs of their own estimators."""

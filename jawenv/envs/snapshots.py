@@ -64,7 +64,8 @@ def restore_snapshot(env: Any, snapshot: Any) -> None:
 def _arrays(simulation: Simulation) -> tuple[NDArray[Any], ...]:
     """All that an episode depends on, but for plants that Python moves."""
     of_worlds = simulation.worlds, simulation.models, simulation.keys
-    return *of_worlds, simulation.ticks, simulation.paths, simulation.observation
+    episode = simulation.asked, simulation.cost_so_far
+    return *of_worlds, *episode, simulation.ticks, simulation.paths, simulation.observation
 
 
 def _plants(simulation: Simulation) -> Any:

@@ -24,6 +24,7 @@ from jawenv.envs.reset_options import (
     checked_mask,
     checked_options,
     checked_patients,
+    checked_questions,
     checked_seeds,
     episode_keys,
 )
@@ -55,7 +56,7 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             Gymnasium's ``TimeLimit`` does for the single form.
 
     ``reset(seed=s)`` seeds world i with s + i. ``options`` may hold ``patients``, one ``Patient``, mapping, path of a
-    file or None per world, and ``reset_mask`` (N,) bool.
+    file or None per world, ``reset_mask`` (N,) bool, and ``asked``, as the argument, for all worlds or one for each.
     """
 
     metadata: dict[str, Any] = {
@@ -152,15 +153,16 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         Raises:
             InputError: an option is unknown or has the wrong shape, or a patient is not usable.
         """
-        checked = checked_options(options, ("patients", "reset_mask", "episode_keys"))
+        checked = checked_options(options, ("patients", "reset_mask", "episode_keys", "asked"))
         mask = checked.get("reset_mask")
         chosen = self._all if mask is None else checked_mask(mask, self.num_envs)
         if not self._begun and not chosen.all():
             raise InputError("option reset_mask leaves worlds out of the first reset; allowed: all worlds")
         patients = checked_patients(checked.get("patients"), self.num_envs)
         again = checked_keys(checked.get("episode_keys"), (self.num_envs, 2), "episode_keys")
+        asked = checked_questions(checked.get("asked"), self.num_envs, self.configuration)
         generators, seeds = self._reseeded(seed, chosen)
-        self._begin(chosen, patients, generators, again)
+        self._begin(chosen, patients, generators, again, asked)
         self._generators, self._seeds, self._begun = generators, seeds, True
         if self._pictures is not None:
             self._pictures.note()
@@ -187,10 +189,11 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
         patients: list[Patient | None],
         generators: Sequence[np.random.Generator],
         again: NDArray[np.uint64] | None = None,
+        asked: Sequence[str | None] | None = None,
     ) -> None:
         with episode_keys(generators, chosen) as keys:
-            self.simulation.reset(chosen, patients, keys if again is None else again)
-        now = potential(self.configuration.reward, self.simulation.worlds)
+            self.simulation.reset(chosen, patients, keys if again is None else again, asked)
+        now = potential(self.configuration.reward, self.simulation)
         self._potential[chosen] = now[chosen]
         self._done[chosen] = False
 
@@ -212,9 +215,10 @@ class JawVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[A
             raise error.ResetNeeded("a world that was ended by hand must be reset")
         waiting = self._done.copy()
         simulation.advance(checked, ~waiting)
-        known, now = simulation.worlds["known"], potential(configuration.reward, simulation.worlds)
+        known, now = simulation.worlds["known"], potential(configuration.reward, simulation)
         info = simulation.reader.all()
-        reward = now - self._potential - configuration.comfort_weight * info["cost"] / configuration.steps_per_s
+        discomfort = configuration.comfort_weight * simulation.cost_above_limit() / configuration.steps_per_s
+        reward = now - self._potential - discomfort
         reward[waiting] = 0.0
         self._potential = now
         terminated = info["violation"] | ~np.isfinite(known["log_det"])

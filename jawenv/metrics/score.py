@@ -29,8 +29,8 @@ class Score:
         sd: (N, P) claimed standard deviations.
         error: (N, P) estimate minus truth.
         bound_sd: (N, P) posterior Cramer-Rao bound, NaN where not tracked.
-        worst_sd: (N,) largest of the P claimed standard deviations.
-        worst_bound_sd: (N,) largest of the P bounds.
+        worst_sd: (N,) largest of the P claimed standard deviations, or of those of the muscles that are asked for.
+        worst_bound_sd: (N,) largest of these bounds.
         time_to_s: threshold of the worst sd -> (N,) s until it was reached, infinite if never.
         information_claimed: (N,) nats by the claimed covariance.
         information_true: (N,) nats by the log score.
@@ -165,7 +165,7 @@ def score(
     mean, cov = recording.at_end(recording.belief_mean), recording.at_end(recording.belief_cov)
     truth, error = recording.truth, mean - recording.truth
     sd, bound_sd = np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1)), recording.at_end(recording.bound_sd)
-    over_time = recording.belief_sd
+    over_time = recording.of_asked(recording.belief_sd)
     lived = np.diff(recording.time) * recording.valid[:, 1:]
     forces = np.array([name.startswith("log_F_o/") for name in recording.parameter_names])
     fibrosed_F_o_N *= whole_muscles_per_line(recording.parameter_names)
@@ -175,8 +175,8 @@ def score(
         sd=sd,
         error=error,
         bound_sd=bound_sd,
-        worst_sd=worst_sd(sd),
-        worst_bound_sd=worst_sd(bound_sd),
+        worst_sd=worst_sd(recording.of_asked(sd)),
+        worst_bound_sd=worst_sd(recording.of_asked(bound_sd)),
         time_to_s={target: time_to(over_time, recording.time, target, recording.valid) for target in targets},
         information_claimed=claimed_information(cov, recording.prior_sd),
         information_true=true_information(truth, mean, cov, recording.prior_mean, recording.prior_sd),

@@ -35,6 +35,7 @@ _SHAPES: dict[str, tuple[str, ...]] = {
     "misfit": ("N", "T"),
     "valid": ("N", "T"),
     "terminated": ("N",),
+    "asked": ("N", "P"),
 }
 _MAY_BE_NAN = {"bound_sd", "information_bound", "misfit"}
 
@@ -64,6 +65,7 @@ class Recording:
         misfit: (N, T+1) the filter's alarm, the largest so far: above 1 the readings do not fit the model.
         valid: (N, T+1) bool, False after the episode has ended.
         terminated: (N,) bool, the episode ended before its time limit.
+        asked: (N, P) bool, the parameters of the muscles that are asked for: all by default.
         parameter_names: P names, `log_F_o/<muscle>` and `log_b/<muscle>`.
         comfort_names: L names of the comfort limits.
         records: N records of what the devices measured, with `record=True` among the environment's arguments.
@@ -89,6 +91,7 @@ class Recording:
     misfit: Array
     valid: Mask
     terminated: Mask
+    asked: Mask
     parameter_names: tuple[str, ...]
     comfort_names: tuple[str, ...]
     records: tuple[Record, ...] | None = None
@@ -135,6 +138,11 @@ class Recording:
     def belief_sd(self) -> Array:
         """(N, T+1, P) standard deviations that the filter claims (natural log: 0.05 is 5 %)."""
         return np.sqrt(np.diagonal(self.belief_cov, axis1=-2, axis2=-1))
+
+    def of_asked(self, values: Array) -> Array:
+        """Values (N, ..., P) of the parameters, none below 0, with 0 for those that are not asked for."""
+        shape = (self.num_worlds, *(1,) * (np.ndim(values) - 2), values.shape[-1])
+        return values * self.asked.reshape(shape)
 
     def at_end(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Pick each world's value at its last valid time.

@@ -206,6 +206,7 @@ def _watch(
         violation=arrays.pop("violation").astype(bool),
         valid=valid[:, : step + 1],
         terminated=terminated,
+        asked=np.repeat(info["asked"], 2, axis=1) if "asked" in info else np.ones(info["truth"].shape, dtype=bool),
         parameter_names=env.unwrapped.parameter_names,
         comfort_names=_comfort_names(),
         **arrays,

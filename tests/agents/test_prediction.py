@@ -54,11 +54,11 @@ def test_the_future_is_foretold(env, clairvoyant):
     simulation = env.unwrapped.simulation
     prediction = Prediction(simulation, 3, goal=GOAL, clairvoyant=clairvoyant)
     tried = actions_for(2)
-    before = potential(GOAL, simulation.worlds)
+    before = potential(GOAL, simulation)
     outcome = prediction.try_out(tried, ALL, keys(2))
     for step in range(tried.shape[2]):
         env.step(tried[:, 2, step].astype(np.float32))
-    gained = potential(GOAL, simulation.worlds) - before
+    gained = potential(GOAL, simulation) - before
     assert not outcome.lost.any()
     # The real filter filters its first readings again and again, copies do not.
     np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=0.35)

@@ -45,6 +45,7 @@ NOT_DEFAULT = {
     "episode_s": 12.0,
     "control_hz": 10.0,
     "comfort_weight": 2.0,
+    "comfort_limit_s": 0.03,
     "track_bound": True,
     "info": "light",
     "record": True,
@@ -60,6 +61,7 @@ NOT_DEFAULT = {
         "attachments": {"superficial_masseter_left": {"origin_m": [0.01, 0.05, 0.0]}},
     },
     "plant": "my_module:MyJaw",
+    "asked": "left",
 }
 
 
@@ -273,7 +275,7 @@ def test_an_unusable_action_of_many_is_named():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"pose": 1}, "option 'pose' is unknown; allowed: patient, episode_key"),
+        ({"pose": 1}, "option 'pose' is unknown; allowed: patient, episode_key, asked"),
         (
             {"patient": 3},
             "option patient is 3; allowed: a Patient, a mapping of its fields, or the path of a file with them",
@@ -299,7 +301,10 @@ def test_an_unusable_option_is_named(options, message):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"options": {"patient": 1}}, "option 'patient' is unknown; allowed: patients, reset_mask, episode_keys"),
+        (
+            {"options": {"patient": 1}},
+            "option 'patient' is unknown; allowed: patients, reset_mask, episode_keys, asked",
+        ),
         ({"options": {"patients": [None]}}, "option patients has 1 entries; allowed: 2"),
         ({"options": {"patients": "ab"}}, "option patients is 'ab'; allowed: a sequence of 2 entries"),
         (

@@ -68,6 +68,7 @@ def linear_gaussian(
         misfit=np.full(shape, 0.5),
         valid=np.ones(shape, dtype=bool),
         terminated=np.zeros(patients, dtype=bool),
+        asked=np.ones(truth.shape, dtype=bool),
         parameter_names=parameters,
         comfort_names=LIMITS,
     )

@@ -9,7 +9,10 @@ from rich.console import Console
 
 import agents
 from agents.evaluations import read_evaluations
+from eval.kept.entries import fits, load_entry
+from jawenv.envs.configuration import Configuration
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
+from jawenv.errors import InputError
 from training.cli import main
 from training.run.config import TrainingConfig
 from training.run.folder import RunFolder
@@ -41,6 +44,18 @@ def test_a_run_is_trained_resumed_and_played(config: Path, tmp_path: Path) -> No
     assert main(["train", "--resume", str(run.path), "--steps", "80"]) == 0
     assert [row["steps"] for row in read_evaluations(run.path)] == [0, 40, 80]
     assert agents.load_agent(str(run.path)).predict(np.zeros(OBSERVATION_SIZE, np.float32))[0].shape == (4,)
+
+
+def test_a_policy_that_is_told_what_is_asked(config: Path, tmp_path: Path) -> None:
+    config.write_text(CONFIG.replace("episode_s: 2.0", "episode_s: 2.0, asked: random, comfort_limit_s: 0.01"))
+    run = tmp_path / "run"
+    assert main(["train", str(config), "--output", str(run)]) == 0
+    world = Configuration(asked="random", episode_s=2.0)
+    recording = load_entry(str(run), world).play(2, 5000)
+    assert (recording.asked.sum(axis=1) == 2).all()
+    with pytest.raises(InputError, match="was trained in jawenv/Jaw-v3 with asked"):
+        load_entry(str(run), Configuration())
+    assert not fits(Configuration(), world) and fits(Configuration(asked="left"), world)
 
 
 def test_the_policy_learns_by_the_derivative_of_what_it_reaches(config: Path, tmp_path: Path) -> None:

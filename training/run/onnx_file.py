@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import jawenv
 from agents.policies import load_policy
 from jawenv.device.channels import CHANNELS, HIGHEST, LOWEST
-from jawenv.envs.observation import observation_layout, parameters_of
+from jawenv.envs.observation import layouts, observation_layout
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.files import atomic_write
@@ -139,7 +139,7 @@ def _double() -> int:
 
 
 def _contract(agent: ResidualPolicy, card: ModelCard) -> dict[str, str]:
-    layout = observation_layout(parameters_of(agent.observation_size))
+    layout = observation_layout(*layouts()[agent.observation_size])
     return {
         "environment": json.dumps({"id": card.environment.id, **card.environment.kwargs()}),
         "observation": json.dumps({name: [part.start, part.stop] for name, part in layout.items()}),

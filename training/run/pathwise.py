@@ -106,25 +106,28 @@ class APG(OnPolicyAlgorithm):
         self.logger.record("train/discomfort_s", float(self._discomfort.detach().mean()))
 
     def play(self, steps: int, seed: int) -> tuple[Tensor, Tensor]:
-        """Weighted ``log_worst`` (P,) and discomfort (P,), s, of so many decisions for the patients of the worlds.
+        """Weighted ``log_worst`` (P,) and discomfort (P,) above its limit, s, of so many decisions.
+
+        Patients are those of the worlds, and what is asked of them.
 
         Args:
             steps: decisions.
             seed: of the readings' noise.
         """
-        simulation = self._simulation
-        patients = Patients.of_worlds(simulation.worlds)
-        worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed))
-        marks, whole = weights(steps), simulation.configuration.steps
-        worst = discomfort = patients.theta.new_zeros(len(patients))
+        simulation, configuration = self._simulation, self._simulation.configuration
+        patients, asked = Patients.of_worlds(simulation.worlds), torch.tensor(simulation.asked).double()
+        worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed), asked)
+        marks, whole = weights(steps), configuration.steps
+        worst = patients.theta.new_zeros(len(patients))
         for step in range(steps):
             now = np.array([step])
             features = torch.tensor(self._base.features(now)).expand(len(patients), -1)
-            seen = torch.cat([observation(worlds, 1.0 - step / whole).float(), features], -1)
+            rows = observation(worlds, 1.0 - step / whole, configuration.asked is not None)
+            seen = torch.cat([rows.float(), features], -1)
             latent = self.policy.mlp_extractor.forward_actor(seen)
             action = self.policy.action_net(latent).clamp(-1.0, 1.0).double()
             base = torch.tensor(self._base.targets(now))
-            discomfort = discomfort + worlds.step(base + self._base.scale * action)
+            worlds.step(base + self._base.scale * action)
             if step + 1 in marks:
                 worst = worst + marks[step + 1] * log_worst(worlds)
-        return worst, discomfort
+        return worst, (worlds.discomfort - configuration.comfort_limit_s).clamp(min=0.0)

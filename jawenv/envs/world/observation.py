@@ -6,6 +6,7 @@ all that a device would have (``record.known_dtype``).
 
 from __future__ import annotations
 
+from functools import cache
 from math import log10, sqrt
 
 from jawenv.device.comfort import N_LIMITS, excursions, used_fractions
@@ -16,6 +17,7 @@ from jawenv.errors import InputError
 from jawenv.filter.belief.state import FilterSettings
 from jawenv.filter.model.joint_step import set_muscles
 from jawenv.kernels.compiled import njit
+from jawenv.ladder import MODELS
 from jawenv.mechanics.bilateral import midline_motion, split_body
 from jawenv.mechanics.jaw import Jaw
 from jawenv.mechanics.kinematics import rotation, split
@@ -43,18 +45,29 @@ MOMENT_SCALE = FORCE_SCALE * 0.02
 TARGET_SCALE = 0.01
 
 
-def observation_layout(n_parameters: int = 12) -> dict[str, slice]:
-    """Where each part of the flat observation lies, in a model with so many parameters: name -> slice."""
+def observation_layout(n_parameters: int = 12, asked: bool = False) -> dict[str, slice]:
+    """Where each part of the flat observation lies, in a model with so many parameters: name -> slice.
+
+    Where muscles are ``asked`` for, ``asked`` (1 or 0 for each) and ``discomfort`` (of the episode so far, s) end it.
+    """
     layout, start = {}, 0
-    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES).items():
+    end = {"asked": n_parameters // 2, "discomfort": 1} if asked else {}
+    for name, size in (dict.fromkeys(_BELIEF, n_parameters) | _REST_SIZES | end).items():
         layout[name] = slice(start, start + size)
         start += size
     return layout
 
 
-def observation_size(n_parameters: int = 12) -> int:
+def observation_size(n_parameters: int = 12, asked: bool = False) -> int:
     """Length of the flat observation."""
-    return 2 * n_parameters + sum(_REST_SIZES.values())
+    return sum(part.stop - part.start for part in observation_layout(n_parameters, asked).values())
+
+
+@cache
+def layouts() -> dict[int, tuple[int, bool]]:
+    """Parameters, and whether muscles are asked for, by the length of an observation: those of the models."""
+    numbers = {len(model.muscles.parameter_names) for model in MODELS.values()}
+    return {observation_size(number, asked): (number, asked) for number in numbers for asked in (False, True)}
 
 
 def parameters_of(size: int) -> int:
@@ -63,10 +76,9 @@ def parameters_of(size: int) -> int:
     Raises:
         InputError: no observation of jawenv has this length.
     """
-    n_parameters, remainder = divmod(size - sum(_REST_SIZES.values()), 2)
-    if n_parameters < 1 or remainder:
-        raise InputError(f"an observation has {size} values; allowed: {sum(_REST_SIZES.values())} + 2 x parameters")
-    return n_parameters
+    if size not in layouts():
+        raise InputError(f"an observation has {size} values; allowed: {', '.join(map(str, sorted(layouts())))}")
+    return layouts()[size][0]
 
 
 OBSERVATION_LAYOUT = observation_layout()

@@ -79,8 +79,8 @@ class TargetsLaw:
         Raises:
             InputError: an observation of another size, or one that is not finite.
         """
-        checked_parameters(rows)
-        rows, rest = rows.copy(), _rest_of(rows)
+        rest = 2 * checked_parameters(rows)
+        rows = rows.copy()
         target = memory["target"] * np.where(memory["begun"][:, None], memory["size"], 1.0)
         rows[:, rest + _TARGET.start : rest + _TARGET.stop] = target
         return rows
@@ -96,22 +96,15 @@ class TargetsLaw:
         Raises:
             InputError: an observation that is not finite.
         """
-        checked_parameters(rows)
+        parameters = checked_parameters(rows)
         if decision is not None:
             rate = (goals_of(np.clip(decision, -1.0, 1.0)) - memory["target"]) / self._decision_s
             memory["rate"] = np.clip(rate, -_FASTEST, _FASTEST)
         action = np.zeros((len(rows), N_MOTORS))
-        follow_all(self._device, rows, _rest_of(rows) // 2, memory, self._servo, True, self._dt, action)
+        follow_all(self._device, rows, parameters, memory, self._servo, True, self._dt, action)
         memory["target"] += self._dt * memory["rate"]
         return action.astype(np.float32)
 
 
 _TARGET = OBSERVATION_REST["motor_target"]
-_REST_SIZE: int = max(part.stop for part in OBSERVATION_REST.values())
 _FASTEST = np.array(FASTEST_TARGET)
-
-
-def _rest_of(rows: Observation) -> int:
-    """Where the observation's part after the belief begins."""
-    size: int = rows.shape[1]
-    return size - _REST_SIZE

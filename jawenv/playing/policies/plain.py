@@ -154,7 +154,8 @@ def check_environment(path: Path, size: int, card: ModelCard | None, env_id: str
     Raises:
         InputError: it does not.
     """
-    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names))
+    asked = card is not None and card.environment.others.get("asked") is not None
+    seen = observation_size(len(model_of_env(env_id).muscles.parameter_names), asked)
     seen += 0 if card is None or card.residual is None else N_FEATURES
     if size != seen:
         raise InputError(f"{path}: the policy was trained on observations of {size} values, {env_id} gives {seen}")

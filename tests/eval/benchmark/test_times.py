@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eval.rows.times import restricted, within_for_good
+from eval.benchmark.tasks import TASKS
+from eval.kept.entries import load_entry
+from eval.rows.times import Times, restricted, within_for_good
 from jawenv.errors import InputError
 from tests.metrics.linear_gaussian import linear_gaussian
 
@@ -52,6 +54,26 @@ def test_a_crossed_limit_and_an_early_end_count_as_never(recording):
     recording.violation[0, 3] = True
     recording.terminated[1] = True
     assert within_for_good(recording, 0.05).tolist() == [np.inf, np.inf, 0.0]
+
+
+def test_what_is_not_asked_for_does_not_count(recording):
+    off(recording, 0, slice(None), 2.0)
+    asked = np.ones_like(recording.asked)
+    asked[:2, 1] = False
+    off(recording, 2, -1, 2.0)
+    assert within_for_good(replace(recording, asked=asked), 0.05).tolist() == [0.0, 0.0, np.inf]
+
+
+def test_above_the_limit_of_comfort_nothing_is_found():
+    """Whatever is estimated, at rest; a limit below 0 is nobody's."""
+    entry = load_entry("hold_still", TASKS["jaw-asked"].settings().world)
+
+    def nothing(done: int, steps: int) -> None: ...
+
+    free, limited = (Times(100.0, 10.0, limit).play(entry, 2, 57_000, nothing) for limit in (0.03, -1.0))
+    assert (free["score_s"] == 0.0).all()
+    assert (limited["score_s"] == 10.0).all() and np.isinf(limited["within_0.2_s"]).all()
+    assert (free["worst_sd"] == limited["worst_sd"]).all()
 
 
 def test_a_share_above_zero_is_wanted(recording):
