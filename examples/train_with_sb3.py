@@ -43,8 +43,9 @@ def judged(name: str, agent: object, patients: int, episode_s: float) -> None:
 def main() -> None:
     """Read the command line, train and compare."""
     parser = argparse.ArgumentParser(description="Train with stable-baselines3.")
-    for name, default in (("steps", 200_000), ("patients", 32), ("episode-s", 30.0)):
-        parser.add_argument(f"--{name}", type=type(default), default=default)
+    parser.add_argument("--steps", type=int, default=200_000)
+    parser.add_argument("--patients", type=int, default=32)
+    parser.add_argument("--episode-s", type=float, default=30.0)
     given = parser.parse_args()
     for name in ("steps", "patients"):
         if getattr(given, name) < 1:
