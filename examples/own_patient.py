@@ -81,8 +81,9 @@ def play(patients: int, seconds: int, seed: int, plant: object = None) -> float:
 def main() -> None:
     """Read the command line, play and print."""
     parser = argparse.ArgumentParser(description="Play with a jaw of one's own.")
-    for name, default in (("patients", 4), ("seconds", 4), ("seed", 0)):
-        parser.add_argument(f"--{name}", type=int, default=default)
+    parser.add_argument("--patients", type=int, default=4)
+    parser.add_argument("--seconds", type=int, default=4)
+    parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     for name in ("patients", "seconds"):
         if getattr(given, name) < 1:

@@ -24,6 +24,7 @@ BASELINES = (
     "refined",
     "refined_imaged",
     "refined_one_sided",
+    "apg_asked",
     "ppo_trismus",
     "ppo_one_sided",
     "ppo_force",

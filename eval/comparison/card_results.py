@@ -55,11 +55,12 @@ def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]
     """Metric, mean or median, and the interval."""
     patients, parameters = results.of(entry), len(results.parameters)
     end = f"{results.about['settings']['episode_s']:g} s"
+    largest = "largest sd asked for" if "asked" in results.about["settings"] else f"largest of {parameters} sds"
     sds = {f"{EARLY_S:g} s": "early_worst_sd", end: "worst_sd"}
     for time, column in sds.items():
         values = 100.0 * patients[column].to_numpy()
         if np.isfinite(values).all():
-            yield f"largest of {parameters} sds after {time}, %", "median", statistics.quantile(values, 0.5)
+            yield f"{largest} after {time}, %", "median", statistics.quantile(values, 0.5)
     means = {
         f"true information after {end}, nats": "information_true",
         f"discomfort in {end}, s": "discomfort_s",

@@ -24,6 +24,7 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.objective import log_worst, weights
 from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
+from jawenv.envs.asked import asked_muscles
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.errors import InputError
 from jawenv.playing.policies.residual import BaseTargets
@@ -41,7 +42,7 @@ class APG(OnPolicyAlgorithm):
         **arguments: others.
 
     Attributes:
-        comfort_multiplier: price of discomfort, nats/s.
+        comfort_multiplier: price of discomfort, nats/s: the reward's, where none is learned.
 
     Raises:
         InputError: worlds without a maneuver to be corrected, or of another model.
@@ -60,7 +61,10 @@ class APG(OnPolicyAlgorithm):
             allowed = f"the {self._simulation.configuration.steps} of an episode"
             raise InputError(f"apg.n_steps is {self.n_steps}; allowed: {allowed}")
         self._base = controlled
-        self.comfort_multiplier = 1.0
+        configuration, names = self._simulation.configuration, self._simulation.cohort.muscles.names
+        asked = asked_muscles(configuration.asked, names, np.zeros(2, dtype=np.uint64))
+        # The reward "worst" is as many times the log as there are parameters.
+        self.comfort_multiplier: float = configuration.comfort_weight / (2.0 * float(asked.sum()))
         with torch.no_grad():
             first: Any = self.policy.mlp_extractor.policy_net[0]
             self._seen = torch.ones(first.in_features)
