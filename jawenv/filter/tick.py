@@ -30,7 +30,7 @@ from jawenv.filter.updates.measurement_update import (
 from jawenv.filter.updates.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import Array, record_dtype
-from jawenv.kernels.vec3 import apply, row3, vector3
+from jawenv.kernels.vec3 import apply, row3
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import smooth_ramp
 from jawenv.mechanics.jaw import N_TEETH, Jaw
@@ -127,25 +127,6 @@ def bite_of(jaw: Jaw, motion, nearer=0.0):
 
 
 @njit
-def seen_bite(jaw: Jaw, measured, used, nearer):
-    """``bite_of`` the pose that the encoders read (12); 0 where they do not tell it.
-
-    A belief that has one side too stiff or too soft takes a jaw for lifted that rests on its teeth.
-    """
-    if not (used[2] and used[3] and used[4] and used[5]):
-        return 0.0
-    body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
-    height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
-    from_mouthpiece = height - apply(body_to_head, vector3(jaw.mouthpiece))[2]
-    bite = 0.0
-    for i in range(N_TEETH):
-        arm = apply(body_to_head, row3(jaw.teeth, i))
-        ramp, _ = smooth_ramp(from_mouthpiece + arm[2] - jaw.teeth[i, 2] + nearer, jaw.stop_width)
-        bite += jaw.tooth_stiffness * ramp
-    return bite
-
-
-@njit
 def add_tooth_noise(bite, variance):
     """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
 
@@ -215,8 +196,6 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
-    if tick > 0 and seen_bite(jaw, scratch.measured, scratch.used, NEAR) > 0.0:
-        resolved = False
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += resolved
