@@ -15,6 +15,7 @@ import numpy as np
 from agents.planning import Planner
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.extras import needs
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.protocol import Array, Mask
 
@@ -48,7 +49,8 @@ class Clairvoyant(Planner):
         super().__init__(name, text, clairvoyant=True, control=control)
 
     def _begin(self, simulation: Any) -> None:
-        from agents.twin.constants import Twin
+        with needs(f"agent {self.name!r}", "torch", group="train"):
+            from agents.twin.constants import Twin
 
         self._twin = Twin(simulation)
         times = np.arange(1, self._planned.shape[1] + 1) / self._hz

@@ -24,7 +24,10 @@ from jawenv.device.comfort import (
 from jawenv.device.guard import CREST_SHARE, GUARDS
 from jawenv.envs.world.plants import TICK
 from jawenv.envs.world.tracking import LAW_TICKS
+from jawenv.errors import InputError
+from jawenv.ladder import title_of_env
 
+MODEL = "jaw"
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 """Limits with an end stop, in the order of ``Twin.onset``."""
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
@@ -82,9 +85,15 @@ class Twin:
     Args:
         simulation: of the environment.
         laws_per_decision: how often the law acts between two decisions; in the environment 4 times.
+
+    Raises:
+        InputError: an environment of another model than ``JawEnv``'s own.
     """
 
     def __init__(self, simulation: Any, laws_per_decision: int = 2) -> None:
+        if simulation.configuration.model != MODEL:
+            title = title_of_env(simulation.configuration.env_id)
+            raise InputError(f"env is {title!r}; allowed for the twin: 'Jaw' and 'JawImaged'")
         model, device, settings = simulation.models[0], simulation.device[0], simulation.settings[0]
         noise, comfort = settings["filter"], settings["comfort"]
         self.jaw = Jaw.of(model)
