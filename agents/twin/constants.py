@@ -53,6 +53,7 @@ class Patients:
     condyle_middle: Tensor
     condyle_half: Tensor
     rest_condyle_side: Tensor
+    end: Tensor
     tension: Tensor
 
     @classmethod
@@ -106,6 +107,7 @@ class Twin:
         # m/s that the unmodelled force gives the mouthpiece in a tick: so fast shakes a jaw that is held still.
         self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5
         self.force, self.speed, self.condyle_side = (float(comfort[key]) for key in ("force", "speed", "condyle_side"))
+        self.tension_margin = float(comfort["tension_margin"])
         self.hard, self.guard = torch.tensor(comfort["hard"]), torch.tensor(_GUARD, dtype=torch.float64)
         self.onset = 1.0 + GOVERNOR_ONSET * (self.hard[list(STOPPED)] - 1.0)
         self.stop = float(device["stop_stiffness"])

@@ -35,8 +35,6 @@ from jawenv.filter.tick import ALIKE, LASTING_ARM, MOST_TICKS, NEAR, SLOWEST, TO
 FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
 """m and rad of a Newton step, at most: beyond that a jaw that is nearly free is off its linearisation."""
 SMALLEST_GUARD = 1e-3
-FIRST_READINGS = 3.0
-"""At rest: so many are taken before the filter sees which teeth press, from which it learns nothing later."""
 QUICKLY = 10.0**-0.5
 """Of the encoders' sd is left for a shaking at 30 1/s, whose velocities are read too."""
 _LOW, _FASTEST_TARGET = torch.tensor(LOWEST, dtype=torch.float64), torch.tensor(FASTEST_TARGET, dtype=torch.float64)
@@ -84,9 +82,8 @@ class Worlds:
         if generator is not None:
             self._truth[:, 12] = twin.gain_sd * self._noise(len(patients))
         self._believe()
+        self._end_strain = twin.jaw.passive(twin.jaw.pose(patients.end), patients.theta).strain
         self.begin_at(patients.rest)
-        self._learn(self.pose.q.new_full((len(patients),), FIRST_READINGS))
-        self._believe()
 
     def begin_at(self, q: Tensor) -> None:
         """Put the jaws at poses (P, 5), with motors that push as they did."""
@@ -248,9 +245,9 @@ class Worlds:
             (self.passive.tension / p.tension).amax(-1),
         )
         self.fractions = torch.stack(used, -1)
-        # The guard knows the tensions as they are believed.
-        believed = (self.mean[:, 0::2] + self.mean[:, 1::2].exp() * self.passive.strain).exp()
-        seen = torch.cat([self.fractions[:, :-1], (believed / p.tension).amax(-1, keepdim=True)], -1)
+        # The guard knows where the painless range ends, and the exponents as they are believed.
+        believed = (self.mean[:, 1::2].exp() * (self.passive.strain - self._end_strain)).exp() / twin.tension_margin
+        seen = torch.cat([self.fractions[:, :-1], believed.amax(-1, keepdim=True)], -1)
         self.margin = 1.0 - seen
         margin = torch.cat([self.margin, 1.0 - q[:, :1] / twin.crest], -1)
         self._shrink(margin)

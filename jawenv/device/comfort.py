@@ -67,7 +67,9 @@ class Limits:
     condyle_middle: float
     condyle_half: float
     rest_condyle_side: float
-    tension: Annotated[Array, "lines"]
+    end: Annotated[Array, 5]  # pose at the end of the painless range
+    tension_margin: float  # a line's soft limit over its tension there
+    tension: Annotated[Array, "lines"]  # the soft limits of the true muscles
     force: float  # on the mouthpiece
     speed: float  # of the mouthpiece
     condyle_side: float  # from where the condyles rest
@@ -99,10 +101,22 @@ def excursions(limits: Limits, jaw: Jaw, point):
 
 
 @njit
-def used_fractions(jaw: Jaw, muscles, limits: Limits, q, u, lift, force, fractions):
+def set_tension_limits(jaw: Jaw, muscles, limits: Limits, tension):
+    """Soft limits ``tension`` (lines) in N of muscles (lines, 2): what they bear at the end of the painless range.
+
+    What is known is where that range ends. So a belief's used fraction hangs on b alone, and F_o cancels.
+    """
+    q = (limits.end[0], limits.end[1], limits.end[2], limits.end[3], limits.end[4])
+    contact, body_to_head = contact_point(jaw, q), rotation(q)
+    for i in range(muscles.shape[0]):
+        tension[i] = limits.tension_margin * muscle_pull(jaw, muscles, i, contact, body_to_head)[3]
+
+
+@njit
+def used_fractions(jaw: Jaw, muscles, limits: Limits, tension_limits, q, u, lift, force, fractions):
     """Fill ``fractions`` (8) for a motion, the lines' (F_o, b) and the magnitude of the force on the mouthpiece.
 
-    ``lift`` as in ``motors.mouthpiece_motion``.
+    ``lift`` as in ``motors.mouthpiece_motion``, ``tension_limits`` as in ``set_tension_limits``.
     """
     body_to_head = rotation(q)
     contact = add(contact_point(jaw, q), (0.0, 0.0, lift[0]))
@@ -121,7 +135,7 @@ def used_fractions(jaw: Jaw, muscles, limits: Limits, q, u, lift, force, fractio
     worst = 0.0
     for i in range(muscles.shape[0]):
         _, _, _, tension = muscle_pull(jaw, muscles, i, contact, body_to_head)
-        worst = max(worst, tension / limits.tension[i])
+        worst = max(worst, tension / tension_limits[i])
     fractions[TENSION] = worst
 
 
@@ -143,4 +157,12 @@ def cost_of(fraction, hard):
     return max(0.0, fraction - 1.0) / (hard - 1.0)
 
 
-__all__ = ["COMFORT_LIMITS", "GOVERNOR_ONSET", "cost_of", "limits_dtype", "set_general_limits", "used_fractions"]
+__all__ = [
+    "COMFORT_LIMITS",
+    "GOVERNOR_ONSET",
+    "cost_of",
+    "limits_dtype",
+    "set_general_limits",
+    "set_tension_limits",
+    "used_fractions",
+]

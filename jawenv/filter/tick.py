@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.alarm.misfit import add_to_block
-from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
+from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings, lose_motion
 from jawenv.filter.learn import LearnScratch, conclude, learn, learn_scratch_dtype
 from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
@@ -30,7 +30,7 @@ from jawenv.filter.updates.measurement_update import (
 from jawenv.filter.updates.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import Array, record_dtype
-from jawenv.kernels.vec3 import apply, row3
+from jawenv.kernels.vec3 import apply, row3, vector3
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.forces import smooth_ramp
 from jawenv.mechanics.jaw import N_TEETH, Jaw
@@ -117,13 +117,35 @@ def bite_of(jaw: Jaw, motion, nearer=0.0):
     """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
     first = 3 if jaw.condyles == 2 else 2  # of the angles
     pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
-    contact, body_to_head = contact_point(jaw, pose), rotation(pose)
+    return bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
+
+
+@njit
+def bite_at(jaw: Jaw, height, body_to_head):
+    """Force (N) of the teeth with the contact point so high (m)."""
     bite = 0.0
     for i in range(N_TEETH):
         arm = apply(body_to_head, row3(jaw.teeth, i))
-        ramp, _ = smooth_ramp(contact[2] + arm[2] - jaw.teeth[i, 2] + nearer, jaw.stop_width)
+        ramp, _ = smooth_ramp(height + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
         bite += jaw.tooth_stiffness * ramp
     return bite
+
+
+@njit
+def reads_pose(used):
+    """Whether the encoders in use (12) tell how near the teeth are."""
+    return used[2] and used[3] and used[4] and used[5]
+
+
+@njit
+def bite_read(jaw: Jaw, measured, nearer):
+    """``bite_of`` the pose that the encoders read (12).
+
+    A belief that has one side too stiff or too soft takes a jaw for lifted that rests on the teeth of one side.
+    """
+    body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
+    height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
+    return bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
 
 
 @njit
@@ -179,7 +201,7 @@ def take_readings(jaw: Jaw, belief: Belief, measured, samples, tick, settings: F
 @njit
 def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSettings, scratch: FilterScratch):
     """``take_readings`` by the model ``jaw``."""
-    left_out, resolved = 0, True
+    left_out, resolved, bite = 0, True, 0.0
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
         mark_frozen(jaw, belief, samples, settings, scratch.frozen)
@@ -193,9 +215,14 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
         bite = max(bite, bite_of(jaw, belief.motion, NEAR))
-        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
+    if tick > 0:
+        if reads_pose(scratch.used):
+            bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
+            if bite > 0.0:
+                lose_motion(belief, settings.start_sd)
+        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += resolved

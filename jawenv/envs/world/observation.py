@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import cache
 from math import log10, sqrt
 
-from jawenv.device.comfort import N_LIMITS, excursions, used_fractions
+from jawenv.device.comfort import N_LIMITS, excursions, set_tension_limits, used_fractions
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import ON_PATH, motor_point, mouthpiece_motion
 from jawenv.envs.world.record import Control, Known, Seeing
@@ -164,7 +164,8 @@ def observe_world(
         sensed[_TARGET + i] = bounded(target)
     set_muscles(model, known.belief.mean, 0, scratch.muscles)
     force = sqrt(known.reading[0] ** 2 + known.reading[1] ** 2 + known.reading[2] ** 2)
-    used_fractions(model, scratch.muscles, limits, q, u, lift, force, scratch.fractions)
+    set_tension_limits(model, scratch.muscles, limits, scratch.tension_limits)
+    used_fractions(model, scratch.muscles, limits, scratch.tension_limits, q, u, lift, force, scratch.fractions)
     for i in range(N_LIMITS):
         sensed[_MARGIN + i] = bounded(1.0 - scratch.fractions[i])
     sensed[_TIME] = 1.0 - known.tick / (control.steps * control.ticks_per_step)

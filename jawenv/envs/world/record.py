@@ -165,6 +165,7 @@ class Seeing:
     """Working memory of ``observe_world``."""
 
     muscles: Annotated[Array, "lines", 2]
+    tension_limits: Annotated[Array, "lines"]
     fractions: Annotated[Array, N_LIMITS]
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from jawenv.device.comfort import ComfortRecord, Limits, set_general_limits
+from jawenv.device.comfort import ComfortRecord, Limits, set_general_limits, set_tension_limits
 from jawenv.device.comfort_settings import SMALLEST_RANGE_MM
 from jawenv.device.device import N_MOTORS, DeviceRecord
 from jawenv.device.motors import IDLE, ON_PATH, Motors, motor_point, mouthpiece_motion
@@ -24,9 +24,8 @@ from jawenv.kernels.noise import fill_normals
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import Linear, linear_dtype
 from jawenv.mechanics.equilibrium import settle
-from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.jaw import Jaw
-from jawenv.mechanics.kinematics import contact_point, rotation, split
+from jawenv.mechanics.kinematics import rotation, split
 from jawenv.reality.options import RealityRecord
 from jawenv.reality.state import reset_reality
 
@@ -113,10 +112,10 @@ def set_limits(jaw: Jaw, muscles, comfort: ComfortRecord, limits: Limits, last, 
     high = min(max(poses[0, 0], poses[last, 0]) + comfort.condyle_free, CREST_SHARE * jaw.crest)
     limits.condyle_middle = 0.5 * (high - comfort.condyle_back)
     limits.condyle_half = 0.5 * (high + comfort.condyle_back)
-    q = (poses[last, 0], poses[last, 1], poses[last, 2], poses[last, 3], poses[last, 4])
-    for i in range(muscles.shape[0]):
-        _, _, _, tension = muscle_pull(jaw, muscles, i, contact_point(jaw, q), rotation(q))
-        limits.tension[i] = comfort.tension_margin * tension
+    for k in range(5):
+        limits.end[k] = poses[last, k]
+    limits.tension_margin = comfort.tension_margin
+    set_tension_limits(jaw, muscles, limits, limits.tension)
     return True
 
 
