@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jawenv.filter.alarm.misfit import add_to_block
-from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings, lose_motion
+from jawenv.filter.belief.state import Belief, FilterSettings, begin_belief, begin_motion, forget_readings
 from jawenv.filter.learn import LearnScratch, conclude, learn, learn_scratch_dtype
 from jawenv.filter.model.basis import build_basis
 from jawenv.filter.model.encoders import N_MEASUREMENTS
@@ -50,6 +50,7 @@ ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
 # m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
 # nor do the encoders show whether they press lightly.
 NEAR = 1e-4
+LOST_SDS = 300.0  # of the motion before the first reading: of the motion that a wrong belief predicts beside the teeth
 # Sd of each component of the wrench over the teeth's force; the last three in m.
 TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
@@ -149,6 +150,16 @@ def bite_read(jaw: Jaw, measured, nearer):
 
 
 @njit
+def forget_motion(jaw: Jaw, belief: Belief, sd):
+    """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it."""
+    for i in range(12 if jaw.condyles == 2 else 10):
+        belief.motion_cov[i, :] = 0.0
+        belief.motion_cov[:, i] = 0.0
+        belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]
+    belief.by_tension[:, :] = 0.0
+
+
+@njit
 def add_tooth_noise(bite, variance):
     """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
 
@@ -218,11 +229,13 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     if tick > 0:
-        if reads_pose(scratch.used):
+        sees = reads_pose(scratch.used)
+        if sees:
             bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
-            if bite > 0.0:
-                lose_motion(belief, settings.start_sd)
-        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0)
+        settling = SETTLING_TICKS if jaw.condyles == 2 else 0
+        resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0, settling)
+        if sees and belief.near > settling:
+            forget_motion(jaw, belief, settings.start_sd)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += resolved

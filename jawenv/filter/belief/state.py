@@ -88,6 +88,7 @@ class Belief:
     trend: Annotated[Array, N_WRENCH]  # of the load cell
     readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
+    near: int  # the same, after teeth
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
     encoder_step: Annotated[Array, N_MEASUREMENTS]  # see ``readings.screening``; infinite before a change
@@ -269,8 +270,8 @@ def forget_readings(belief: Belief):
     belief.smoothed[:] = 0.0
     belief.friction_share[:] = 0.0
     begin_block(belief.block)
-    belief.block.largest, belief.block.second, belief.waits = 0.0, 0.0, 0
-    belief.readings = 0
+    belief.block.largest, belief.block.second = 0.0, 0.0
+    belief.waits, belief.near, belief.readings = 0, 0, 0
     belief.last_measured[:] = np.nan
     belief.encoder_step[:] = np.inf
     belief.repeats[:] = 0.0

@@ -177,17 +177,16 @@ def repair_samples(belief: Belief, samples, frozen, dt, variance, usable):
 
 
 @njit
-def is_resolved(belief: Belief, samples, rough, bites=False):
+def is_resolved(belief: Belief, samples, rough, bites=False, after_teeth=0):
     """Whether a tick's ``samples`` (3, 6) of the load cell resolve it, and those before; called once for each tick.
 
     ``rough`` (3,) is as ``rough_change`` has it. None is in which the jaw ``bites``.
     """
     if belief.waits > 0:
         belief.waits -= 1
-    if bites:
-        belief.waits = SETTLING + 1
+    belief.near = SETTLING + 1 + after_teeth if bites else max(belief.near - 1, 0)
     for k in range(3):
         first, middle, last = samples[0, k], samples[1, k], samples[2, k]
         if abs(last - first) > rough[k] or abs(last - 2.0 * middle + first) > rough[k]:
             belief.waits = SETTLING + 1
-    return belief.waits == 0
+    return belief.waits == 0 and belief.near == 0

@@ -37,7 +37,7 @@ def test_the_gradient_is_that_of_finite_differences(env):
         return (worst + 2.0 * discomfort).mean()
 
     t = 0.2 * torch.arange(1, 11, dtype=torch.float64)[:, None]  # away from every limit of the targets
-    parts = 0.3 - 0.3 * (2.0 * t).cos(), 0.3 * (3.0 * t).sin(), 0.1 * (2.0 * t).sin(), 0.2 * (3.0 * t).cos() - 0.2
+    parts = 0.4 - 0.4 * (2.0 * t).cos(), 0.3 * (3.0 * t).sin(), 0.1 * (2.0 * t).sin(), 0.2 * (3.0 * t).cos() - 0.2
     targets = torch.cat(parts, -1).requires_grad_(True)
     (gradient,) = torch.autograd.grad(loss(targets), targets)
     step = 1e-4 * gradient / gradient.norm()
