@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import sqrt
+from math import hypot, sqrt
 from typing import Annotated, Any
 
 import numpy as np
@@ -47,6 +47,7 @@ MOVED = 0.3  # of a natural logarithm
 # What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
 # m/s on, and up to so many. The moment's error is the force's at so many m.
 ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
+STAY_S, LEAST = 1.0, 3e-5
 # m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
 # nor do the encoders show whether they press lightly.
 NEAR = 1e-4
@@ -172,6 +173,40 @@ def add_tooth_noise(bite, variance):
 
 
 @njit
+def stay_of(jaw: Jaw, belief: Belief, dt):
+    """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``STAY_S``."""
+    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
+    last = turning + 3
+    share = dt / STAY_S
+    shift, turn = 0.0, 0.0
+    for i in range(slide, last):
+        drift = belief.drifting[i - slide] + share * (belief.motion[i] - belief.drifting[i - slide])
+        belief.drifting[i - slide] = drift
+        if i < turning:
+            shift = hypot(shift, drift)
+        else:
+            turn = hypot(turn, drift)
+    return ALIKE / (dt * max(shift + jaw.mouthpiece[0] * turn, LEAST))
+
+
+@njit
+def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
+    """What a tick's readings count for, as the model may have something wrong at a pose while the jaw is there.
+
+    An error of so large a share of the force that is carried is alike within ``ALIKE``. After n ticks there with white
+    noise of variance r these have told n / (r + n s) about the force, with s the error's variance. One more tells the
+    derivative, r / (r + n s)^2, in place of 1 / r: a jaw that stays where it is learns no more than 1 / s. As noise of
+    the motion it would make the motion follow the encoders' noise, which biases what is learnt.
+    """
+    stay = stay_of(jaw, belief, settings.dt)
+    trend = belief.trend
+    carried = sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
+    error = settings.lasting * carried
+    noise = (settings.wrench_variance[0] + settings.wrench_variance[1] + settings.wrench_variance[2]) / 3.0
+    return noise / (noise + stay * error * error)
+
+
+@njit
 def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
     """Add to the process noise ``variance`` (6) what the model may have wrong at a pose while the jaw is there.
 
@@ -212,7 +247,7 @@ def take_readings(jaw: Jaw, belief: Belief, measured, samples, tick, settings: F
 @njit
 def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSettings, scratch: FilterScratch):
     """``take_readings`` by the model ``jaw``."""
-    left_out, resolved, bite = 0, True, 0.0
+    left_out, resolved, bite, weight = 0, True, 0.0, 1.0
     if tick > 0:
         scratch.wrench_variance[:] = settings.wrench_variance
         mark_frozen(jaw, belief, samples, settings, scratch.frozen)
@@ -232,6 +267,8 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         sees = reads_pose(scratch.used)
         if sees:
             bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
+        if belief.nuisances.shape[0] > 0:
+            weight = weight_of_stay(jaw, belief, settings)
         settling = SETTLING_TICKS if jaw.condyles == 2 else 0
         resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0, settling)
         if sees and belief.near > settling:
@@ -240,7 +277,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
     if scratch.used.any():
         belief.readings += resolved
         used = scratch.used
-        scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved, settings, scratch.update)
+        scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved * weight, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:
             add_to_block(belief, scratch.update)
     if tick > 0:

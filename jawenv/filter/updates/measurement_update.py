@@ -16,7 +16,7 @@ readings.
 from __future__ import annotations
 
 from functools import cache
-from math import inf, isfinite
+from math import inf, isfinite, sqrt
 from typing import Annotated
 
 import numpy as np
@@ -169,7 +169,7 @@ def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
 
 
 @njit_within
-def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: FilterSettings, scratch: UpdateScratch):
+def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: FilterSettings, scratch: UpdateScratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
 
     Args:
@@ -177,7 +177,7 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: 
         belief: State of the filter, predicted to the time of the readings.
         measured: (12,).
         used: (12,).
-        resolved: Whether something can be learnt from them, see ``readings.screening``.
+        weight: What they count for as information; 0 where nothing can be learnt from them.
         settings: Variances of the encoders, sds that the motion is reset to where S is not positive definite, and the
             nuisances (``FilterSettings``).
         scratch: Working memory.
@@ -192,8 +192,8 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, resolved, settings: 
     add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
     correct_motion(belief, scratch)
-    if resolved and verdict != REFUSED:
-        add_information(belief, scratch)
+    if weight > 0.0 and verdict != REFUSED:
+        add_information(belief, weight, scratch)
     return verdict
 
 
@@ -218,10 +218,13 @@ def correct_state(belief: Belief, scratch: UpdateScratch):
 
 
 @njit
-def add_information(belief: Belief, scratch: UpdateScratch):
-    """Add the innovations' information and score about the tensions."""
+def add_information(belief: Belief, weight, scratch: UpdateScratch):
+    """Add the innovations' information and score about the tensions, which count by ``weight``."""
     rows, score, innovation = scratch.by_tension_rows, belief.score, scratch.whitened_innovation
     for i in range(N_MEASUREMENTS):
         for j in range(rows.shape[1]):
-            score[j] += rows[i, j] * innovation[i]
+            score[j] += weight * rows[i, j] * innovation[i]
+    root = sqrt(weight)
+    rows *= root
     add_squares(rows, belief.information)
+    rows /= root
