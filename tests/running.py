@@ -9,8 +9,9 @@ import two_condyles
 from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import follow_trend
+from jawenv.filter.readings.lasting import add_lasting_noise
 from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.tick import NEAR, add_lasting_noise, add_tooth_noise, bite_of
+from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
@@ -55,7 +56,7 @@ class Running:
 
     def take(self, measured, used=ALL):
         scratch = self.scratch["update"]
-        return update_motion(self.record.jaw, self.belief, measured, used, self.resolved, self.settings, scratch)
+        return update_motion(self.record.jaw, self.belief, measured, used, float(self.resolved), self.settings, scratch)
 
     def expected(self):
         """(12,) readings to expect."""

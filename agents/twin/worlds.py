@@ -30,7 +30,8 @@ from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, 
 from jawenv.device.guard import FASTEST, REGROW, SHRINK_S
 from jawenv.device.motors import STOP_ONSET_WIDTH
 from jawenv.envs.world.plants import TICK
-from jawenv.filter.tick import ALIKE, LASTING_ARM, MOST_TICKS, NEAR, SLOWEST, TOOTH_NOISE
+from jawenv.filter.readings.lasting import ALIKE, LASTING_ARM, MOST_TICKS, SLOWEST
+from jawenv.filter.readings.teeth import NEAR, TOOTH_NOISE
 
 FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
 """m and rad of a Newton step, at most: beyond that a jaw that is nearly free is off its linearisation."""

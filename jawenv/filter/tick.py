@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import hypot, sqrt
+from math import sqrt
 from typing import Annotated, Any
 
 import numpy as np
@@ -18,7 +18,9 @@ from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.filter.nuisances.changed_jaw import copy_jaw
 from jawenv.filter.nuisances.changes import correct_readings, follow_friction, has_nuisances
 from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
+from jawenv.filter.readings.lasting import add_lasting_noise, weight_of_stay
 from jawenv.filter.readings.screening import is_resolved, mark_frozen, mark_usable, repair_samples
+from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion, reads_pose
 from jawenv.filter.updates.measurement_update import (
     EXPECTED,
     REFUSED,
@@ -30,11 +32,8 @@ from jawenv.filter.updates.measurement_update import (
 from jawenv.filter.updates.time_update import TimeScratch, predict_motion, time_scratch_dtype
 from jawenv.kernels.compiled import njit, njit_within, where
 from jawenv.kernels.records import Array, record_dtype
-from jawenv.kernels.vec3 import apply, row3, vector3
 from jawenv.mechanics.dynamics import N_WRENCH
-from jawenv.mechanics.forces import smooth_ramp
-from jawenv.mechanics.jaw import N_TEETH, Jaw
-from jawenv.mechanics.kinematics import contact_point, rotation
+from jawenv.mechanics.jaw import Jaw
 
 # Initial ticks without information about the parameters on a jaw with two condyles: encoder noise of 0.1 mm is 10 N of
 # disc force, which is not separable from muscle tension until the motion's covariance has settled. Five suffice, and
@@ -44,16 +43,6 @@ SETTLING_TICKS = 5
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 5, 20480
 MOVED = 0.3  # of a natural logarithm
-# What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
-# m/s on, and up to so many. The moment's error is the force's at so many m.
-ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
-STAY_S, LEAST = 1.0, 3e-5
-# m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
-# nor do the encoders show whether they press lightly.
-NEAR = 1e-4
-LOST_SDS = 300.0  # of the motion before the first reading: of the motion that a wrong belief predicts beside the teeth
-# Sd of each component of the wrench over the teeth's force; the last three in m.
-TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
 
 
 class Tick:
@@ -114,117 +103,6 @@ def begin_filter(jaw: Jaw, belief: Belief, motion, settings: FilterSettings):
     belief.gated = 0
 
 
-@njit
-def bite_of(jaw: Jaw, motion, nearer=0.0):
-    """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
-    first = 3 if jaw.condyles == 2 else 2  # of the angles
-    pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
-    return bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
-
-
-@njit
-def bite_at(jaw: Jaw, height, body_to_head):
-    """Force (N) of the teeth with the contact point so high (m)."""
-    bite = 0.0
-    for i in range(N_TEETH):
-        arm = apply(body_to_head, row3(jaw.teeth, i))
-        ramp, _ = smooth_ramp(height + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
-        bite += jaw.tooth_stiffness * ramp
-    return bite
-
-
-@njit
-def reads_pose(used):
-    """Whether the encoders in use (12) tell how near the teeth are."""
-    return used[2] and used[3] and used[4] and used[5]
-
-
-@njit
-def bite_read(jaw: Jaw, measured, nearer):
-    """``bite_of`` the pose that the encoders read (12).
-
-    A belief that has one side too stiff or too soft takes a jaw for lifted that rests on the teeth of one side.
-    """
-    body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
-    height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
-    return bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
-
-
-@njit
-def forget_motion(jaw: Jaw, belief: Belief, sd):
-    """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it."""
-    for i in range(12 if jaw.condyles == 2 else 10):
-        belief.motion_cov[i, :] = 0.0
-        belief.motion_cov[:, i] = 0.0
-        belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]
-    belief.by_tension[:, :] = 0.0
-
-
-@njit
-def add_tooth_noise(bite, variance):
-    """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
-
-    Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
-    both about the mouthpiece.
-    """
-    for k in range(N_WRENCH):
-        sd = TOOTH_NOISE[k] * bite
-        variance[k] += sd * sd
-
-
-@njit
-def stay_of(jaw: Jaw, belief: Belief, dt):
-    """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``STAY_S``."""
-    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
-    last = turning + 3
-    share = dt / STAY_S
-    shift, turn = 0.0, 0.0
-    for i in range(slide, last):
-        drift = belief.drifting[i - slide] + share * (belief.motion[i] - belief.drifting[i - slide])
-        belief.drifting[i - slide] = drift
-        if i < turning:
-            shift = hypot(shift, drift)
-        else:
-            turn = hypot(turn, drift)
-    return ALIKE / (dt * max(shift + jaw.mouthpiece[0] * turn, LEAST))
-
-
-@njit
-def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
-    """What a tick's readings count for, as the model may have something wrong at a pose while the jaw is there.
-
-    An error of so large a share of the force that is carried is alike within ``ALIKE``. After n ticks there with white
-    noise of variance r these have told n / (r + n s) about the force, with s the error's variance. One more tells the
-    derivative, r / (r + n s)^2, in place of 1 / r: a jaw that stays where it is learns no more than 1 / s. As noise of
-    the motion it would make the motion follow the encoders' noise, which biases what is learnt.
-    """
-    stay = stay_of(jaw, belief, settings.dt)
-    trend = belief.trend
-    carried = sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
-    error = settings.lasting * carried
-    noise = (settings.wrench_variance[0] + settings.wrench_variance[1] + settings.wrench_variance[2]) / 3.0
-    return noise / (noise + stay * error * error)
-
-
-@njit
-def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
-    """Add to the process noise ``variance`` (6) what the model may have wrong at a pose while the jaw is there.
-
-    An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
-    ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
-    """
-    motion, trend = belief.motion, belief.trend
-    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
-    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
-    speed = abs(motion[slide]) + jaw.mouthpiece[0] * turn
-    carried = sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
-    ticks = min(ALIKE / (settings.dt * max(speed, SLOWEST)), MOST_TICKS)
-    error = settings.lasting * carried
-    for k in range(3):
-        variance[k] += ticks * error * error
-        variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM
-
-
 def _known_jaw(jaw: Jaw, belief: Belief):
     return jaw
 
@@ -267,8 +145,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         sees = reads_pose(scratch.used)
         if sees:
             bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
-        if belief.nuisances.shape[0] > 0:
-            weight = weight_of_stay(jaw, belief, settings)
+        weight = weight_of_stay(jaw, belief, settings)
         settling = SETTLING_TICKS if jaw.condyles == 2 else 0
         resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0, settling)
         if sees and belief.near > settling:
@@ -277,7 +154,8 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
     if scratch.used.any():
         belief.readings += resolved
         used = scratch.used
-        scratch.verdict = update_motion(jaw, belief, scratch.measured, used, resolved * weight, settings, scratch.update)
+        weight = weight if resolved else 0.0
+        scratch.verdict = update_motion(jaw, belief, scratch.measured, used, weight, settings, scratch.update)
         if resolved and scratch.verdict != REFUSED and not settings.motion_only:
             add_to_block(belief, scratch.update)
     if tick > 0:

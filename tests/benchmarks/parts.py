@@ -110,7 +110,7 @@ def time_part(device, model, world, settings, scratch):
 @numba.njit
 def update_part(device, model, world, settings, scratch):
     known = settings.filter
-    update_motion(model, world.known.belief, scratch.measured, known.used, True, known, scratch.filter.update)
+    update_motion(model, world.known.belief, scratch.measured, known.used, 1.0, known, scratch.filter.update)
 
 
 @numba.njit

@@ -73,7 +73,7 @@ class Linear:
         verdict = self.gate(innovation, order)
         correct_motion(self.belief, self.scratch)
         if verdict != REFUSED:
-            add_information(self.belief, self.scratch)
+            add_information(self.belief, 1.0, self.scratch)
         return verdict
 
 
@@ -187,7 +187,7 @@ def test_an_honest_reading_passes_and_the_gate_changes_nothing(seed):
     plain.set(innovation)
     assert normalised_innovation(plain.belief, plain.scratch) == pytest.approx(plain.nis(innovation), rel=1e-9)
     correct_motion(plain.belief, plain.scratch)
-    add_information(plain.belief, plain.scratch)
+    add_information(plain.belief, 1.0, plain.scratch)
     for name in CARRIED:
         np.testing.assert_array_equal(gated.belief[name], plain.belief[name])
 

@@ -59,9 +59,7 @@ def test_nobody_is_lost(cohort, control):
             assert not isinstance(values, np.ndarray) or values.dtype.kind != "f" or np.isfinite(values).all(), name
         opened = np.maximum(opened, info["jaw_state"][:, 2])
     lost = info["nees"] / 12.0 > 10.0
-    assert not lost.any(), dict(
-        zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True)
-    )
+    assert not lost.any(), dict(zip(np.repeat(everybody.names, EACH)[lost], info["nees"][lost] / 12.0, strict=True))
     np.testing.assert_allclose(refused, worlds["known"]["belief"]["gated"], atol=1e-9)
     assert (terminated == info["violation"]).all()
     assert opened.max() > 0.08

@@ -89,7 +89,7 @@ class Belief:
     readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
-    drifting: Annotated[Array, 6]  # velocities, smoothed, see ``tick.stay_of``
+    drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
     gated: int  # ticks whose innovation the gate rejected when they were read
     last_measured: Annotated[Array, N_MEASUREMENTS]
     encoder_step: Annotated[Array, N_MEASUREMENTS]  # see ``readings.screening``; infinite before a change
@@ -273,7 +273,7 @@ def forget_readings(belief: Belief):
     begin_block(belief.block)
     belief.block.largest, belief.block.second = 0.0, 0.0
     belief.waits, belief.near, belief.readings = 0, 0, 0
-    belief.drifting[:] = 0.0
+    belief.drift_rates[:] = 0.0
     belief.last_measured[:] = np.nan
     belief.encoder_step[:] = np.inf
     belief.repeats[:] = 0.0

@@ -1,0 +1,73 @@
+"""Errors of the model that last as long as the jaw stays where it is."""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+
+from jawenv.filter.belief.state import Belief, FilterSettings
+from jawenv.kernels.compiled import njit
+from jawenv.mechanics.jaw import Jaw
+
+# What the model has wrong at a pose it has wrong within so many m; the ticks that this takes are counted from so many
+# m/s on, and up to so many. The moment's error is the force's at so many m.
+ALIKE, SLOWEST, MOST_TICKS, LASTING_ARM = 1e-3, 1e-3, 100.0, 0.03
+DRIFT_S, SLOWEST_DRIFT = 1.0, 3e-5  # s, m/s
+
+
+@njit
+def stay_of(jaw: Jaw, belief: Belief, dt):
+    """Ticks that the mouthpiece takes for ``ALIKE`` at its velocity, smoothed over ``DRIFT_S``."""
+    slide, turning, end = (6, 9, 12) if jaw.condyles == 2 else (5, 7, 10)
+    shift, turn = 0.0, 0.0
+    for i in range(slide, end):
+        belief.drift_rates[i - slide] += dt / DRIFT_S * (belief.motion[i] - belief.drift_rates[i - slide])
+        if i < turning:
+            shift = hypot(shift, belief.drift_rates[i - slide])
+        else:
+            turn = hypot(turn, belief.drift_rates[i - slide])
+    return ALIKE / (dt * max(shift + jaw.mouthpiece[0] * turn, SLOWEST_DRIFT))
+
+
+@njit
+def carried_force(jaw: Jaw, belief: Belief):
+    """What the device and gravity pull at the jaw, N."""
+    trend = belief.trend
+    return sqrt(trend[0] * trend[0] + trend[1] * trend[1] + trend[2] * trend[2]) + jaw.mass * -jaw.gravity[2]
+
+
+@njit
+def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
+    """What a tick's readings count for as information, where the anatomy is known only within sds.
+
+    What these leave wrong in the model is so large a share of the force that is carried, and alike within ``ALIKE``. n
+    ticks there with white noise of variance r tell n / (r + n s) of the force, with s the error's variance, in place of
+    n / r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. As more noise of
+    the motion it would make the motion follow the encoders' noise, which biases what is learnt.
+    """
+    if belief.nuisances.shape[0] == 0:
+        return 1.0
+    noise = 0.0
+    for k in range(3):
+        noise += settings.wrench_variance[k] / 3.0
+        if settings.disturbance_variance.shape[0] > 0:
+            noise += settings.disturbance_variance[k] / (1.0 - settings.disturbance_decay**2) / 3.0
+    error = settings.lasting * carried_force(jaw, belief)
+    return noise / (noise + stay_of(jaw, belief, settings.dt) * error * error)
+
+
+@njit
+def add_lasting_noise(jaw: Jaw, belief: Belief, settings: FilterSettings, variance):
+    """Add to the process noise ``variance`` (6) what the model may have wrong at a pose while the jaw is there.
+
+    An error of so large a share of the force that is carried, alike within ``ALIKE``, is as much noise per tick as the
+    ticks that the jaw takes for that way: a maneuver that stays where it is learns no more than it sees.
+    """
+    motion = belief.motion
+    slide, turning = (6, 9) if jaw.condyles == 2 else (5, 7)
+    turn = abs(motion[turning]) + abs(motion[turning + 1]) + abs(motion[turning + 2])
+    speed = abs(motion[slide]) + jaw.mouthpiece[0] * turn
+    ticks = min(ALIKE / (settings.dt * max(speed, SLOWEST)), MOST_TICKS)
+    error = settings.lasting * carried_force(jaw, belief)
+    for k in range(3):
+        variance[k] += ticks * error * error
+        variance[3 + k] += ticks * error * error * LASTING_ARM * LASTING_ARM

@@ -1,0 +1,76 @@
+"""How near the teeth are, as believed and as read, and what nobody knows of their force."""
+
+from __future__ import annotations
+
+from jawenv.filter.belief.state import Belief
+from jawenv.kernels.compiled import njit
+from jawenv.kernels.vec3 import apply, row3, vector3
+from jawenv.mechanics.dynamics import N_WRENCH
+from jawenv.mechanics.forces import smooth_ramp
+from jawenv.mechanics.jaw import N_TEETH, Jaw
+from jawenv.mechanics.kinematics import contact_point, rotation
+
+# m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
+# nor do the encoders show whether they press lightly.
+NEAR = 1e-4
+LOST_SDS = 300.0  # of the motion before the first reading: of the motion that a wrong belief predicts beside the teeth
+# Sd of each component of the wrench over the teeth's force; the last three in m.
+TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
+
+
+@njit
+def bite_of(jaw: Jaw, motion, nearer=0.0):
+    """Force (N) with which the teeth press, or would press if they were ``nearer`` (m)."""
+    first = 3 if jaw.condyles == 2 else 2  # of the angles
+    pose = (motion[0], motion[1], motion[first], motion[first + 1], motion[first + 2])
+    return bite_at(jaw, contact_point(jaw, pose)[2] + nearer, rotation(pose))
+
+
+@njit
+def bite_at(jaw: Jaw, height, body_to_head):
+    """Force (N) of the teeth with the contact point so high (m)."""
+    bite = 0.0
+    for i in range(N_TEETH):
+        arm = apply(body_to_head, row3(jaw.teeth, i))
+        ramp, _ = smooth_ramp(height + arm[2] - jaw.teeth[i, 2], jaw.stop_width)
+        bite += jaw.tooth_stiffness * ramp
+    return bite
+
+
+@njit
+def reads_pose(used):
+    """Whether the encoders in use (12) tell how near the teeth are."""
+    return used[2] and used[3] and used[4] and used[5]
+
+
+@njit
+def bite_read(jaw: Jaw, measured, nearer):
+    """``bite_of`` the pose that the encoders read (12).
+
+    A belief that has one side too stiff or too soft takes a jaw for lifted that rests on the teeth of one side.
+    """
+    body_to_head = rotation((0.0, 0.0, measured[3], measured[4], measured[5]))
+    height = measured[2] + (0.0 if jaw.condyles == 2 else jaw.zero[2])
+    return bite_at(jaw, height - apply(body_to_head, vector3(jaw.mouthpiece))[2] + nearer, body_to_head)
+
+
+@njit
+def add_tooth_noise(bite, variance):
+    """Add to the process noise ``variance`` (6) what the force ``bite`` (N) of the teeth may be off by.
+
+    Nobody knows what teeth and their ligament do: a fifth of the force upwards, half of that across, and the moments of
+    both about the mouthpiece.
+    """
+    for k in range(N_WRENCH):
+        sd = TOOTH_NOISE[k] * bite
+        variance[k] += sd * sd
+
+
+@njit
+def forget_motion(jaw: Jaw, belief: Belief, sd):
+    """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it."""
+    for i in range(12 if jaw.condyles == 2 else 10):
+        belief.motion_cov[i, :] = 0.0
+        belief.motion_cov[:, i] = 0.0
+        belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]
+    belief.by_tension[:, :] = 0.0
