@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jawenv.envs.rewards import potential
 from jawenv.envs.simulation import Simulation
-from jawenv.playing.protocol import Array, Mask
+from jawenv.playing.agents import Array, Mask
 
 
 class Forecast(NamedTuple):

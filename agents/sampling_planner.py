@@ -12,8 +12,8 @@ from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import N_CHANNELS
 from jawenv.errors import InputError, shown
-from jawenv.playing.maneuvers.player import action_of
-from jawenv.playing.protocol import Array, Mask
+from jawenv.playing.agents import Array, Mask
+from jawenv.playing.maneuvers.maneuver import action_of
 
 LOW, HIGH = np.array([0.0, -0.9, -0.3, -0.9]), np.array([0.95, 0.9, 0.3, 0.9])
 """Targets that are sampled lie in this box, fractions of the patient's comfort."""

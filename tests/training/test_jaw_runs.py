@@ -11,8 +11,7 @@ import pytest
 import agents
 import jawenv
 from agents.evaluations import read_evaluations
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.card import read_card
 from jawenv.playing.policies.residual import ResidualPolicy
