@@ -16,8 +16,8 @@ from agents.planning import Planner
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
 from jawenv.extras import needs
+from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.protocol import Array, Mask
 
 BEGINNING = "refined_one_sided"
 """The maneuver from which the search goes."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from jawenv.errors import InputError
 from jawenv.named_objects import add_current_folder, import_named, is_named, no_module, reason
-from jawenv.playing.protocol import Agent
+from jawenv.playing.agents import Agent
 
 _MEMBERS = ("name", "reset", "predict")
 

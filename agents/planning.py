@@ -17,9 +17,8 @@ from gymnasium.vector import VectorEnv
 from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
 from jawenv.errors import InputError, shown
-from jawenv.playing.agents import BatchAgent
-from jawenv.playing.maneuvers.player import action_of
-from jawenv.playing.protocol import Action, Array, Mask, Observation, State
+from jawenv.playing.agents import Action, Array, BatchAgent, Mask, Observation, State
+from jawenv.playing.maneuvers.maneuver import action_of
 
 CLAIRVOYANT = "No contestant: knows the true patient, a yardstick of what adapting can be worth. "
 """The description of a clairvoyant planner begins with it."""
@@ -67,7 +66,7 @@ class Planner(BatchAgent, ABC):
         return 1e3 * self.seconds / self.decisions if self.decisions else float("nan")
 
     def attach(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """See ``jawenv.playing.protocol.Planning.attach``.
+        """See ``jawenv.playing.agents.Planning.attach``.
 
         Raises:
             InputError: an environment with another control mode than targets, or one that the planner cannot play.

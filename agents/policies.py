@@ -14,10 +14,9 @@ import numpy as np
 from jawenv.controls import Control
 from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
-from jawenv.playing.agents import BatchAgent, check_size
+from jawenv.playing.agents import Action, Agent, BatchAgent, Mask, Observation, State, check_size
 from jawenv.playing.policies.card import CARD, card_of, policy_folder
 from jawenv.playing.policies.plain import check_environment, load_plain, on_maneuver
-from jawenv.playing.protocol import Action, Agent, Mask, Observation, State
 from jawenv.reading import open_file
 
 if TYPE_CHECKING:

@@ -12,12 +12,12 @@ from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, not_among
 from jawenv.ladder import model_of_env
 from jawenv.named_objects import is_named
+from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import CARD, WEIGHTS, card_of, policy_folder
 from jawenv.playing.policies.named import agent_names, in_control, named_agent, steps_per_s
-from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 
 

@@ -19,12 +19,11 @@ from jawenv.controls import DEFAULT_CONTROL, Control, control_of, takes_targets
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET
 from jawenv.errors import InputError, printable, shown
 from jawenv.files import write_text
-from jawenv.playing.agents import BatchAgent
+from jawenv.playing.agents import Action, Agent, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.player import goals_of
+from jawenv.playing.maneuvers.maneuver import goals_of
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import TargetsLaw
-from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 from jawenv.playing.rollout import DEFAULT_ENV, play
 
 FADE_IN_S = 1e-3  # a maneuver has to fade in; this one does before its first target

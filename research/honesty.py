@@ -21,8 +21,7 @@ import numpy as np
 import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from jawenv.anatomy import COHORTS

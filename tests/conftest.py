@@ -1,5 +1,8 @@
 """Fixtures for all tests; that this file exists also makes the helpers beside it (``newton_euler``) importable."""
 
+import sys
+
+import numba
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -28,6 +31,16 @@ def pytest_collection_modifyitems(items):
     half = min(len(items) // 2, len(rest))
     quarter = half + (len(rest) - half) // 2
     items[:] = [*rest[:half], *own, *rest[half:quarter], *notebooks, *rest[quarter:]]
+
+
+def pytest_collection_finish(session):
+    """PyTorch has one thread: several only wait for each other in small networks, and for other workers.
+
+    Tests that set the number of Numba's threads begin these, which set that of PyTorch's: they begin here.
+    """
+    numba.get_num_threads()
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(1)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -13,7 +13,7 @@ import jawenv
 import training.cli
 from agents import load_agent
 from agents.planning import Planner
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings
 from eval.studies.design import Design as Study
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, control_of
 from jawenv.envs.configuration import Configuration

@@ -13,8 +13,7 @@ import agents
 import jawenv
 from agents.sampling_planner import SamplingPlanner
 from eval.comparison.admission import AdmissionLimits
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.patient.treatments import Course
 from jawenv import InputError
 from jawenv.anatomy import MuscleSet, Patient, Prior, attachment, cohort, default_fossa, default_mandible, muscle_set

@@ -13,8 +13,60 @@ from rich.console import Console
 from jawenv.commands.options import takes_world
 from jawenv.commands.running import command_line, run
 from jawenv.errors import InputError
-from training.run import options
 from training.search.commands import optimise, refine, twin
+
+Config = Annotated[
+    str | None,
+    typer.Argument(metavar="CONFIG", help="A shipped configuration (ppo, sac, tqc, ...) or a YAML file."),
+]
+Environment = Annotated[
+    str | None,
+    typer.Option("--env", metavar="NAME", help="Environment: jawenv/JawSides-v3, or JawSides, or sides."),
+]
+ResidualOn = Annotated[
+    str | None,
+    typer.Option(metavar="MANEUVER", help="Train a correction of this maneuver (name or file)."),
+]
+Reward = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="What is paid for: mixed, worst, uncertainty, score or bound."),
+]
+TargetDiscomfort = Annotated[
+    float | None,
+    typer.Option(metavar="S", help="Discomfort allowed on average, s in 30 s; its price is then learned."),
+]
+Output = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Folder of the run; default runs/CONFIG[-ENV]-seedSEED."),
+]
+Steps = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Environment steps to train for, over all worlds."),
+]
+Seed = Annotated[int | None, typer.Option(metavar="N", help="Seed; equal seeds give equal policies.")]
+Seeds = Annotated[
+    str | None,
+    typer.Option(metavar="LIST", help="Several seeds, 0-4 or 0,1,2, each into OUTPUT-seedK; finished ones are left."),
+]
+Worlds = Annotated[int | None, typer.Option(metavar="N", help="Worlds stepped at once.")]
+Device = Annotated[str | None, typer.Option(metavar="NAME", help="Where the network runs: cpu, cuda, ...")]
+Resume = Annotated[
+    Path | None,
+    typer.Option(metavar="RUN", help="Go on with the run in this folder, from its latest checkpoint."),
+]
+Continue = Annotated[
+    bool,
+    typer.Option("--continue", help="Go on with the run in the output folder if there is one; else start it."),
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the output folder.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; those of several seeds are averaged.")]
+Figure = Annotated[Path, typer.Option(metavar="FILE", help="The picture to write, a .png.")]
+Trials = Annotated[int, typer.Option(metavar="N", help="Trials that the study shall have in the end.")]
+Storage = Annotated[
+    str,
+    typer.Option(metavar="URL", help="Database of the study: sqlite:///runs/tune.db, postgresql://..., mysql://..."),
+]
+Study = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the study; default the configuration's.")]
 
 app = command_line("Train agents that identify a patient's closing muscles.")
 app.command("optimise")(optimise)
@@ -26,19 +78,19 @@ app.command("refine")(refine)
 @takes_world("device")
 def train(
     world: dict[str, Any],
-    config: options.Config = None,
-    residual_on: options.ResidualOn = None,
-    reward: options.Reward = None,
-    target_discomfort: options.TargetDiscomfort = None,
-    output: options.Output = None,
-    steps: options.Steps = None,
-    seed: options.Seed = None,
-    seeds: options.Seeds = None,
-    n_envs: options.Worlds = None,
-    device: options.Device = None,
-    resume: options.Resume = None,
-    continue_: options.Continue = False,
-    overwrite: options.Overwrite = False,
+    config: Config = None,
+    residual_on: ResidualOn = None,
+    reward: Reward = None,
+    target_discomfort: TargetDiscomfort = None,
+    output: Output = None,
+    steps: Steps = None,
+    seed: Seed = None,
+    seeds: Seeds = None,
+    n_envs: Worlds = None,
+    device: Device = None,
+    resume: Resume = None,
+    continue_: Continue = False,
+    overwrite: Overwrite = False,
 ) -> int:
     """Train a policy; Ctrl-C saves a checkpoint that --resume goes on from.
 
@@ -94,7 +146,7 @@ def train(
 
 
 @app.command("plot")
-def plot(runs: options.Runs, output: options.Figure = Path("runs/learning_curves.png")) -> int:
+def plot(runs: Runs, output: Figure = Path("runs/learning_curves.png")) -> int:
     """Draw learning curves: worst sd and discomfort over steps, mean and 95 % interval over seeds."""
     from training.run.plot import draw
 
@@ -104,14 +156,14 @@ def plot(runs: options.Runs, output: options.Figure = Path("runs/learning_curves
 
 @app.command("tune")
 def tune(
-    config: options.Config = None,
-    trials: options.Trials = 20,
-    storage: options.Storage = "sqlite:///runs/tune.db",
-    study: options.Study = None,
-    env: options.Environment = None,
-    residual_on: options.ResidualOn = None,
-    steps: options.Steps = None,
-    output: options.Output = None,
+    config: Config = None,
+    trials: Trials = 20,
+    storage: Storage = "sqlite:///runs/tune.db",
+    study: Study = None,
+    env: Environment = None,
+    residual_on: ResidualOn = None,
+    steps: Steps = None,
+    output: Output = None,
 ) -> int:
     """Search an algorithm's settings with Optuna; the same command goes on with a study that was stopped."""
     from training.run.config import asked_for

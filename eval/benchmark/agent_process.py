@@ -21,7 +21,7 @@ from agents import registry
 from jawenv.controls import CONTROLS
 from jawenv.errors import InputError, shown
 from jawenv.named_objects import is_named
-from jawenv.playing.protocol import Action, Agent, Mask, Observation, State, checked_decision
+from jawenv.playing.agents import Action, Agent, Mask, Observation, State, checked_decision
 
 _LONGEST_LINE = 2**24  # bytes
 _LONGEST_TEXT = 200

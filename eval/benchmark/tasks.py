@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings
 from jawenv.anatomy import cohort
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.device.device import device_of

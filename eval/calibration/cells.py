@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from eval.kept.cells import Cell
-from eval.kept.entries import load_entries, load_entry
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries, load_entry
 from eval.rows.beliefs import LATE, Beliefs
 from eval.rows.filters import filters_named
 from jawenv.controls import mode_of

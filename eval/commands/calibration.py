@@ -46,8 +46,8 @@ def calibrate_command(
     from eval.calibration import summary
     from eval.calibration.cells import cells_of
     from eval.kept.cells import play_cells
+    from eval.kept.entries import Settings
     from eval.kept.parts import Run
-    from eval.kept.settings import Settings
     from eval.kept.tables import made_with, write_table
 
     moments = tuple(_seconds(text) for text in times.split(","))

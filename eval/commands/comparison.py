@@ -54,9 +54,8 @@ def compare_command(
     there.
     """
     from eval.comparison.admission import AdmissionLimits
-    from eval.comparison.compare import compare
-    from eval.kept.entries import env_of_runs, load_entries, maneuver_names
-    from eval.kept.settings import Settings
+    from eval.comparison.results import compare
+    from eval.kept.entries import Settings, env_of_runs, load_entries, maneuver_names
 
     admission = AdmissionLimits(largest_discomfort_s, largest_violation)
     specs = [*(entries or []), *(maneuver_names() if all_maneuvers else [])]
@@ -130,8 +129,7 @@ def replay_command(
     The maneuver is the agent without its eyes: what the agent does better on other patients, it owes to adapting.
     """
     from eval.episodes.replays import replay_of_entry
-    from eval.kept.entries import load_entries
-    from eval.kept.settings import Settings
+    from eval.kept.entries import Settings, load_entries
 
     settings = Settings.of(patients, seed, **world | {"control": "targets"})
     entry = load_entries([agent], settings.world, trust=trust)[0]

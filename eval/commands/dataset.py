@@ -37,7 +37,7 @@ def dataset_command(
     slow_opening, opening_with_swings_and_fore_aft and refined.
     """
     from eval.episodes.dataset import FORMATS, REFERENCES, write_all
-    from eval.kept.settings import Settings
+    from eval.kept.entries import Settings
     from jawenv.errors import InputError, shown
 
     if file_format not in FORMATS:

@@ -37,8 +37,8 @@ def information_command(
     """
     from eval.comparison import information
     from eval.kept.cells import play_cells
+    from eval.kept.entries import Settings
     from eval.kept.parts import Run
-    from eval.kept.settings import Settings
     from eval.kept.tables import made_with, write_table
     from jawenv.files import write_text
 

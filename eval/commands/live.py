@@ -11,7 +11,7 @@ from eval.commands import options
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError
 from jawenv.live.server import PORT
-from jawenv.playing.protocol import Agent, Planning
+from jawenv.playing.agents import Agent, Planning
 from jawenv.seeds import REPORTS
 
 

@@ -51,8 +51,7 @@ def patient_command(
     """
     import pandas as pd
 
-    from eval.kept.entries import env_of_runs, load_entries
-    from eval.kept.settings import Settings
+    from eval.kept.entries import Settings, env_of_runs, load_entries
     from eval.kept.tables import made_with, write_table
     from eval.patient import page
     from eval.patient.courses import persons, play_courses
@@ -101,9 +100,8 @@ def diagnose_command(
     Writes diagnosis.md, diagnosis.parquet, and the tables of ``compare``. Ctrl-C keeps the entries that are finished:
     the same command goes on from there.
     """
-    from eval.comparison.compare import compare
-    from eval.kept.entries import env_of_runs, load_entries
-    from eval.kept.settings import Settings
+    from eval.comparison.results import compare
+    from eval.kept.entries import Settings, env_of_runs, load_entries
     from eval.kept.tables import write_table
     from eval.patient import accuracy
 

@@ -11,8 +11,7 @@ import pandas as pd
 from eval.figures import words
 from eval.figures.tables import Table
 from eval.kept.cells import Cell
-from eval.kept.entries import load_entries, load_entry
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries, load_entry
 from eval.rows.gains import Gains
 from jawenv.errors import InputError
 

@@ -32,8 +32,6 @@ SIGMAS = {1: 0.6827, 2: 0.9545, 3: 0.9973}
 """Share of a Gaussian within so many standard deviations of its mean."""
 KNOWN = 0.05
 """All parameters are known when the worst sd is at most this."""
-GAP_NATS = 2.0
-"""Claimed and true information that are further apart are named."""
 N_LETTERS = 26
 CLAIRVOYANT = "plans with the patient's true parameters: a yardstick, no contestant"
 _TIME_TO = re.compile(r"time_to_(.+)_s")

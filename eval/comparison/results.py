@@ -1,4 +1,4 @@
-"""The two tables of a comparison.
+"""A comparison, in which every entry meets the same patients with the same noise, and its two tables.
 
 `patients` has one row per entry and patient: entry, patient, and the columns of `eval.rows.outcomes`. `curves` has one
 row per entry, quantity and time: entry, and those of `eval.rows.outcomes.curves`.
@@ -6,16 +6,26 @@ row per entry, quantity and time: entry, and those of `eval.rows.outcomes.curves
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from rich.console import Console
 
-from eval.kept.tables import read_table, write_table
-from eval.rows.outcomes import PATIENT_METRICS, curves, without_times
+from eval.kept.cells import Cell, play_cells
+from eval.kept.entries import Entry, Settings
+from eval.kept.parts import Run
+from eval.kept.tables import made_with, read_table, write_table
+from eval.rows.outcomes import PATIENT_METRICS, Outcomes, curves, without_times
+from jawenv.errors import InputError
+from jawenv.locks import alone
 from jawenv.playing.rollout import DEFAULT_ENV
 
 Array = npt.NDArray[np.float64]
@@ -69,6 +79,56 @@ class Results:
     def array(self, entry: str, prefix: str) -> Array:
         """(N, P) of one entry: `sd`, `error`, `bound_sd` or `truth` of every parameter."""
         return self.of(entry)[[f"{prefix}/{name}" for name in self.parameters]].to_numpy(dtype=np.float64)
+
+
+def compare(
+    entries: Sequence[Entry],
+    settings: Settings,
+    output: Path | None = None,
+    *,
+    command: str = "",
+    fresh: bool = False,
+    console: Console | None = None,
+) -> Results:
+    """Play every entry on the same patients and noise; keep each as soon as it is finished.
+
+    Args:
+        entries: the contestants.
+        settings: on whom and how.
+        output: folder for `patients.parquet`, `curves.parquet` and what is kept, which is used again when nothing that
+            decides it has changed; without a folder nothing is kept.
+        command: how the user asked for it, for the results' metadata.
+        fresh: compute every entry again.
+        console: where progress is shown; nowhere by default.
+
+    Returns:
+        The tables of the comparison, as saved.
+
+    Raises:
+        InputError: no entry, or one of another environment than the settings'; the output folder cannot be used or
+            another process uses it, or a kept file is damaged.
+    """
+    if not entries:
+        raise InputError("nothing to compare: name a maneuver or a training run, or use --all-maneuvers")
+    for entry in entries:
+        if entry.env_id != settings.world.env_id:
+            raise InputError(f"{entry.label} plays {entry.env_id}, but this comparison is in {settings.world.env_id}")
+    with TemporaryDirectory() if output is None else nullcontext(output) as folder, alone(Path(folder)):
+        # All patients of an entry together: threads share them out, and a yoked replay knows its patient by the place.
+        seeds, outcomes = settings.seeds, Outcomes()
+        cells = [
+            Cell({"entry": entry.label}, partial(_itself, entry), seeds, outcomes, len(seeds)) for entry in entries
+        ]
+        rows = play_cells(cells, Path(folder), Run(fresh, 1, console=console))
+        metadata = made_with(command, settings=settings.to_mapping(), entries=[entry.about() for entry in entries])
+        study = Results.of_rows(rows, metadata)
+        if output is not None:
+            save(study, output)
+    return study
+
+
+def _itself(entry: Entry) -> Entry:
+    return entry
 
 
 def save(results: Results, folder: Path) -> None:

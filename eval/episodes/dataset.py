@@ -17,14 +17,13 @@ from rich.console import Console
 
 import jawenv
 from eval.episodes.croissant import write_croissant
-from eval.kept.entries import Entry, load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Entry, Settings, load_entries
 from eval.kept.tables import made_with
 from jawenv.errors import InputError
 from jawenv.extras import needs
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
-from jawenv.playing.protocol import checked_decision
+from jawenv.playing.agents import checked_decision
 from jawenv.progress import Progress
 
 REFERENCES = ("random", "hold_still", "slow_opening", "opening_with_swings_and_fore_aft", "refined")

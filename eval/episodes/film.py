@@ -19,7 +19,7 @@ from jawenv.errors import InputError
 from jawenv.files import atomic_write
 from jawenv.ladder import model_of_env
 from jawenv.locks import alone
-from jawenv.playing.protocol import checked_decision
+from jawenv.playing.agents import checked_decision
 from jawenv.progress import Progress
 from jawenv.rendering.film import PairRenderer
 

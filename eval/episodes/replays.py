@@ -11,8 +11,7 @@ from rich.console import Console
 from agents.replay import check_targets, replays_of, save_maneuver
 from eval.figures import words
 from eval.kept.digest import fingerprint
-from eval.kept.entries import Entry, load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Entry, Settings, load_entries
 from jawenv.errors import InputError, shown
 from jawenv.locks import alone
 from jawenv.progress import Progress

@@ -16,7 +16,7 @@ from agents import registry
 from eval.kept.entries import Entry
 from jawenv.errors import InputError, shown
 from jawenv.files import FILE_TYPES
-from jawenv.playing.protocol import Agent
+from jawenv.playing.agents import Agent
 from jawenv.reading import read_bytes
 from jawenv.versions import package_versions
 

@@ -92,10 +92,9 @@ Image(str(draw([RUN], RUN / "curves.png")))
 # On patients that took no part in the training, in the same control mode, with the same noise.
 
 # %%
-from eval.comparison.compare import compare
 from eval.comparison.ranking import rank
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.comparison.results import compare
+from eval.kept.entries import Settings, load_entries
 from eval.report.overview import overview
 
 settings = Settings.of(PATIENTS, 300, episode_s=EPISODE_S)

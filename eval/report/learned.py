@@ -108,7 +108,7 @@ def _difference(study: Results, entry: RankingRow, base: RankingRow, column: str
 def _changes(
     before: dict[str, Any] | None, after: dict[str, Any] | None, metadata: dict[str, Any]
 ) -> tuple[TargetShift, ...]:
-    from jawenv.playing.maneuvers.player import goals_of
+    from jawenv.playing.maneuvers.maneuver import goals_of
 
     if not before or not after or not takes_targets(metadata["settings"]["control"]):
         return ()

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from jawenv.live.server import serving, url_of
 from jawenv.live.setup import Setup
-from jawenv.playing.protocol import Agent
+from jawenv.playing.agents import Agent
 
 
 class _Page(Protocol):

@@ -10,10 +10,10 @@ import numpy as np
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import not_among
 from jawenv.metrics import score
+from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
 from jawenv.playing.policies.card import policy_folder, read_card
 from jawenv.playing.policies.named import agent_names, named_agent
-from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play as play_on
 
 

@@ -16,6 +16,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numba.extending
 import numpy as np
+from numba.np.ufunc import parallel
 
 from jawenv.errors import InputError
 from jawenv.kernels.cache import MADE_OF, OPTIONS, KernelCache, kernel_folder, one_process, prune_cache
@@ -156,7 +157,7 @@ class WorldKernel:
         worlds = arguments[self._position]
         if worlds.dtype not in self._begun:
             self._begin(worlds.dtype, arguments)
-        threads = min(numba.get_num_threads(), len(worlds) // WORLDS_AT_ONCE)
+        threads = min(_number_of_threads(), len(worlds) // WORLDS_AT_ONCE)
         if threads < 2:
             self._kernel(*arguments, (0, len(worlds), 0))
             return
@@ -182,6 +183,18 @@ class WorldKernel:
             self._kernel(*arguments, (0, 0, 0))
         prune_cache()
         self._begun.add(dtype)
+
+
+def _number_of_threads() -> int:
+    """What ``numba.get_num_threads()`` says.
+
+    That is asked only where Numba's own threads have begun, as `numba.set_num_threads` begins them. The question begins
+    them too, and they set OpenMP's number, which is PyTorch's: ``torch.set_num_threads(1)`` would be undone.
+    """
+    config: Any = numba.config
+    begun = getattr(parallel, "_is_initialized", True)
+    number: int = numba.get_num_threads() if begun else config.NUMBA_NUM_THREADS
+    return number
 
 
 @cache

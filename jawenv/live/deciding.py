@@ -6,8 +6,8 @@ import numpy as np
 
 from jawenv.controls import CONTROLS
 from jawenv.device.channels import FASTEST_TARGET
-from jawenv.playing.maneuvers.player import goals_of
-from jawenv.playing.protocol import Agent, Array, Observation, State
+from jawenv.playing.agents import Agent, Array, Observation, State
+from jawenv.playing.maneuvers.maneuver import goals_of
 
 _DECISION_HZ = CONTROLS["targets"].steps_per_s
 

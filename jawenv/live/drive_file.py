@@ -11,10 +11,10 @@ import yaml
 from jawenv.device.channels import CHANNELS
 from jawenv.errors import InputError
 from jawenv.files import write_text
+from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import Channels
 from jawenv.playing.maneuvers.signals import KeyframePoint, Keyframes
-from jawenv.playing.protocol import Array
 
 _DECIMALS = 5
 _SMALLEST = 10.0**-_DECIMALS

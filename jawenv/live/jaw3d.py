@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
-from jawenv.playing.protocol import Array
+from jawenv.playing.agents import Array
 from jawenv.rendering import outlines, palette
 from jawenv.rendering.mesh import Mesh, loft
 from jawenv.rendering.muscles import muscle_colours

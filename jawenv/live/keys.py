@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from jawenv.device.channels import FORE_AFT, HIGHEST, LOWEST, OPENING, ROLL, SIDE
-from jawenv.playing.protocol import Array
+from jawenv.playing.agents import Array
 
 DRIVE_KEYS: dict[str, tuple[str, int, float]] = {
     "KeyW": ("close", OPENING, -0.5),

@@ -12,10 +12,10 @@ from jawenv.controls import takes_targets
 from jawenv.errors import InputError
 from jawenv.live.setup import Setup
 from jawenv.metrics import score
+from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.card import SHIPPED
 from jawenv.playing.policies.plain import load_plain
-from jawenv.playing.protocol import Agent
 from jawenv.playing.rollout import play
 
 RIVALS = ("refined", "slow_opening")

@@ -25,8 +25,8 @@ from jawenv.live.score_card import score_png
 from jawenv.live.session import BY_HAND, DriveSession
 from jawenv.live.setup import Setup
 from jawenv.live.view import View
+from jawenv.playing.agents import Agent, Array
 from jawenv.playing.maneuvers import maneuver_names
-from jawenv.playing.protocol import Agent, Array
 
 _SLIDERS = ("Opening", "Side, left +", "Fore-aft force", "Roll, right +")
 _STEP = 0.005

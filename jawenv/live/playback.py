@@ -12,7 +12,7 @@ from jawenv.mechanics.bilateral import N_BODY
 from jawenv.mechanics.forces import muscle_pull
 from jawenv.mechanics.kinematics import rotation
 from jawenv.metrics.precision import time_to
-from jawenv.playing.protocol import Array
+from jawenv.playing.agents import Array
 from jawenv.rendering.scene import Scene
 
 FRAMES_PER_S = 20.0

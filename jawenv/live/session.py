@@ -23,8 +23,8 @@ from jawenv.live.drive_file import maneuver_of_drive, write_maneuver
 from jawenv.live.outcome import KNOWN, DriveOutcome
 from jawenv.live.setup import Setup
 from jawenv.live.steering import Steering
+from jawenv.playing.agents import Agent, Array
 from jawenv.playing.maneuvers import Maneuver, maneuver_names
-from jawenv.playing.protocol import Agent, Array
 from jawenv.rendering.scene import Scene
 
 BY_HAND = "you"

@@ -8,11 +8,10 @@ from jawenv.controls import Control
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.errors import InputError, shown
 from jawenv.live.deciding import Deciding
-from jawenv.playing.agents import Memory
+from jawenv.playing.agents import Action, Array, Mask, Memory, Observation
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.maneuvers.maneuver import Channels, Targets
 from jawenv.playing.maneuvers.signals import KeyframePoint, Keyframes
-from jawenv.playing.protocol import Action, Array, Mask, Observation
 
 _ZERO = Keyframes(kind="keyframes", points=(KeyframePoint(t_s=0.0, value=0.0),))
 # The hand has all four channels, the roll among them.

@@ -9,8 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from jawenv.playing.agents import BatchAgent
-from jawenv.playing.protocol import Action, Array, Mask, Observation, State
+from jawenv.playing.agents import Action, Array, BatchAgent, Mask, Observation, State
 
 ACTION_SIZE = 4
 

@@ -19,7 +19,7 @@ from jawenv.checks import whole_number
 from jawenv.controls import DEFAULT_CONTROL, control_of
 from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV as DEFAULT_ENV
-from jawenv.playing.protocol import Action, checked_decision
+from jawenv.playing.agents import Action, checked_decision
 from jawenv.playing.recording import Array, Mask, Recording
 from jawenv.playing.singles import SingleWorlds
 
@@ -62,7 +62,7 @@ def play(
     Args:
         agent: anything with stable-baselines3's `predict(observation, state, episode_start, deterministic)`;
             `reset(num_envs, seed)` is called first where the agent has one, and then `attach(env)`
-            (`jawenv.playing.protocol.Planning`).
+            (`jawenv.playing.agents.Planning`).
         patients: how many to draw from the environment's cohort (world i by the seed `seed + i`), or the
             patients: each a `Patient`, a mapping of its fields, the path of a file, or None to draw one.
         seed: of patients and noise, 0 to 2**32 - 1; of the first world, or one for each.

@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 LIGHT = np.array([-0.35, 0.62, 0.70])  # from the viewer's upper left
 AMBIENT = 0.20
 HEIGHT_MM = 164.0  # that a view of the jaw shows
-DESIGN_HEIGHT = 384.0  # of a view in the environment's picture: widths of lines in design units are meant for it
 _SIDE_TURN = np.radians(9.0)
 
 

@@ -10,7 +10,7 @@ from agents.clairvoyant import Clairvoyant
 from agents.planners import PLANNERS
 from agents.sampling_planner import SamplingPlanner
 from jawenv.errors import InputError
-from jawenv.playing.protocol import Agent, Planning
+from jawenv.playing.agents import Agent, Planning
 from tests.recorded import Actions
 
 KWARGS = {"control": "targets", "episode_s": 2.0}

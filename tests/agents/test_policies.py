@@ -24,11 +24,11 @@ import jawenv
 from agents.policies import load_policy
 from jawenv.envs.observation import OBSERVATION_SIZE
 from jawenv.errors import InputError
+from jawenv.playing.agents import Agent
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.plain import PlainPolicy, elu
 from jawenv.playing.policies.residual import N_FEATURES, ResidualPolicy
-from jawenv.playing.protocol import Agent
 from tests.plain_policies import random_weights, write_corrector, write_policy
 
 

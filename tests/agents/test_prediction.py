@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.prediction import Prediction
+from agents.sampling_planner import Prediction
 from jawenv.envs.fork import believe
 from jawenv.envs.rewards import potential
 

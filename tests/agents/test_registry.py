@@ -6,9 +6,9 @@ import pytest
 
 import agents
 from jawenv.errors import InputError
+from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import Excitation
-from jawenv.playing.maneuvers.player import Player
-from jawenv.playing.protocol import Agent
+from jawenv.playing.maneuvers.maneuver import Player
 
 
 @pytest.mark.parametrize("name", [*agents.names(), "random"])

@@ -11,7 +11,7 @@ import numpy as np
 from agents import load_agent
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.envs.world.plants import TICK
-from jawenv.playing.protocol import Agent
+from jawenv.playing.agents import Agent
 from jawenv.playing.rollout import DEFAULT_ENV
 
 WORLDS = 256

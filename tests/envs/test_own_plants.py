@@ -151,9 +151,8 @@ def test_copies_and_snapshots_go_on_alike(way):
         gym.make(ID, plant=Midline(), control="force").unwrapped.restore(snapshot)
 
 
-def test_a_jaw_known_within_sds():
-    """The plant gets the true anatomy, the filter another."""
-    env = gym.make("jawenv/JawImaged-v3", plant=Midline())
+def test_the_plant_gets_the_true_anatomy_and_the_filter_another():
+    env = gym.make(ID, plant=Midline(), reality={"attachment_error": 0.1})
     env.reset(seed=5000)
     for (action,) in actions(1, 4):
         *_, info = env.step(action)

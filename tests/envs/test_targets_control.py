@@ -13,7 +13,7 @@ from jawenv.envs.world.tracking import LAW_TICKS, aim, follow_all, move_targets
 from jawenv.errors import InputError
 from jawenv.metrics.calibration import nees, nees_band
 from jawenv.playing.maneuvers import Player, maneuver_names
-from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.maneuvers.maneuver import action_of
 
 ID = "jawenv/Jaw-v3"
 PERIOD_S = 0.2

@@ -14,7 +14,7 @@ from numba.extending import overload
 
 import jawenv
 from jawenv.kernels import cache
-from jawenv.kernels.compiled import njit, world_kernel
+from jawenv.kernels.compiled import WORLDS_AT_ONCE, njit, world_kernel
 
 # The inner kernel calls itself, and so stays a function of its own, which the outer calls by its symbol.
 KERNELS = """
@@ -252,4 +252,20 @@ def test_no_cycles_are_collected_while_a_kernel_compiles(
         assert seen and not any(seen) and gc.isenabled() == collects
     finally:
         (gc.enable if before else gc.disable)()
+    assert (worlds["number"] == 1.0).all()
+
+
+def test_worlds_are_shared_out_without_numbas_own_threads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which would set the number of PyTorch's, once they begin."""
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("numba.np.ufunc.parallel._is_initialized", False)
+    monkeypatch.setattr("numba.get_num_threads", lambda: pytest.fail("Numba's threads have begun"))
+
+    @world_kernel(position=0)
+    def count(worlds, part):
+        for i in range(part[0], part[1]):
+            worlds[i].number += 1.0
+
+    worlds = np.zeros(3 * WORLDS_AT_ONCE, dtype=[("number", "f8")])
+    count(worlds)
     assert (worlds["number"] == 1.0).all()

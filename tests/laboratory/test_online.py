@@ -68,14 +68,13 @@ def test_the_environments_arguments_give_its_belief_to_the_bit():
     [{"knowledge": "imaged"}, {"device": {"unmodelled_time_s": 0.5}}, {"force_sensor": "straps", "knowledge": BODY}],
 )
 def test_what_is_unknown_beside_the_muscles_gives_the_environments_belief_to_the_bit(told):
-    told = {"cohort": "healthy", **told}  # who does not rest on the teeth, where nothing is learnt
-    env = gym.make("jawenv/Jaw-v3", **told, episode_s=2.0).unwrapped
+    env = gym.make("jawenv/Jaw-v3", **told, episode_s=4.0).unwrapped
     _, info = env.reset(seed=5000)
-    infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(10)]
+    infos = [info] + [env.step(0.5 * np.sin(np.arange(4.0) + k))[4] for k in range(20)]
     rows = env.simulation.ticks[0]
     online = OnlineFilter(**told, every=20)
     online.reset(rows["believed"][0])
-    beliefs = fed(online, rows["measured"][:201], rows["samples"][1:201])
+    beliefs = fed(online, rows["measured"][:401], rows["samples"][1:401])
     same(beliefs, [info["belief_mean"] for info in infos], [info["belief_cov"] for info in infos], 20)
     assert beliefs[-1].misfit == infos[-1]["misfit"] > 0.0
 

@@ -5,7 +5,7 @@ import pytest
 
 from jawenv.errors import InputError
 from jawenv.metrics import BLOCKED_B, FIBROSED_F_O_N, nees_band, score
-from jawenv.metrics.summary import Summary
+from jawenv.metrics.score import Summary
 from tests.metrics.linear_gaussian import linear_gaussian
 
 

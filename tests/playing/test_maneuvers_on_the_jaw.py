@@ -12,7 +12,7 @@ import pytest
 import jawenv  # noqa: F401  (registers the environment)
 from agents import load_agent, names
 from jawenv.envs.observation import OBSERVATION_LAYOUT, POSE_SCALE
-from jawenv.playing.maneuvers.player import Player
+from jawenv.playing.maneuvers.maneuver import Player
 
 PATIENTS, SEED, CONTROL_HZ = 6, 10_000, 20
 CONTROLS = ("trajectory", "force")

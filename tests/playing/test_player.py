@@ -9,10 +9,8 @@ from jawenv.device.device import Device
 from jawenv.envs.observation import OBSERVATION_LAYOUT, OBSERVATION_SIZE
 from jawenv.envs.world.observation import FORCE_SCALE
 from jawenv.errors import InputError
-from jawenv.playing.agents import Memory
-from jawenv.playing.maneuvers.maneuver import Maneuver
-from jawenv.playing.maneuvers.player import Player
-from jawenv.playing.protocol import Agent
+from jawenv.playing.agents import Agent, Memory
+from jawenv.playing.maneuvers.maneuver import Maneuver, Player
 
 DT = 0.05
 OPENING_MM, SIDE_MM = 24.0, 6.0

@@ -4,9 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
-import torch
 
-torch.set_num_threads(1)  # several threads of a small network only wait for each other
 sys.path.insert(0, str(Path(__file__).parent))  # configurations import point_env by its name
 
 

@@ -11,8 +11,7 @@ import pytest
 import agents
 import jawenv
 from agents.evaluations import read_evaluations
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from jawenv.playing.maneuvers import Maneuver, Player
 from jawenv.playing.policies.card import read_card
 from jawenv.playing.policies.residual import ResidualPolicy
@@ -70,7 +69,7 @@ def test_a_correction_begins_as_its_maneuver_and_is_played_as_it_was_trained(tra
     def gained(agent: object) -> float:
         return float(jawenv.play(agent, patients=2, seed=seed, env_kwargs=ENV).information_claimed[:, -1].mean())
 
-    assert rows[0]["information_claimed"] == pytest.approx(gained(Player("refined", control="targets")), abs=1e-3)
+    assert rows[0]["information_claimed"] == pytest.approx(gained(Player("refined", control="targets")), abs=1e-2)
     best = agents.load_agent(trained.path, control="targets")
     assert isinstance(best, ResidualPolicy) and best.base.maneuver.name == "refined"
     (row,) = (row for row in rows if row["steps"] == read_card(trained.path).steps)

@@ -119,7 +119,7 @@ def _perceptron(graph: Graph, value: str, policy: PlainPolicy) -> str:
 
 
 def _action(graph: Graph, targets: str) -> None:
-    """The environment's action for targets: `jawenv.playing.maneuvers.player.action_of`."""
+    """The environment's action for targets: `jawenv.playing.maneuvers.maneuver.action_of`."""
     low = np.array(LOWEST)
     share = graph.node("Div", graph.node("Sub", targets, graph.constant(low)), graph.constant(0.5 * (HIGHEST - low)))
     action = graph.clipped(graph.node("Sub", share, graph.constant(1.0)), -1.0, 1.0)

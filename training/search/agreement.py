@@ -17,9 +17,9 @@ from agents.twin.worlds import Worlds
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.player import action_of
-from jawenv.playing.protocol import Array
+from jawenv.playing.maneuvers.maneuver import action_of
 
 MANEUVERS = (
     "refined",

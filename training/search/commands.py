@@ -12,7 +12,7 @@ from jawenv.commands.options import takes_world
 from jawenv.controls import DEFAULT_CONTROL
 from jawenv.errors import InputError
 from jawenv.ladder import env_id_of, title_of_env
-from jawenv.playing.protocol import Array
+from jawenv.playing.agents import Array
 from jawenv.progress import Progress
 from jawenv.seeds import TUNING
 from training.search.session import (

@@ -24,11 +24,10 @@ from agents.twin.worlds import Worlds
 from jawenv.device.channels import CHANNELS, FASTEST_TARGET, HIGHEST, LOWEST
 from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV
+from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.maneuver import SUFFIXES
-from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.maneuvers.maneuver import SUFFIXES, action_of
 from jawenv.playing.policies.following import DECISION_HZ
-from jawenv.playing.protocol import Array
 from jawenv.seeds import TUNING
 from training.run.callbacks import Multiplier
 from training.run.config import ComfortConfig

@@ -116,21 +116,16 @@ def load_record(
     size = defaults.motion_size(jaw)
     time = even_time(table)
     check_columns(table, size)
-    dt = float(time[1] - time[0])
     measured = _encoders(table)
     sensor = force_sensor or header.get("force_sensor", "cell")
-    noise = device or Device()
-    noise_values = header if device is None else {}
+    errors = _errors(device, header, sensor, float(time[1] - time[0]))
     measured_by = _device(device, header.get("device"), table.path)
     if measured_by is None and sensor != "cell":
-        measured_by = noise
-    time_constant = float(noise_values.get("disturbance_time_s", noise.unmodelled_time_s))
-    remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
-    measurement_sd = np.array(noise_values.get("measurement_sd", defaults.measurement_sd(noise)))
+        measured_by = Device()
     start = start_mean if start_mean is not None else header.get("start_mean")
     start_spread = start_sd if start_sd is not None else header.get("start_sd")
     if start is None:
-        start = defaults.motion_of_reading(jaw, measured[0], measurement_sd)
+        start = defaults.motion_of_reading(jaw, measured[0], errors["measurement_sd"])
     true_parameters = truth if truth is not None else header.get("truth")
     commanded = control or header.get("control", "force")
     return Record(
@@ -139,13 +134,7 @@ def load_record(
         samples=_samples(table, slack=sensor == "straps"),
         start_mean=np.array(start, dtype=np.float64),
         start_sd=np.array(defaults.start_sd(jaw) if start_spread is None else start_spread, dtype=np.float64),
-        measurement_sd=measurement_sd,
-        wrench_sd=np.array(noise_values.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
-        cell_sd=np.array(noise_values.get("cell_sd", defaults.cell_sd(noise, sensor))),
-        gain_sd=float(noise_values.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
         knowledge=_knowledge(knowledge, header.get("knowledge"), table.path),
-        disturbance_time_s=time_constant,
-        disturbance_sd=np.array(noise_values.get("disturbance_sd", remembered)),
         jaw=jaw,
         prior=_prior(prior, cohort, header, muscles, table.path),
         parameter_names=muscles.parameter_names,
@@ -155,7 +144,23 @@ def load_record(
         truth=None if true_parameters is None else np.array(true_parameters, dtype=np.float64),
         states=_stacked(table, true_motion(size)),
         wrenches=_wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
+        **errors,
     )
+
+
+def _errors(device: Device | None, header: dict[str, Any], sensor: ForceSensor, dt: float) -> dict[str, Any]:
+    """A record's sds and the disturbance: of the device given, or the file's own, or the default device's."""
+    noise, stored = device or Device(), header if device is None else {}
+    time_constant = float(stored.get("disturbance_time_s", noise.unmodelled_time_s))
+    remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
+    return {
+        "measurement_sd": np.array(stored.get("measurement_sd", defaults.measurement_sd(noise))),
+        "wrench_sd": np.array(stored.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
+        "cell_sd": np.array(stored.get("cell_sd", defaults.cell_sd(noise, sensor))),
+        "gain_sd": float(stored.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
+        "disturbance_time_s": time_constant,
+        "disturbance_sd": np.array(stored.get("disturbance_sd", remembered)),
+    }
 
 
 def _header(record: Record) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from scipy.interpolate import BPoly
 from scipy.signal import max_len_seq
 
 from jawenv.files import InputModel, Number
-from jawenv.playing.protocol import Array
+from jawenv.playing.agents import Array
 
 LONGEST_S = 3600.0
 """For which time bounds hold, from the beginning of an episode, and the longest time that a file may name."""

@@ -17,8 +17,7 @@ from gymnasium.vector.utils import batch_space
 
 from jawenv.controls import Control
 from jawenv.errors import InputError
-from jawenv.playing.agents import Memory, Remembering
-from jawenv.playing.protocol import Action, Agent, Mask, Observation
+from jawenv.playing.agents import Action, Agent, Mask, Memory, Observation, Remembering
 
 Batch = tuple[Observation, dict[str, Any]]
 StepBatch = tuple[Observation, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]

@@ -19,8 +19,8 @@ from jawenv.device.device import N_MOTORS, Device
 from jawenv.envs.observation import OBSERVATION_REST
 from jawenv.envs.world.tracking import follow_all
 from jawenv.errors import InputError, shown
-from jawenv.playing.maneuvers.player import checked_parameters, goals_of
-from jawenv.playing.protocol import Action, Observation
+from jawenv.playing.agents import Action, Observation
+from jawenv.playing.maneuvers.maneuver import checked_parameters, goals_of
 
 DECISION_HZ = CONTROLS["targets"].steps_per_s
 Trackers = NDArray[np.void]

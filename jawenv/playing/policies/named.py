@@ -7,6 +7,7 @@ from pathlib import Path
 from jawenv.controls import CONTROLS, Control, control_of
 from jawenv.errors import InputError
 from jawenv.ladder import DEFAULT_ENV, model_of_env
+from jawenv.playing.agents import Agent
 from jawenv.playing.excitation import BASELINES
 from jawenv.playing.maneuvers import Maneuver, Player, maneuver_names
 from jawenv.playing.maneuvers.maneuver import SUFFIXES
@@ -14,7 +15,6 @@ from jawenv.playing.policies.card import policy_folder, policy_names
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import TargetsLaw
 from jawenv.playing.policies.plain import load_plain
-from jawenv.playing.protocol import Agent
 
 
 def agent_names() -> tuple[str, ...]:

@@ -17,11 +17,21 @@ from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.files import atomic_write, write_json
 from jawenv.ladder import model_of_env
-from jawenv.playing.agents import BatchAgent, Memory, Remembering, check_size
+from jawenv.playing.agents import (
+    Action,
+    Agent,
+    Array,
+    BatchAgent,
+    Mask,
+    Memory,
+    Observation,
+    Remembering,
+    State,
+    check_size,
+)
 from jawenv.playing.policies.card import CARD, WEIGHTS, Architecture, ModelCard, read_card
 from jawenv.playing.policies.following import decision_hz
 from jawenv.playing.policies.residual import N_FEATURES, BaseTargets, ResidualPolicy
-from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation, State
 from jawenv.reading import read_bytes
 
 LARGEST_WEIGHTS = 256 * 2**20

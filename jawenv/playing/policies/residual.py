@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from jawenv.controls import Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
-from jawenv.playing.agents import Memory, check_size
+from jawenv.playing.agents import Action, Agent, Array, Mask, Memory, Observation, check_size
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.player import action_of, goals_of
+from jawenv.playing.maneuvers.maneuver import action_of, goals_of
 from jawenv.playing.policies.controller import ControlledAgent
 from jawenv.playing.policies.following import DECISION_HZ
-from jawenv.playing.protocol import Action, Agent, Array, Mask, Observation
 
 STEPS_SEEN = 3
 N_FEATURES = STEPS_SEEN * N_CHANNELS

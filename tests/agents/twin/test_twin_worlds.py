@@ -14,7 +14,7 @@ from agents.twin.observation import observation
 from agents.twin.worlds import Worlds
 from jawenv.envs.observation import OBSERVATION_LAYOUT
 from jawenv.playing.maneuvers import Maneuver
-from jawenv.playing.maneuvers.player import action_of
+from jawenv.playing.maneuvers.maneuver import action_of
 from training.search.agreement import agreement
 from training.search.gradient import maneuver_of, play, within_reach
 

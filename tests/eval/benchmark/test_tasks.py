@@ -6,7 +6,7 @@ import pytest
 
 from eval.benchmark.tables import task_row
 from eval.benchmark.tasks import TASKS, VERSION, digest, tasks_named
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings
 from jawenv.errors import InputError
 
 

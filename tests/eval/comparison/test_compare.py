@@ -7,14 +7,12 @@ import pytest
 from rich.console import Console
 
 from eval.commands.app import main
-from eval.comparison import compare as comparison
 from eval.comparison import results
 from eval.comparison.motion import play_patient
 from eval.kept.cells import play_cells
 from eval.kept.digest import fingerprint
-from eval.kept.entries import env_of_runs, load_entries
+from eval.kept.entries import Settings, env_of_runs, load_entries
 from eval.kept.parts import Run
-from eval.kept.settings import Settings
 from eval.studies.design import Design
 from eval.studies.grid import cells_of
 from jawenv.envs.configuration import configure
@@ -178,7 +176,6 @@ def test_the_fingerprint_changes_with_the_maneuvers_file(tmp_path):
 
 
 def test_settings_are_kept_with_the_results(tmp_path):
-    from eval.comparison import results
 
     assert run("hold_still", *SHORT, "--output", str(tmp_path)) == 0
     about = results.load(tmp_path).about
@@ -258,7 +255,7 @@ def test_a_report_can_be_drawn_again_against_another_reference(tmp_path, monkeyp
 def test_a_study_of_one_cell_has_the_same_figures(tmp_path, monkeypatch):
     """A comparison plays all patients together, a study some at a time."""
     settings = Settings.of(patients=3, seed=41, episode_s=1.0)
-    compared = comparison.compare(load_entries(["chirp", "random"], settings.world), settings).patients
+    compared = results.compare(load_entries(["chirp", "random"], settings.world), settings).patients
     monkeypatch.setattr("eval.studies.grid.PATIENTS_IN_A_PART", 2)
     design = Design(
         title="", entries=("chirp", "random"), patients=3, seed=41, episode_s=1.0, metrics=["worst_bound_sd"]

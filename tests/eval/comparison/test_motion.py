@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from eval.comparison.compare import compare
 from eval.comparison.motion import play_patient
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.comparison.results import compare
+from eval.kept.entries import Settings, load_entries
 
 
 def watched(specs, settings):

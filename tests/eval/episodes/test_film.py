@@ -10,8 +10,7 @@ from rich.console import Console
 
 from eval.commands.app import main
 from eval.episodes.film import Episode, Film
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from jawenv.rendering.palette import knowledge
 
 SHORT = ["--episode-s", "1", "--seed", "5000"]

@@ -12,8 +12,7 @@ from safetensors.numpy import save
 
 from eval.commands.app import main
 from eval.kept.digest import fingerprint
-from eval.kept.entries import env_of_runs, load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, env_of_runs, load_entries
 from jawenv.envs.observation import observation_size
 from jawenv.errors import InputError
 from jawenv.files import write_json

@@ -10,8 +10,7 @@ import pytest
 from eval.commands.app import main
 from eval.kept import digest as kept
 from eval.kept.digest import fingerprint
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from jawenv import versions
 from jawenv.anatomy import cohort
 from tests.eval.runs import save_checkpoint, save_run

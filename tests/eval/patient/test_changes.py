@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import jawenv
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.patient.belief import KnownPatient, at_start
 from eval.patient.changes import change, change_in_words
 from eval.patient.treatments import first_treatment, next_treatment, population_of

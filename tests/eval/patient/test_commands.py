@@ -11,8 +11,7 @@ import pytest
 
 from eval.commands.app import main
 from eval.commands.patient import as_a_clinic
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.patient import courses, page
 from eval.patient.courses import Person
 from eval.patient.treatments import Course, first_treatment

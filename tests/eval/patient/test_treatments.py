@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from eval.kept.entries import load_entries
-from eval.kept.settings import Settings
+from eval.kept.entries import Settings, load_entries
 from eval.patient.treatments import first_treatment, next_treatment
 from jawenv.metrics import nees_band
 from jawenv.playing.rollout import play
