@@ -129,7 +129,7 @@ iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-ra
 #drives {{ aspect-ratio: 1.9; }}
 #patient {{ height: 72rem; }}
 small {{ color: light-dark(#5b636e, #a9b0b8); }}
-</style></head><body>
+</style></head><body><main>
 <h1>Which jaw muscle is stiff?</h1>
 <p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
 <p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter, temporalis and medial
@@ -141,7 +141,7 @@ the time.</p>
 <p>What a therapist reads after the movement on the right, if the anatomy is known as a scan shows it.</p>
 <iframe id="patient" title="The patient's page" srcdoc="{patient}"
   onload="this.style.height = this.contentDocument.documentElement.scrollHeight + 4 + 'px'"></iframe>
-<p><small>jawenv. Simulated, for research, not a medical device.</small></p>
+<p><small>jawenv. Simulated, for research, not a medical device.</small></p></main>
 </body></html>
 """
 
