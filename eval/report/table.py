@@ -109,7 +109,7 @@ def _precision(ranking: Ranking) -> Table:
         "worst sd, %\nmedian",
         "\np90",
         "\nmax",
-        f"NEES\nhonest: {ranking.n_parameters}",
+        f"NEES\ncalibrated: {ranking.n_parameters}",
         "error bars\nare",
     )
     for row in _rows(ranking, table):
