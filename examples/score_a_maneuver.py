@@ -44,7 +44,7 @@ def main() -> None:
     print(
         f"\ninformation: {np.mean(score.information_true):.1f} nats, {np.mean(score.information_claimed):.1f} claimed"
     )
-    print(f"NEES: {np.mean(score.nees):.1f} (honest: about {len(score.parameter_names)})")
+    print(f"NEES: {np.mean(score.nees):.1f} (calibrated: about {len(score.parameter_names)})")
     print(f"discomfort: {np.mean(score.discomfort_s):.2f} s, a hard limit crossed in {np.mean(score.violated):.0%}")
     if score.alarm:
         print(f"alarm: {score.alarm}; do not trust their beliefs")

@@ -27,9 +27,12 @@ FIRST = (
     "Choose an environment here: six models of the jaw with one interface, simplest first, and one known from a scan."
 )
 CAPTION = (
-    "Four seconds into *opening with swings* on one patient. The bluer a muscle, the better it is known. "
+    "The first four seconds of *opening with swings* on one patient. The bluer a muscle, the better it is known. "
     "Made by `python docs/figures/draw_environments.py`. [All environments](index.md)."
 )
+FILM = """<picture class="film"><source media="(prefers-reduced-motion: reduce)" srcset="{folder}{title}.webp">\
+<img src="{folder}{title}_film.webp" alt="The jaw of {title} from the side and from the front, opened with swings">\
+</picture>"""
 
 
 def pages() -> dict[str, str]:
@@ -57,15 +60,16 @@ def _picture(env_id: str) -> str:
 
 
 def _page(env_id: str, model: Model) -> str:
-    """A picture, then the sections of Gymnasium's own pages, in their order."""
-    spec = gym.spec(env_id)
-    parts = [f"# {_title(env_id)}", _picture(env_id), CAPTION, _facts(env_id, spec, model)]
-    for title, text in _docstring().items():
-        text = _of_model(text, model) if title in ("Description", "Action Space", "Observation Space") else text
-        parts.append(f"## {title}\n\n{text}")
-        if title == "Observation Space":
+    """A film, then the sections of Gymnasium's own pages, in their order."""
+    spec, title = gym.spec(env_id), _title(env_id)
+    film = FILM.format(folder="../figures/environments/", title=title)
+    parts = [f"# {title}", film, CAPTION, _facts(env_id, spec, model)]
+    for heading, text in _docstring().items():
+        text = _of_model(text, model) if heading in ("Description", "Action Space", "Observation Space") else text
+        parts.append(f"## {heading}\n\n{text}")
+        if heading == "Observation Space":
             parts.append(_observation(model))
-        if title == "Arguments":
+        if heading == "Arguments":
             parts.append(arguments.table(spec.kwargs).rstrip())
     return "\n\n".join(parts) + "\n"
 

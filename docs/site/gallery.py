@@ -82,7 +82,7 @@ def page() -> str:
         f"One patient of the cohort `trismus`, moved by each maneuver: {SHOWN_S:g} s, at twice their speed. The "
         "bluer a muscle, the better it is known. Below each film are the targets over time, and what 200 patients gave "
         "([all figures](tables.md#headline)). `jawenv play NAME` shows one in a window, `jawenv live --driver NAME` "
-        "lets you take over.\n\n"
+        f"lets you take over.\n\n{_banner()}"
         f'<div class="gallery">\n{cards}\n</div>\n\n'
         "How to write one of your own: [maneuvers](agents/README.md#write-a-maneuver).\n"
     )
@@ -129,6 +129,12 @@ def _film(name: str) -> Path:
     for source in (FOLDER / f"{name}.yaml", Path(__file__), *sources):
         mark.update(source.read_bytes())
     return KEPT / f"{name}-{mark.hexdigest()[:12]}.mp4"
+
+
+def _banner() -> str:
+    """What the table says of figures of older patients, if it does."""
+    found = re.search(r"^\*\*Older patients\.\*\*.*\n\n", TABLE.read_text(encoding="utf-8"), flags=re.M)
+    return found[0] if found else ""
 
 
 def _card(maneuver: Maneuver, figures: dict[str, str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from jawenv.playing.policies.card import policy_names
 
 TABLE = FOLDER / "benchmark.md"
 SUBMISSIONS = Path(__file__).parents[1] / "submissions"
-STILL, CLAIRVOYANT = "hold_still", "clairvoyant_"
+STILL, CLAIRVOYANT = "hold_still", "clairvoyant"
 TITLE = re.compile(r"^# Benchmark (\S+)$", re.M)
 GROUPS = ("Learned", "Planned", "Searched", "Made by hand", "Random actions", "From elsewhere")
 Scores = dict[str, dict[str, float]]
@@ -71,34 +72,50 @@ def _table(scores: Scores, baselines: Scores) -> Table:
     tasks = list(dict.fromkeys(task for times in baselines.values() for task in times))
     ends = {task: _ends(task, baselines) for task in tasks}
     points = {
-        name: {task: 100.0 * (ends[task][0] - time) / (ends[task][0] - ends[task][1]) for task, time in times.items()}
+        name: {task: _points(time, ends[task]) for task, time in times.items()}
         for name, times in scores.items()
         if name != STILL
     }
-    common = [task for task in tasks if all(task in row for row in points.values())]
-    mean = {name: sum(row[task] for task in common) / max(len(common), 1) for name, row in points.items()}
+    mean = {name: sum(row.values()) / max(len(row), 1) for name, row in points.items()}
     table = [
-        [f"*{text}*", "", *(f"{ends[task][number]:.2f} s{ends[task][2] if number else ''}" for task in tasks), ""]
+        [f"*{text}*", "", "", "", *(f"{ends[task][number]:.2f} s" for task in tasks)]
         for number, text in enumerate(("0 points", "100 points"))
     ]
     for name in sorted(points, key=lambda name: (GROUPS.index(_group(name)), -mean[name])):
-        cells = [words.number(points[name].get(task, float("nan")), 0) for task in tasks]
-        table.append([words.label(name), _group(name), *cells, words.number(mean[name], 0)])
-    note = (
-        "0 points: holding still, or an episode's length where that was not played. 100 points: the planner that knows "
-        "the truth, or the best baseline where that was not played. "
-        f"Mean: of the tasks that all play ({', '.join(common)})."
-    )
-    return Table(["agent", "group", *tasks, "mean"], table, (0, 1), note)
+        cells = [words.number(points[name].get(task, math.nan), 0) for task in tasks]
+        table.append([words.label(name), _group(name), words.number(mean[name], 0), str(len(points[name])), *cells])
+    note = f"{_scale(tasks, baselines)} Mean: of the tasks that the agent plays; their number stands beside it."
+    return Table(["agent", "group", "mean", "tasks", *tasks], table, (0, 1), note)
 
 
-def _ends(task: str, scores: Scores) -> tuple[float, float, str]:
-    """Seconds of 0 and of 100 points in a task, and whose the latter are."""
+def _points(time: float, ends: tuple[float, float]) -> float:
+    """Where a score lies between both ends; 0 for a task in which the latter is no better than the former."""
+    zero, full = ends
+    return 100.0 * (zero - time) / (zero - full) if full < zero else 0.0
+
+
+def _scale(tasks: list[str], baselines: Scores) -> str:
+    """What 0 and 100 points are, in tasks with the scores of both ends and in those without."""
+    still = [task for task in tasks if task not in baselines.get(STILL, {})]
+    best = {task: _best(task, baselines) for task in tasks}
+    others = [f"{task} ({words.label(name)})" for task, name in best.items() if not name.startswith(CLAIRVOYANT)]
+    places = "all tasks" if still == tasks else ", ".join(still)
+    zero = f"; the whole episode in {places}, where nobody has held still" if still else ""
+    full = f"; the best baseline in {', '.join(others)}, where no such planner has played" if others else ""
+    return f"0 points: holding still{zero}. 100 points: a planner that knows the truth{full}."
+
+
+def _ends(task: str, scores: Scores) -> tuple[float, float]:
+    """Seconds of 0 and of 100 points in a task."""
     zero = scores.get(STILL, {}).get(task, TASKS[task].episode_s)
+    return zero, scores[_best(task, scores)][task]
+
+
+def _best(task: str, scores: Scores) -> str:
+    """Who has 100 points: the best clairvoyant, or the best of all where none has played."""
     times = {name: row[task] for name, row in scores.items() if task in row}
-    among = {name: time for name, time in times.items() if name.startswith(CLAIRVOYANT)} or times
-    best = min(among, key=among.__getitem__)
-    return zero, among[best], f", {words.label(best)}"
+    among = [name for name in times if name.startswith(CLAIRVOYANT)] or list(times)
+    return min(among, key=times.__getitem__)
 
 
 def _group(name: str) -> str:

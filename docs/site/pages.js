@@ -14,6 +14,11 @@ addEventListener("DOMContentLoaded", () => {
     if (!code.childElementCount && code.textContent.length > 20) code.innerHTML = code.innerHTML.replaceAll("_", "_<wbr>");
 });
 
+// Each code block's buttons are a landmark of their own.
+addEventListener("load", () => {
+  document.querySelectorAll(".md-code__nav").forEach((nav, i) => nav.setAttribute("aria-label", `Code block ${i + 1}`));
+});
+
 // Who has no pointer scrolls what is too wide with the arrow keys.
 addEventListener("load", () => {
   for (const box of document.querySelectorAll('.md-typeset__scrollwrap, .notebook-output, .md-typeset math[display="block"]'))

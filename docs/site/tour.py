@@ -93,10 +93,10 @@ def drives_html(seconds: float) -> str:
 
 
 def _as_the_reader_prefers(html: str) -> str:
-    """Viser's page, dark where the browser's reader prefers dark pages."""
+    """Viser's page, dark where the browser's reader prefers dark pages, with names that a screen reader can say."""
     dark = "matchMedia('(prefers-color-scheme: dark)').matches"
-    assert "darkMode:false" in html, "viser writes its configuration otherwise"
-    return html.replace("darkMode:false", f"darkMode:{dark}", 1)
+    assert "darkMode:false" in html and "<head>" in html, "viser writes its page otherwise"
+    return html.replace("darkMode:false", f"darkMode:{dark}", 1).replace("<head>", f"<head>{_NAMES}", 1)
 
 
 def patient_html(seconds: float, folder: Path) -> str:
@@ -116,6 +116,16 @@ def tour(seconds: float, folder: Path) -> str:
     return _TEMPLATE.format(titles=titles, **{name: escape(html, quote=True) for name, html in frames.items()})
 
 
+_NAMES = """<script>
+setInterval(() => {
+  const name = (chosen, words) => document.querySelectorAll(chosen).forEach(
+    (field) => (field.closest("button") || field).setAttribute("aria-label", words));
+  name(".mantine-Notification-closeButton", "Close");
+  name("[class*=tabler-icon-player]", "Play or pause");
+  name(".mantine-NumberInput-input, .mantine-Slider-thumb", "Time, s");
+  name(".mantine-Select-input", "Speed");
+}, 500);
+</script>"""
 _TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>jawenv: which jaw muscle is stiff?</title>
@@ -129,7 +139,7 @@ iframe {{ width: 100%; border: 1px solid light-dark(#e2ded5, #3d4147); border-ra
 #drives {{ aspect-ratio: 1.9; }}
 #patient {{ height: 72rem; }}
 small {{ color: light-dark(#5b636e, #a9b0b8); }}
-</style></head><body>
+</style></head><body><main>
 <h1>Which jaw muscle is stiff?</h1>
 <p>Three seconds of the right movement tell as much as half a minute of slow opening. (In simulation.)</p>
 <p>One patient, three movements. Below each jaw a bar fills as a muscle becomes known: masseter, temporalis and medial
@@ -141,7 +151,7 @@ the time.</p>
 <p>What a therapist reads after the movement on the right, if the anatomy is known as a scan shows it.</p>
 <iframe id="patient" title="The patient's page" srcdoc="{patient}"
   onload="this.style.height = this.contentDocument.documentElement.scrollHeight + 4 + 'px'"></iframe>
-<p><small>jawenv. Simulated, for research, not a medical device.</small></p>
+<p><small>jawenv. Simulated, for research, not a medical device.</small></p></main>
 </body></html>
 """
 

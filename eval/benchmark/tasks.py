@@ -122,7 +122,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             ),
             Task(
                 "jaw-imaged",
-                "Anatomy, mass and fit of the device are known within sds",
+                "Anatomy, mass and fit of the device are known as from a scan",
                 "jawenv/Jaw-v3",
                 "trismus",
                 "imaged",
@@ -131,7 +131,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             ),
             Task(
                 "jaw-imaged-memory",
-                "As jaw-imaged, and the unmodelled wrench has a memory of 0.5 s, of which the filter is told",
+                "As jaw-imaged; the unmodelled wrench has a memory of 0.5 s, and the filter knows it",
                 "jawenv/Jaw-v3",
                 "trismus",
                 "imaged",

@@ -38,7 +38,7 @@ def calibrate_command(
     fresh: options.Fresh = False,
     trust: options.Trust = False,
 ) -> None:
-    """Say whether filters are honest: whether the truth lies where they claim, on all cores.
+    """Say whether filters are calibrated: whether the truth lies where they claim, on all cores.
 
     Writes beliefs.parquet (one row per patient, filter and time), calibration.parquet and calibration.md. Ctrl-C keeps
     the chunks of patients that are finished: the same command goes on from there.

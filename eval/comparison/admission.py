@@ -71,7 +71,7 @@ def false_sd(nees: float, information_true: float, information_claimed: float, p
         nees: mean over the patients.
         information_true: mean, nats.
         information_claimed: mean, nats.
-        parameters: how many there are, which is the mean NEES of an honest filter.
+        parameters: how many there are, which is the mean NEES of a calibrated filter.
     """
     if nees > FALSE_NEES * parameters:
         return f"sds are false: errors are {math.sqrt(nees / parameters):.1f} times what the filter states"

@@ -64,7 +64,7 @@ def _figures(results: Results, entry: str) -> Iterator[tuple[str, str, Interval]
     means = {
         f"true information after {end}, nats": "information_true",
         f"discomfort in {end}, s": "discomfort_s",
-        f"NEES after {end}, {parameters} if honest": "nees",
+        f"NEES after {end}, {parameters} if calibrated": "nees",
     }
     for metric, column in means.items():
         yield metric, "mean", statistics.mean(patients[column].to_numpy())

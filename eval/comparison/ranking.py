@@ -61,7 +61,7 @@ class RankingRow:
         worst_sd_max: its maximum.
         identified: number of parameters known.
         rmse_over_bound: error as a multiple of the bound.
-        nees: the number of parameters if honest.
+        nees: the number of parameters if calibrated.
         nees_prior: the same of the prior, before anything was measured.
         inside: sigmas -> share of the truths within so many claimed standard deviations.
         share_to: target of the worst sd -> share of the patients that reach it.
@@ -127,7 +127,7 @@ class Ranking:
         admission: limits of comfort.
         effects: fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know.
         estimator: mechanics that the filter believes in, if not the environment's own; else empty.
-        band: in which 95 % of honest studies of this size have the mean NEES of all their entries (Bonferroni).
+        band: in which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni).
     """
 
     rows: tuple[RankingRow, ...]
@@ -168,7 +168,7 @@ class Ranking:
 
     @property
     def n_parameters(self) -> int:
-        """Number of parameters, which is also the mean of an honest NEES."""
+        """Number of parameters, which is also the mean of a calibrated NEES."""
         return len(self.parameters)
 
     @property
@@ -182,10 +182,10 @@ class Ranking:
         return self.calibration(row) != "overconfident" and not rings and not row.false_sd
 
     def calibration(self, row: RankingRow) -> str:
-        """`honest`, `overconfident` or `cautious`, by the mean NEES against its band."""
+        """`calibrated`, `overconfident` or `cautious`, by the mean NEES against its band."""
         if row.nees.value > self.band[1]:
             return "overconfident"
-        return "cautious" if row.nees.value < self.band[0] else "honest"
+        return "cautious" if row.nees.value < self.band[0] else "calibrated"
 
 
 def rank(study: Results, reference: str | None = None, admission: AdmissionLimits | None = None) -> Ranking:

@@ -104,7 +104,7 @@ Video(film, embed=True, html_attributes=f'controls loop width="100%" poster="{po
 #
 # One patient proves little. `jawenv.play` plays the maneuver on many at the same time, and `jawenv.score` computes
 # every metric. The sds are what the filter *claims*; `NEES`, the normalised estimation error squared, says whether to
-# believe it: an honest filter's is on average the number of parameters, and more is too sure of itself.
+# believe it: a calibrated filter's is on average the number of parameters, and more is too sure of itself.
 
 # %%
 short = {"episode_s": EPISODE_S}
@@ -144,8 +144,8 @@ plt.close(axes.figure)
 axes.figure
 
 # %% [markdown]
-# And whether the filter may be believed: an honest one has errors of the size of its sds, so that 68, 95 and 99.7 % of
-# them are within one, two and three.
+# And whether the filter may be believed: a calibrated one has errors of the size of its sds, so that 68, 95 and
+# 99.7 % of them are within one, two and three.
 
 # %%
 inside = {f"within {n} sd": 100 * share.mean() for n, share in score.inside.items()}

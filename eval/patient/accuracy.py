@@ -28,7 +28,7 @@ NOTE = (
     "Shares in %, with 95 % intervals over patients: of Wilson for one muscle, bootstrap for all. Stiff: F_o raised; "
     "blocked: b raised. A muscle is decided when the posterior is 95 % sure. One that is not counts neither as found "
     "(sensitivity) nor as cleared (specificity). The two errors: of the muscles that are truly raised those called "
-    "normal, of the truly normal those called raised. An honest posterior is wrong in at most 5 % of its decisions."
+    "normal, of the truly normal those called raised. A calibrated posterior is wrong in at most 5 % of its decisions."
 )
 
 

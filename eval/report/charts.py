@@ -107,7 +107,7 @@ def differences(study: Results, ranking: Ranking) -> Chart:
 
 
 def nees(ranking: Ranking) -> Chart:
-    """Mean NEES of every entry, with the band of honest filters."""
+    """Mean NEES of every entry, with the band of calibrated filters."""
     traces = []
     for i, row in enumerate(ranking.rows):
         hover = f"{words.label(row.entry)}<br>mean NEES {words.with_interval(row.nees)}: {ranking.calibration(row)}"
@@ -118,7 +118,7 @@ def nees(ranking: Ranking) -> Chart:
 
 
 def nees_over_time(study: Results, ranking: Ranking) -> Chart:
-    """Mean NEES of every entry over time, with the band of honest filters."""
+    """Mean NEES of every entry over time, with the band of calibrated filters."""
     traces = [marks.line(study, ranking, i, "nees", "NEES %{y:.1f}") for i in range(len(ranking.rows))]
     chart = marks.over_time(traces, {"title": "mean NEES", "type": "log", **_nees_ticks(ranking)}, 380)
     chart["layout"]["shapes"] = [marks.band(ranking, "y")]

@@ -106,9 +106,9 @@ def belief(ranking: Ranking) -> tuple[bool, str]:
     row = ranking.best or (ranking.ranked or ranking.rows)[0]
     low, high = ranking.band
     because = (
-        f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, honest sds give {words.number(low)} "
-        f"to {words.number(high)}; the alarm rings in {words.percent(row.rings.value, 0)} % of the episodes, allowed "
-        f"are {words.percent(LARGEST_RINGING, 0)} %."
+        f"the NEES of {words.label(row.entry)} is {words.with_interval(row.nees)}, calibrated error bars give "
+        f"{words.number(low)} to {words.number(high)}; the alarm rings in {words.percent(row.rings.value, 0)} % of "
+        f"the episodes, allowed are {words.percent(LARGEST_RINGING, 0)} %."
     )
     return ranking.believes(row), because
 

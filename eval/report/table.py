@@ -20,10 +20,10 @@ from eval.report.learned import Learned
 from eval.rows.outcomes import EARLY_S
 from jawenv.files import write_text
 
-_COLOUR = {"honest": "green", "overconfident": "red", "cautious": "yellow"}
+_COLOUR = {"calibrated": "green", "overconfident": "red", "cautious": "yellow"}
 GAINS_SHOWN = ("early_worst_sd", "worst_sd", "information_true", "discomfort_s")
 """The figures of gains that a terminal has room for."""
-_MEANING = {"honest": "honest", "overconfident": "too small", "cautious": "too large"}
+_MEANING = {"calibrated": "right", "overconfident": "too small", "cautious": "too large"}
 
 
 def show(ranking: Ranking, console: Console, *, details: bool = False) -> None:
@@ -62,8 +62,8 @@ def _show_all(ranking: Ranking, console: Console) -> None:
         Text(
             f"{ranking.patients} patients, the same for all; below a figure its 95 % bootstrap interval over them. "
             "sd is of the natural log: 5 % is 5 % of the parameter. Ranked by the time until all are known to "
-            f"{100 * KNOWN:g} % (median, then 90 % quantile, then share), then by true information. In 19 of 20 honest "
-            f"studies of this size every mean NEES lies in {low:.1f} … {high:.1f}.",
+            f"{100 * KNOWN:g} % (median, then 90 % quantile, then share), then by true information. In 19 of 20 "
+            f"calibrated studies of this size every mean NEES lies in {low:.1f} … {high:.1f}.",
             style="dim",
         )
     )
@@ -109,8 +109,8 @@ def _precision(ranking: Ranking) -> Table:
         "worst sd, %\nmedian",
         "\np90",
         "\nmax",
-        f"NEES\nhonest: {ranking.n_parameters}",
-        "so the sd\nare",
+        f"NEES\ncalibrated: {ranking.n_parameters}",
+        "error bars\nare",
     )
     for row in _rows(ranking, table):
         kind = ranking.calibration(row)
@@ -134,7 +134,7 @@ def _short(ranking: Ranking) -> Table:
         *(f"to {100.0 * target:g} %\ns" for target in (first.NEARLY_KNOWN, KNOWN)),
         "worst sd\n%",
         "discomfort\ns per 30 s",
-        "so the sd\nare",
+        "error bars\nare",
     )
     for row in first.firsts(ranking):
         kind = ranking.calibration(row)

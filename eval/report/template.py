@@ -21,7 +21,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 TERMS = {
     "NEES": (
         "Normalised estimation error squared: the squared error in units of what the filter states, summed over the "
-        "parameters. On average it is their number if the filter is honest; more means too sure."
+        "parameters. On average it is their number if the filter is calibrated; more means too sure."
     ),
     "nats": "The unit of information: one more nat, and all sds together have shrunk by a factor of e = 2.72.",
     "sd": "Standard deviation that the filter states: it is probably within so much of the truth.",

@@ -22,7 +22,8 @@ _TIMES_SHOWN = 3
 NOTE = (
     "Beside each figure its 95 % interval over the patients: bias-corrected and accelerated bootstrap for "
     "means, percentile bootstrap for medians and p90 (worst sd, times), Wilson's for shares. sd are of natural logs: "
-    "5 % is 5 % of the parameter. NEES / p is 1 if the filter is honest. `never`: that many patients do not get there."
+    "5 % is 5 % of the parameter. NEES / p is 1 if the filter is calibrated. `never`: that many patients do not "
+    "get there."
 )
 PAIRS_NOTE = (
     "Mean difference, first minus second, on the same patients and noise (of percentages in points); none where a "

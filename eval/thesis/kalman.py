@@ -80,7 +80,7 @@ def judge_sides(table: pd.DataFrame) -> Judgement:
         sentences.append(
             f"{_TOLD[case]}: error {rows.with_interval(error)}, "
             f"worst sd {words.percent(sd.value)} %, all four within 3σ in {rows.with_interval(inside)} of the draws, "
-            f"median NEES {words.number(nees.value)} (honest: 3.4)"
+            f"median NEES {words.number(nees.value)} (calibrated: 3.4)"
         )
         numbers |= {f"rmse/{case}": error.value, f"inside_3_sigma/{case}": inside.value, f"worst_sd/{case}": sd.value}
         verdicts[case] = error.value < KNOWN and inside.high >= THREE_SIGMA**4
@@ -178,7 +178,7 @@ def judge_noise(table: pd.DataFrame) -> Judgement:
     )
     overconfident = nees["none, F_o and b"].low > nees["constant, F_o and b"].high
     return Judgement(
-        f"Noise on the parameters {listed} (honest: 11.3).",
+        f"Noise on the parameters {listed} (calibrated: 11.3).",
         "reproduced" if fails and worse else "partly" if worse or overconfident else "not reproduced",
         ("Without noise it does not converge" if fails else "Without noise it does converge")
         + (", and is further off." if worse else ", but claims too much." if overconfident else " and is no worse."),

@@ -19,7 +19,7 @@ from jawenv.laboratory.references.extended_kalman import ExtendedKalman
 
 RATES = (200.0, 100.0, 50.0, 20.0, 10.0, 5.0)
 FILTER = ExtendedKalman("log")
-WORSE = 2.0  # times the error at the highest rate, or an honest NEES
+WORSE = 2.0  # times the error at the highest rate, or a calibrated NEES
 HONEST = 11.34  # median of the chi-squared distribution with 12 degrees of freedom
 
 
@@ -49,7 +49,7 @@ def _rates(table: pd.DataFrame) -> list[float]:
 
 
 def nees(table: pd.DataFrame, case: str) -> Interval:
-    """Median over the draws; 12 is honest."""
+    """Median over the draws; 12 is calibrated."""
     values = rows.of_case(table, case).groupby("draw")["nees"].first()
     return statistics.quantile(values.fillna(np.inf).to_numpy(), 0.5)
 
@@ -79,11 +79,16 @@ def judge(table: pd.DataFrame) -> Judgement:
     short = [hz for hz in rates if _parts(hz) > 1]
     cases = dict.fromkeys(table["case"])
     return Judgement(
-        f"Error of the 12 parameters and median NEES (honest: 11.3): {'; '.join(_figures(table, hz) for hz in rates)}. "
-        f"With ticks divided into 10 ms: {'; '.join(_figures(table, hz, _parts(hz)) for hz in short)}.",
+        "Error of the 12 parameters and median NEES (calibrated: 11.3): "
+        f"{'; '.join(_figures(table, hz) for hz in rates)}. With ticks divided into 10 ms: "
+        f"{'; '.join(_figures(table, hz, _parts(hz)) for hz in short)}.",
         "reproduced" if slow else "not reproduced",
         f"At {_case(max(slow))} and below the error is more than {WORSE:g} times that at {_case(rates[0])}"
-        + (f", and at {_case(max(sure))} and below the NEES more than {WORSE:g} times an honest one's" if sure else "")
+        + (
+            f", and at {_case(max(sure))} and below the NEES more than {WORSE:g} times that of calibrated error bars"
+            if sure
+            else ""
+        )
         + ": the filter as it is has to be tuned, as the thesis says."
         if slow
         else f"Nothing has to be tuned down to {_case(min(rates))}.",
@@ -154,7 +159,7 @@ ITEM = Item(
     one_by_one(draw),
     judge,
     figure,
-    "Medians of the draws with their intervals; the green line is where an honest filter is. A rate without a dot "
+    "Medians of the draws with their intervals; the green line is where a calibrated filter is. A rate without a dot "
     "diverges. What makes it too sure is not the rate of the readings but the length of its step: divided into ticks "
-    "of 10 ms (jawenv.laboratory.recordings.thinning), the same readings leave it nearly honest (docs/thesis.md).",
+    "of 10 ms (jawenv.laboratory.recordings.thinning), the same readings leave it nearly calibrated (docs/thesis.md).",
 )

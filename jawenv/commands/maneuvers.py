@@ -67,7 +67,7 @@ def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -
         print(f"all known to {threshold:.0%}: {words} in the median, reached by {share:.0%}")
     information = f"{reached.information_true.mean():.1f} nats, {reached.information_claimed.mean():.1f} claimed"
     print(f"information: {information}")
-    print(f"NEES: {reached.nees.mean():.1f} (honest: about {len(reached.parameter_names)})")
+    print(f"NEES: {reached.nees.mean():.1f} (calibrated: about {len(reached.parameter_names)})")
     print(f"discomfort: {reached.discomfort_s.mean():.2f} s, a hard limit crossed in {reached.violated.mean():.0%}")
     if reached.alarm:
         print(f"alarm: {reached.alarm}; do not trust their beliefs")

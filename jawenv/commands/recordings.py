@@ -91,7 +91,7 @@ def _print_muscles(result: Identification) -> None:
     """The verdict on every muscle, left beside right, with the ratio of their pulls."""
     mean, cov = result.estimate.mean[-1], result.estimate.cov[-1]
     judgements = verdicts(mean, cov) if result.believable else [WITHHELD] * len(MUSCLE_NAMES)
-    print(f"\n{'':20}{'left':30}{'right':30}F_o left : right, 95 %")
+    print(f"\n{'':18}{'left':33}{'right':33}F_o left : right, 95 %")
     for kind in dict.fromkeys(name.rsplit("_", 1)[0] for name in MUSCLE_NAMES):
         left, right = (MUSCLE_NAMES.index(f"{kind}_{side}") for side in ("left", "right"))
         words = [_in_words(judgements[left]), _in_words(judgements[right])]
@@ -99,7 +99,7 @@ def _print_muscles(result: Identification) -> None:
         pair = [2 * left, 2 * right]
         reach = SD_95 * np.sqrt(np.array([1.0, -1.0]) @ cov[np.ix_(pair, pair)] @ np.array([1.0, -1.0]))
         low, high = np.exp(ratio - reach), np.exp(ratio + reach)
-        print(f"{kind:20}{words[0]:30}{words[1]:30}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
+        print(f"{kind:18}{words[0]:33}{words[1]:33}{np.exp(ratio):.3g} ({low:.3g} to {high:.3g})")
 
 
 def _in_words(verdict: Verdict) -> str:

@@ -24,6 +24,8 @@ STYLE = """
 .mantine-ScrollArea-viewport > div { padding-right: 8px; }
 p > label { color: var(--live-soft); }
 .mantine-Button-label, .mantine-Tabs-tabLabel { color: var(--live-accent); }
+.mantine-Button-root:not([data-variant=outline]) { background: var(--live-accent) !important; }
+.mantine-Button-root:not([data-variant=outline]) .mantine-Button-label { color: var(--live-card); }
 #strip { display: none; }
 @media (max-width: 36em) { #strip { display: flex; } }
 @media (max-width: 62em) { #posterior th, #score th { white-space: normal !important; } }

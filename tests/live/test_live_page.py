@@ -36,9 +36,9 @@ def running(page):
 
 
 @contextmanager
-def looking_at(server, width=700, scheme="light"):
+def looking_at(server, width=700, scheme="light", height=500):
     """A tab with what it complains of in ``complaints``."""
-    tab = new_page(viewport={"width": width, "height": 500}, color_scheme=scheme)
+    tab = new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
     tab.goto(url_of(server) + FEW_PIXELS)
     tab.wait_for_selector("[data-worst]", timeout=60_000)
     try:
@@ -105,7 +105,7 @@ def test_a_maneuver_drives_until_a_key_takes_over_and_the_end_has_a_score(tmp_pa
         page = Page(server, Setup.of(seed=500, episode_s=4.0), tmp_path, driver="refined")
         assert page._driver.value == "refined"
         page._pause()
-        with running(page), looking_at(server) as tab:
+        with running(page), looking_at(server, 900, "dark", height=1800) as tab:
             tab.get_by_text("Step", exact=True).click()
             wait_until(lambda: page.steps == 1)
             tab.get_by_text("Pause", exact=True).click()

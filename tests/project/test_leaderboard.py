@@ -42,12 +42,12 @@ def test_points_lie_between_holding_still_and_the_best(leaderboard, tmp_path: Pa
     write(tmp_path / "submissions" / "late" / "benchmark.md", "jawenv-2", {"other": ("1.00", "0.10")})
     page = leaderboard.page()
     rows = rows_of(page)
-    assert rows["*0 points*"][1:3] == ["25.00 s", "10.00 s"]
-    assert rows["*100 points*"][1:3] == ["5.00 s, refined", "1.00 s, refined"]
-    assert rows["refined"] == ["Searched", "100", "100", "100"]
-    assert rows["slow opening"] == ["Made by hand", "50", "50", "50"]
-    assert rows["ppo trismus"] == ["Learned", "75", "–", "75"]
-    assert rows["mine (team)"] == ["From elsewhere", "25", "110", "25"]
+    assert rows["*0 points*"][3:] == ["25.00 s", "10.00 s"]
+    assert rows["*100 points*"][3:] == ["5.00 s", "1.00 s"]
+    assert rows["refined"] == ["Searched", "100", "2", "100", "100"]
+    assert rows["slow opening"] == ["Made by hand", "50", "2", "50", "50"]
+    assert rows["ppo trismus"] == ["Learned", "75", "1", "75", "–"]
+    assert rows["mine (team)"] == ["From elsewhere", "68", "2", "25", "110"]
     assert "hold still" not in rows and not any("late" in name for name in rows)
     assert "of `jawenv-1`; tasks are now `jawenv-2`" in page
 
@@ -56,6 +56,24 @@ def test_the_planner_that_knows_the_truth_has_100_points(leaderboard, tmp_path: 
     scores = {"refined": ("20.00", "30.00"), "clairvoyant myopic": ("10.00", "15.00"), "random": ("5.00", "0.00")}
     write(tmp_path / "benchmark.md", leaderboard.VERSION, scores)
     page = leaderboard.page()
-    assert rows_of(page)["clairvoyant myopic"] == ["Planned", "100", "100", "100"]
-    assert rows_of(page)["refined"] == ["Searched", "50", "0", "25"], "an episode's length has 0 points"
-    assert "Older patients" not in page
+    assert rows_of(page)["clairvoyant myopic"] == ["Planned", "100", "2", "100", "100"]
+    assert rows_of(page)["refined"] == ["Searched", "25", "2", "50", "0"], "an episode's length has 0 points"
+    assert "Older patients" not in page and "the whole episode in all tasks" in page
+    assert "100 points: a planner that knows the truth." in page
+
+
+def test_both_ends_are_what_the_table_has_of_them(leaderboard, tmp_path: Path) -> None:
+    """`clairvoyant` plays one model alone; an agent better than it has more than 100 points."""
+    scores = {
+        "hold still": ("28.00", "20.00"),
+        "clairvoyant": ("8.00", "–"),
+        "refined": ("18.00", "5.00"),
+        "apg trismus": ("6.00", "–"),
+    }
+    write(tmp_path / "benchmark.md", leaderboard.VERSION, scores)
+    page = leaderboard.page()
+    rows = rows_of(page)
+    assert rows["*100 points*"][3:] == ["8.00 s", "5.00 s"]
+    assert rows["refined"][3:] == ["50", "100"] and rows["apg trismus"][3:] == ["110", "–"]
+    assert "0 points: holding still. 100 points: a planner that knows the truth; the best" in page
+    assert "baseline in hinge-exact (refined), where" in page

@@ -11,12 +11,14 @@ from urllib.parse import unquote
 import gymnasium as gym
 import nbformat
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from rich.console import Console
 
 import jawenv
 from jawenv.envs.configuration import Configuration
 from jawenv.envs.registration import ENVIRONMENTS
 from jawenv.ladder import KNOWN_WITHIN_SDS
+from tests.browser import new_page
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = (
@@ -53,7 +55,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     source, built = folder / "source", folder / "built"
     config = folder / "mkdocs.yml"
-    config.write_text(f"INHERIT: {ROOT / 'mkdocs.yml'}\ndocs_dir: {source}\nsite_dir: {built}\n", encoding="utf-8")
+    theme = f"theme: {{custom_dir: {ROOT / 'docs/site/theme'}}}"
+    config.write_text(
+        f"INHERIT: {ROOT / 'mkdocs.yml'}\ndocs_dir: {source}\nsite_dir: {built}\n{theme}\n", encoding="utf-8"
+    )
     made = ["docs/site/build.py", "--output", str(source)]
     for words in (made, ["-m", "mkdocs", "build", "--strict", "-f", str(config)]):
         done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, timeout=300)
@@ -89,11 +94,24 @@ def test_an_environment_has_its_page(site: Path, env_id: str) -> None:
     assert [heading for heading in headings if heading in SECTIONS] == list(SECTIONS)
     assert all(f"<code>{name}</code>" in text for name in Configuration.__dataclass_fields__)
     assert "<code>float or None</code>" in text
-    assert re.search(r'<img[^>]*src="\.\./figures/environments/', text.split("<h2")[0])
+    still, film = re.search(r'srcset="([^"]*)"[^<]*<img src="([^"]*)"', text.split("<h2")[0]).groups()
+    assert all((site / "environments" / place).stat().st_size < 500e3 for place in (still, film))
     env = gym.make(env_id)
     assert f"({env.observation_space.shape[0]},)" in text
     assert f"–{env.observation_space.shape[0] - 2}<" in text  # the last part but the time
     env.close()
+
+
+@pytest.mark.parametrize("name", ["404.html", "index.html", "leaderboard.html", "environments/Jaw-v3.html"])
+def test_no_element_of_a_page_breaks_an_accessibility_rule_seriously(site: Path, name: str) -> None:
+    tab = new_page(viewport={"width": 480, "height": 800}, color_scheme="dark")
+    tab.goto((site / name).as_uri())
+    tab.wait_for_function("document.readyState === 'complete'")
+    assert tab.complaints == [] and all(url.startswith(("file:", "data:", "blob:")) for url in tab.requests)
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 480
+    found = Axe().run(tab).response["violations"]
+    assert [rule["id"] for rule in found if rule["impact"] in ("serious", "critical")] == []
+    tab.context.close()
 
 
 def test_formulas_need_no_script(site: Path) -> None:

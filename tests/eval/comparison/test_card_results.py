@@ -21,9 +21,9 @@ def test_figures_are_those_of_the_entry() -> None:
         "largest of 12 sds after 20 s, %",
         "true information after 20 s, nats",
         "discomfort in 20 s, s",
-        "NEES after 20 s, 12 if honest",
+        "NEES after 20 s, 12 if calibrated",
     }
-    early, nees = reached["largest of 12 sds after 10 s, %"], reached["NEES after 20 s, 12 if honest"]
+    early, nees = reached["largest of 12 sds after 10 s, %"], reached["NEES after 20 s, 12 if calibrated"]
     assert early.mean is None and early.median == pytest.approx(100 * np.median(rows["early_worst_sd"]), rel=0.02)
     assert nees.median is None and nees.mean == pytest.approx(rows["nees"].mean(), abs=1e-3)
     assert early.low < early.median < early.high and nees.low < nees.mean < nees.high
@@ -36,7 +36,7 @@ def test_the_command_writes_what_an_export_reads(tmp_path, capsys) -> None:
     assert main(["card", str(tmp_path), TRAINED, "--output", str(output)]) == 0
     assert read_model(output, ResultsFile) == card_results(results.load(tmp_path), TRAINED)
     printed = capsys.readouterr().out
-    assert "NEES after 20 s, 12 if honest: mean 1" in printed and f"written: {output}" in printed
+    assert "NEES after 20 s, 12 if calibrated: mean 1" in printed and f"written: {output}" in printed
 
 
 def test_what_cannot_be_told_is_named(tmp_path, capsys) -> None:

@@ -143,7 +143,7 @@ def test_an_unknown_reference_is_named(made):
 
 def test_calibration_is_judged_by_the_band(ranking):
     kinds = {row.entry: ranking.calibration(row) for row in ranking.rows}
-    assert kinds == {GOOD: "honest", TRAINED: "honest", BOASTFUL: "overconfident", IDLE: "honest"}
+    assert kinds == {GOOD: "calibrated", TRAINED: "calibrated", BOASTFUL: "overconfident", IDLE: "calibrated"}
 
 
 def test_the_terminal_shows_calibration_beside_every_sd(ranking):

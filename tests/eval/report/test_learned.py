@@ -1,6 +1,7 @@
 """What a training has changed is said as far as the study shows it."""
 
 import numpy as np
+import pytest
 
 from eval.comparison.ranking import rank
 from eval.report.learned import learned
@@ -34,7 +35,7 @@ def test_what_learning_did_is_the_gain_over_what_is_corrected(tmp_path):
     (found,) = learned(made, rank(made))
     assert (found.entry.entry, found.base.entry, found.steps) == (TRAINED, IDLE, 9600)
     when, share = found.gain
-    assert when == "after 10 s" and share.high < 1.0 and share.value == np.exp(found.early.value)
+    assert when == "after 10 s" and share.high < 1.0 and share.value == pytest.approx(np.exp(found.early.value))
     known = "In half of the patients that knows all parameters to 5 % never, ppo-seed0 never."
     assert found.sooner == f"ppo-seed0 began as hold still. {known}"
     assert [change.target for change in found.changes] == ["opening", "side", "fore-aft", "roll"]

@@ -156,7 +156,7 @@ def test_the_report_follows_the_parameters_of_the_environment(env, number, muscl
     made = study(patients=5, env=env)
     page = render(made, rank(made))
     assert f"<title>{env}: " in page
-    for words in (f"worst of the {number} sd", f"honest: {number}<", f"known<br>of {number}<"):
+    for words in (f"worst of the {number} sd", f"calibrated: {number}<", f"known<br>of {number}<"):
         assert words in page
     outside_scripts = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert not re.search(r"\b(of|all|the) 12\b", outside_scripts, re.IGNORECASE)
