@@ -11,7 +11,7 @@ from jawenv.filter.model.encoders import expect
 from jawenv.filter.readings.cell_trend import follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise
 from jawenv.filter.readings.screening import is_resolved
-from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of
+from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
@@ -46,8 +46,11 @@ class Running:
             add_lasting_noise(record.jaw, self.belief, self.settings, noise)
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         if self.teeth:
-            bites = max(bite, bite_of(record.jaw, self.belief["motion"], NEAR)) > 0.0
-            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"], bites)
+            bite = max(bite, bite_of(record.jaw, self.belief["motion"], NEAR))
+            bite = max(bite, bite_read(record.jaw, record.measured[k + 1], NEAR))
+            self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"], bite > 0.0)
+            if self.belief["near"] > 0:
+                forget_motion(record.jaw, self.belief, self.settings["start_sd"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
     def update(self, k, used=ALL):

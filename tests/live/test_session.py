@@ -84,7 +84,7 @@ def test_an_agent_that_decides_five_times_a_second_drives_as_in_its_own_environm
         shown = session.drive()
     own = outcomes_of_rivals(SHORT, agents)[0]
     assert shown.driver == own.name == "five_hz"
-    assert shown.outcome.worst_sd == pytest.approx(own.worst_sd, rel=0.02)
+    assert shown.outcome.worst_sd == pytest.approx(own.worst_sd, rel=0.05)
     assert shown.outcome.time_to_s == pytest.approx(own.time_to_s, abs=0.2)
 
 

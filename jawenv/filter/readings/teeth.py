@@ -68,9 +68,12 @@ def add_tooth_noise(bite, variance):
 
 @njit
 def forget_motion(jaw: Jaw, belief: Belief, sd):
-    """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it."""
+    """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it.
+
+    What is known of a disturbance with memory stays.
+    """
     for i in range(12 if jaw.condyles == 2 else 10):
         belief.motion_cov[i, :] = 0.0
         belief.motion_cov[:, i] = 0.0
         belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]
-    belief.by_tension[:, :] = 0.0
+        belief.by_tension[i, :] = 0.0
