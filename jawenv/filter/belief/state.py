@@ -164,6 +164,7 @@ class FilterSettings:
     measurement_variance: Annotated[Array, N_MEASUREMENTS]
     wrench_variance: Annotated[Array, N_WRENCH]  # of the wrench not known
     lasting: float  # share of the force that the model may have wrong at a pose
+    unsure: bool  # whether the anatomy is known only within sds
     gain_variance: float
     cell_repeats: Annotated[NDArray[np.uint8], N_WRENCH]  # whether a component of the load cell has no noise
     rough: Annotated[Array, 3]  # see ``screening.rough_change``

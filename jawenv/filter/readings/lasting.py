@@ -44,7 +44,7 @@ def weight_of_stay(jaw: Jaw, belief: Belief, settings: FilterSettings):
     n / r. So each counts for r / (r + n s): a jaw that stays where it is learns no more than 1 / s. As more noise of
     the motion it would make the motion follow the encoders' noise, which biases what is learnt.
     """
-    if belief.nuisances.shape[0] == 0:
+    if not settings.unsure:
         return 1.0
     noise = 0.0
     for k in range(3):
