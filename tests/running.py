@@ -44,13 +44,14 @@ class Running:
             add_tooth_noise(bite_of(record.jaw, self.belief["motion"]), noise)
             bite = bite_of(record.jaw, self.belief["motion"], NEAR)
             add_lasting_noise(record.jaw, self.belief, self.settings, noise)
+        before = self.belief["motion"].copy()
         predict_motion(record.jaw, self.belief, record.samples[k], noise, self.settings, self.scratch["time"])
         if self.teeth:
             bite = max(bite, bite_of(record.jaw, self.belief["motion"], NEAR))
             bite = max(bite, bite_read(record.jaw, record.measured[k + 1], NEAR))
             self.resolved = is_resolved(self.belief, record.samples[k], self.settings["rough"], bite > 0.0)
             if self.belief["near"] > 0:
-                forget_motion(record.jaw, self.belief, self.settings["start_sd"])
+                forget_motion(record.jaw, self.belief, before, self.settings["start_sd"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
 
     def update(self, k, used=ALL):

@@ -68,6 +68,7 @@ class FilterScratch:
     samples: Annotated[Array, N_SAMPLES, N_WRENCH]  # of the load cell, screened
     frozen: Annotated[NDArray[np.uint8], N_WRENCH]  # which components of it
     wrench_variance: Annotated[Array, N_WRENCH]
+    before: Annotated[Array, "motion"]  # the motion, before the time update
     used: Annotated[NDArray[np.uint8], N_MEASUREMENTS]  # readings, screened
     measured: Annotated[Array, N_MEASUREMENTS]  # corrected
     verdict: int  # what explains them, see ``measurement_update``
@@ -83,6 +84,7 @@ def filter_scratch_dtype(
         time=time_scratch_dtype(n_muscles, n_lines, n_states, n_nuisances, n_disturbance),
         update=update_scratch_dtype(n_muscles, n_lines, n_states + n_disturbance, n_nuisances),
         belief=learn_scratch_dtype(n_muscles, n_nuisances),
+        motion=n_states + n_disturbance,
     )
 
 
@@ -135,6 +137,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         add_tooth_noise(bite_of(jaw, belief.motion), scratch.wrench_variance)
         bite = bite_of(jaw, belief.motion, NEAR)
         add_lasting_noise(jaw, belief, settings, scratch.wrench_variance)
+        scratch.before[:] = belief.motion
         predict_motion(jaw, belief, scratch.samples, scratch.wrench_variance, settings, scratch.time)
         follow_trend(belief.trend, scratch.samples, settings.dt)
         follow_trend(belief.smoothed, scratch.samples, settings.dt, SMOOTHING_TIME)
@@ -149,7 +152,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
         settling = SETTLING_TICKS if jaw.condyles == 2 else 0
         resolved = is_resolved(belief, scratch.samples, settings.rough, bite > 0.0, settling)
         if sees and belief.near > settling:
-            forget_motion(jaw, belief, settings.start_sd)
+            forget_motion(jaw, belief, scratch.before, settings.start_sd)
     scratch.verdict = EXPECTED
     if scratch.used.any():
         belief.readings += resolved

@@ -67,13 +67,15 @@ def add_tooth_noise(bite, variance):
 
 
 @njit
-def forget_motion(jaw: Jaw, belief: Belief, sd):
+def forget_motion(jaw: Jaw, belief: Belief, before, sd):
     """Widen the motion beyond what the encoders read, which it is then: no model of teeth and muscles is in it.
 
-    What is known of a disturbance with memory stays.
+    It begins from the motion ``before`` the tick, about which the readings are nearly linear: what a wrong belief makes
+    of a tick beside the teeth may be far off. What is known of a disturbance with memory stays.
     """
     for i in range(12 if jaw.condyles == 2 else 10):
         belief.motion_cov[i, :] = 0.0
         belief.motion_cov[:, i] = 0.0
         belief.motion_cov[i, i] = LOST_SDS * LOST_SDS * sd[i] * sd[i]
         belief.by_tension[i, :] = 0.0
+        belief.motion[i] = before[i]
