@@ -11,7 +11,7 @@ import jawenv
 from jawenv.filter.updates.measurement_update import GATE
 from jawenv.metrics.calibration import nees
 from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
-from jawenv.playing.maneuvers.player import Player
+from jawenv.playing.maneuvers import Player
 
 EACH = 4  # patients for each way to act
 SECONDS = 10.0
