@@ -199,7 +199,8 @@ def filter_at(run: Arguments, tick, parameters):
     density = 0.0
     for k in range(tick + 1):
         take_readings(run.jaw, belief, rows[k].measured, rows[k].samples, k, settings, scratch)
-        if scratch.used.any() and belief.waits == 0 and belief.near == 0:  # of what is learnt from, as the information is
+        # Of what is learnt from, as the information is.
+        if scratch.used.any() and belief.waits == 0 and belief.near == 0:
             density += log_likelihood(scratch.update)
     gain = belief.nominal.size
     if settings.gain_variance > 0.0:
