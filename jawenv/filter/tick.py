@@ -145,7 +145,7 @@ def take(jaw: Jaw, belief: Belief, measured, samples, tick, settings: FilterSett
     correct_readings(belief, settings.nuisances, measured, scratch.measured)
     left_out += mark_usable(jaw, belief, measured, settings, scratch)
     if tick > 0:
-        sees = reads_pose(scratch.used)
+        sees = reads_pose(scratch.used, settings.measurement_variance)
         if sees:
             bite = max(bite, bite_read(jaw, scratch.measured, NEAR))
         weight = weight_of_stay(jaw, belief, settings)

@@ -61,7 +61,7 @@ def test_the_future_is_foretold(env, clairvoyant):
     gained = potential(GOAL, simulation) - before
     assert not outcome.lost.any()
     # The real filter filters its first readings again and again, copies do not.
-    np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=0.35)
+    np.testing.assert_allclose(outcome.gain[:, 2], gained, rtol=0.5)
     assert np.ptp(outcome.gain, axis=1).min() > 0.5
 
 

@@ -13,6 +13,7 @@ from jawenv.mechanics.kinematics import contact_point, rotation
 # m: nothing is learnt while teeth are nearer. The error of their force lasts as long as they press, and is no noise;
 # nor do the encoders show whether they press lightly.
 NEAR = 1e-4
+COARSEST = 1e-3  # m, of an encoder's noise that tells it
 LOST_SDS = 300.0  # of the motion before the first reading: of the motion that a wrong belief predicts beside the teeth
 # Sd of each component of the wrench over the teeth's force; the last three in m.
 TOOTH_NOISE = (0.1, 0.1, 0.2, 0.006, 0.008, 0.002)
@@ -38,9 +39,9 @@ def bite_at(jaw: Jaw, height, body_to_head):
 
 
 @njit
-def reads_pose(used):
-    """Whether the encoders in use (12) tell how near the teeth are."""
-    return used[2] and used[3] and used[4] and used[5]
+def reads_pose(used, variances):
+    """Whether the encoders in use (12), with noise of ``variances``, tell how near the teeth are."""
+    return used[2] and used[3] and used[4] and used[5] and variances[2] < COARSEST * COARSEST
 
 
 @njit

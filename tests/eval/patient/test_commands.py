@@ -115,6 +115,7 @@ def test_nothing_is_known_at_the_start(three):
             played,
             mean=np.broadcast_to(population.mean, played.mean.shape),
             cov=np.broadcast_to(np.diag(population.sd**2), played.cov.shape),
+            misfit=0.0,
         )
         about = {"finished": "today", "command": "python -m eval patient"}
         subject = page.Subject.simulated(entry, Person("1", 5200), Course(), 30.0)
