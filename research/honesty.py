@@ -231,9 +231,7 @@ def alarm(arguments):
 def change(arguments):
     """Between two treatments, drift 0.1."""
     if arguments.knowledge == "exact":
-        raise SystemExit(
-            "error: knowledge is 'exact'; allowed: imaged, or a file of sds"
-        )
+        raise SystemExit("error: knowledge is 'exact'; allowed: imaged, or a file of sds")
     head("agent", "treatments of", "pairs", "inside 95 %, %", "sd, worst / median", "width of 95 %, median", "NEES/12")
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
         settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
