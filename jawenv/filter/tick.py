@@ -42,7 +42,7 @@ SETTLING_TICKS = 5
 # At the ends of windows of so many readings, each twice as long as the one before, all readings are filtered again,
 # linearised at the updated mean, if a parameter's mean has moved by more than ``MOVED`` since they last were.
 FIRST_WINDOW, LAST_WINDOW = 5, 20480
-MOVED = 0.3  # of a natural logarithm
+MOVED = 0.05  # of a natural logarithm
 
 
 class Tick:
