@@ -126,7 +126,7 @@ def forces(pose: Pose, arm: Tensor, f: Tensor, rows: Tensor, k: Tensor) -> Force
     moved = rows @ Z.mT
     M = arm.mT @ f
     trace = M.diagonal(dim1=-2, dim2=-1).sum(-1)[..., None, None]
-    upper = (axes @ (M - trace * torch.eye(3, dtype=M.dtype)) @ axes.mT).triu()
+    upper = (axes @ (M - trace * torch.eye(3, dtype=M.dtype, device=M.device)) @ axes.mT).triu()
     between = upper + upper.triu(1).mT
     sliding = torch.nn.functional.pad((total[..., 2] * pose.curvature)[..., None, None], (0, 4, 0, 4))
     H = torch.nn.functional.pad(between, (2, 0, 2, 0)) + sliding
@@ -194,10 +194,10 @@ class Jaw:
         gaps = self.teeth[:, 2] - places[..., N_MUSCLES:-1, 2]
         depth, slope = ramp(-gaps, self.stop_width)
         weight = (self.mass * self.gravity).expand(arm[..., :1, :].shape)
-        f = torch.cat([pull[..., None] * e, -self.tooth_stiffness * depth[..., None] * _Z, weight], -2)
-        units = wrenches(arm[..., :-1, :], torch.cat([e, _Z.expand(*e.shape[:-2], N_TEETH, 3)], -2))
-        skew = torch.tensordot(arm[..., :N_MUSCLES, :], _CROSS, 1)  # -[r]x
-        G = torch.cat([torch.eye(3, dtype=skew.dtype).expand(skew.shape), skew], -1).flatten(-3, -2)
+        f = torch.cat([pull[..., None] * e, -self.tooth_stiffness * depth[..., None] * _Z.to(e.device), weight], -2)
+        units = wrenches(arm[..., :-1, :], torch.cat([e, _Z.to(e.device).expand(*e.shape[:-2], N_TEETH, 3)], -2))
+        skew = torch.tensordot(arm[..., :N_MUSCLES, :], _CROSS.to(arm.device), 1)  # -[r]x
+        G = torch.cat([torch.eye(3, dtype=skew.dtype, device=skew.device).expand(skew.shape), skew], -1).flatten(-3, -2)
         k = (tension * b / self.l_o - across, self.tooth_stiffness * slope, across.repeat_interleave(3, -1))
         carried = forces(pose, arm, f, torch.cat([units, G], -2), torch.cat(k, -1))
         unit = pose.twists @ units[..., :N_MUSCLES, :].mT

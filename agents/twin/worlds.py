@@ -38,7 +38,6 @@ FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
 SMALLEST_GUARD = 1e-3
 QUICKLY = 10.0**-0.5
 """Of the encoders' sd is left for a shaking at 30 1/s, whose velocities are read too."""
-_LOW, _FASTEST_TARGET = torch.tensor(LOWEST, dtype=torch.float64), torch.tensor(FASTEST_TARGET, dtype=torch.float64)
 
 
 def norm(vector: Tensor) -> Tensor:
@@ -96,9 +95,10 @@ class Worlds:
     def step(self, action: Tensor) -> Tensor:
         """Follow targets (P, 4) for one decision; returns the discomfort (P,), s."""
         twin = self.twin
-        goal = torch.maximum(action.clamp(max=HIGHEST), _LOW)
+        goal = torch.maximum(action.clamp(max=HIGHEST), action.new_tensor(LOWEST))
         rate = (goal - self.target) / twin.decision_s
-        rate = torch.maximum(torch.minimum(rate, _FASTEST_TARGET), -_FASTEST_TARGET)
+        fastest = action.new_tensor(FASTEST_TARGET)
+        rate = torch.maximum(torch.minimum(rate, fastest), -fastest)
         discomfort = torch.zeros_like(action[:, 0])
         for _ in range(twin.laws_per_decision):
             self._command(rate)
@@ -117,7 +117,7 @@ class Worlds:
         self.mean = self.twin.prior_mean + (self.covariance @ self._score[..., None])[:, :12, 0]
 
     def _noise(self, *shape: int) -> Tensor:
-        return torch.randn(*shape, generator=self._generator, dtype=torch.float64)
+        return self.target.new_empty(shape).normal_(generator=self._generator)
 
     def _look(self, q: Tensor) -> None:
         jaw = self.twin.jaw
@@ -165,7 +165,8 @@ class Worlds:
         servos = forces(self.pose, self.motor_arms, thrust[..., None] * twin.directions, units, k)
         whole = self.passive.forces + servos + self._stops()
         step = torch.linalg.solve(whole.stiffness, whole.force)
-        step = torch.maximum(torch.minimum(step, FURTHEST), -FURTHEST)
+        furthest = FURTHEST.to(step.device)
+        step = torch.maximum(torch.minimum(step, furthest), -furthest)
         self._look(q + step)
         self.thrust = twin.servo * (self.motor - self._position())
         self._stiffness = whole.stiffness
@@ -181,7 +182,7 @@ class Worlds:
         depth, slope = ramp(travel.abs() - limit, width)
         push, k = -twin.stop * depth * travel.sign(), twin.stop * slope
         push = torch.cat([push[:, :2], push[:, 2:3].clamp(min=0.0), push[:, 3:]], -1)  # nothing stops a jaw that closes
-        arm, axes = self.arm[:, None, :].expand(-1, 3, -1), torch.eye(3, dtype=push.dtype)
+        arm, axes = self.arm[:, None, :].expand(-1, 3, -1), torch.eye(3, dtype=push.dtype, device=push.device)
         on_teeth = forces(self.pose, arm, torch.diag_embed(push[:, :3]), wrenches(arm, axes), k[:, :3])
         on_slide = Forces(pad(push[:, 3:], (0, 3)), torch.diag_embed(pad(k[:, 3:], (0, 3))))
         return on_teeth + on_slide
