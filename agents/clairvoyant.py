@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from agents.planning import Planner
+from agents.twin import MODEL
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.envs.configuration import Configuration
 from jawenv.extras import needs
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver
@@ -47,6 +49,10 @@ class Clairvoyant(Planner):
         self.updates = updates
         text = "Searches the whole episode by the gradient of the differentiable twin."
         super().__init__(name, text, clairvoyant=True, control=control)
+
+    def plays(self, world: Configuration) -> bool:
+        """Whether it can plan in the environment of a configuration: the twin's."""
+        return super().plays(world) and world.model == MODEL
 
     def _begin(self, simulation: Any) -> None:
         with needs(f"agent {self.name!r}", "torch", group="train"):

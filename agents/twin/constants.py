@@ -10,6 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from agents.twin import MODEL
 from agents.twin.mechanics import Jaw
 from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import (
@@ -27,7 +28,6 @@ from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.errors import InputError
 from jawenv.ladder import title_of_env
 
-MODEL = "jaw"
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 """Limits with an end stop, in the order of ``Twin.onset``."""
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
