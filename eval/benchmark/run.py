@@ -72,9 +72,8 @@ def _fitting(spec: str, tasks: Sequence[Task]) -> list[Task]:
     fitting = [task for task in tasks if can_play(spec, task.settings().world)]
     if not fitting:
         trained_in = world_of(spec)
-        why = (
-            "plans in another environment than" if trained_in is None else f"was trained in {trained_in.env_id}, not in"
-        )
+        trained = None if trained_in is None else f"was trained in {trained_in.env_id}, not in"
+        why = trained or "plans in another environment than"
         raise InputError(f"{spec} {why} that of these tasks: {', '.join(task.id for task in tasks)}")
     return fitting
 
