@@ -1,8 +1,8 @@
 """A yardstick of what adapting can be worth: a maneuver for each patient, searched with the true patient at hand.
 
-Adam (Kingma & Ba 2015, arXiv:1412.6980) moves the targets of the whole episode along the gradient of the differentiable
-twin (``agents.twin``), for the largest sd at the end less discomfort. All worlds are searched together: one takes as
-long as fifty.
+Adam (Kingma & Ba 2015, arXiv:1412.6980) moves the targets of the first ten seconds along the gradient of the
+differentiable twin (``agents.twin``), for the largest sd after them less discomfort. All worlds are searched together:
+one takes as long as fifty.
 """
 
 from __future__ import annotations
@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 
 from agents.planning import Planner
+from agents.twin import MODEL
 from jawenv.controls import DEFAULT_CONTROL, Control
 from jawenv.device.channels import HIGHEST, LOWEST, N_CHANNELS
+from jawenv.envs.configuration import Configuration
 from jawenv.extras import needs
 from jawenv.playing.agents import Array, Mask
 from jawenv.playing.maneuvers import Maneuver
 
 BEGINNING = "refined_one_sided"
-"""The maneuver from which the search goes."""
+"""The maneuver from which the search goes, and which is played after it."""
+HORIZON_S = 10.0
 KNOT_S = 0.4
 SCALE = np.array([0.25, 0.4, 0.1, 0.4])
 """Of the channels' steps."""
@@ -45,20 +48,25 @@ class Clairvoyant(Planner):
 
     def __init__(self, name: str = "clairvoyant", *, updates: int = 60, control: Control = DEFAULT_CONTROL) -> None:
         self.updates = updates
-        text = "Searches the whole episode by the gradient of the differentiable twin."
+        text = f"Searches the first {HORIZON_S:g} s by the gradient of the differentiable twin."
         super().__init__(name, text, clairvoyant=True, control=control)
+
+    def plays(self, world: Configuration) -> bool:
+        """Whether it can plan in the environment of a configuration: the twin's."""
+        return super().plays(world) and world.model == MODEL
 
     def _begin(self, simulation: Any) -> None:
         with needs(f"agent {self.name!r}", "torch", group="train"):
             from agents.twin.constants import Twin
 
         self._twin = Twin(simulation)
-        times = np.arange(1, self._planned.shape[1] + 1) / self._hz
+        whole = np.arange(1, self._planned.shape[1] + 1) / self._hz
+        self._base: Array = Maneuver.named(BEGINNING).targets(whole).value
+        times = whole[: round(HORIZON_S * self._hz)]
         knots = np.arange(0.0, times[-1] + KNOT_S, KNOT_S)
         between = np.clip(1.0 - np.abs(times[:, None] - knots) / KNOT_S, 0.0, None)
         self._knots = len(knots)
         self._moves: Array = between[..., None] * SCALE
-        self._base: Array = Maneuver.named(BEGINNING).targets(times).value
 
     def _search(self, step: Array, due: Mask) -> None:
         import torch
@@ -70,7 +78,7 @@ class Clairvoyant(Planner):
         chosen = np.flatnonzero(due)
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
         asked = torch.tensor(self._simulation.asked[chosen]).double()
-        base, moves = torch.tensor(self._base), torch.tensor(self._moves)
+        base, moves = torch.tensor(self._base[: len(self._moves)]), torch.tensor(self._moves)
         x = base.new_zeros(len(chosen), self._knots, N_CHANNELS, requires_grad=True)
         optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
         for _ in range(self.updates):
@@ -81,4 +89,5 @@ class Clairvoyant(Planner):
             (log_worst(worlds) + PRICE * discomfort).sum().backward()  # type: ignore[no-untyped-call]
             optimiser.step()
         found = base + torch.einsum("tkc,nkc->ntc", moves, x.detach())
-        self._planned[chosen] = np.clip(found.numpy(), np.array(LOWEST), HIGHEST)
+        self._planned[chosen] = self._base
+        self._planned[chosen, : len(base)] = np.clip(found.numpy(), np.array(LOWEST), HIGHEST)

@@ -16,6 +16,7 @@ from gymnasium.vector import VectorEnv
 
 from jawenv.controls import DEFAULT_CONTROL, Control, takes_targets
 from jawenv.device.channels import N_CHANNELS
+from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
 from jawenv.playing.agents import Action, Array, BatchAgent, Mask, Observation, State
 from jawenv.playing.maneuvers.maneuver import action_of
@@ -114,6 +115,10 @@ class Planner(BatchAgent, ABC):
     @abstractmethod
     def _search(self, step: Array, due: Mask) -> None:
         """Fill the rows of ``_planned`` of the worlds that are due (N,) from their steps (N,) on."""
+
+    def plays(self, world: Configuration) -> bool:
+        """Whether it can plan in the environment of a configuration."""
+        return takes_targets(world.control)
 
     def _check(self, control: object) -> None:
         if not takes_targets(control):

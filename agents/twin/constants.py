@@ -10,7 +10,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from agents.twin import MODEL
 from agents.twin.mechanics import Jaw
+from agents.twin.nuisances import Nuisances
 from jawenv.device.channels import CHANNELS
 from jawenv.device.comfort import (
     COMFORT_LIMITS,
@@ -27,7 +29,6 @@ from jawenv.envs.world.tracking import LAW_TICKS
 from jawenv.errors import InputError
 from jawenv.ladder import title_of_env
 
-MODEL = "jaw"
 STOPPED = (FORE_AFT, SIDE, OPENING, CONDYLE_FORE_AFT, CONDYLE_SIDE)
 """Limits with an end stop, in the order of ``Twin.onset``."""
 _GUARD = [[GUARDS.get(limit, {}).get(channel, 0.0) for channel in CHANNELS] for limit in (*COMFORT_LIMITS, "crest")]
@@ -38,10 +39,12 @@ class Patients:
     """P patients and their limits of comfort: tensors with P leading, named as ``jawenv.device.comfort.Limits``.
 
     Attributes:
+        jaw: their anatomies.
         theta: (P, 12) natural-log parameters.
         rest: (P, 5) pose at rest.
     """
 
+    jaw: Jaw
     theta: Tensor
     rest: Tensor
     rest_opening: Tensor
@@ -62,12 +65,13 @@ class Patients:
         truth, limits = worlds["truth"], worlds["known"]["limits"]
         given = {"theta": truth["log_parameters"], "rest": truth["state"][:, :5]}
         given |= {name: limits[name] for name in cls.names()[2:]}
-        return cls(**{name: torch.tensor(np.asarray(value, dtype=np.float64)) for name, value in given.items()})
+        tensors = {name: torch.tensor(np.asarray(value, dtype=np.float64)) for name, value in given.items()}
+        return cls(Jaw.of(truth["jaw"]), **tensors)
 
     @classmethod
     def names(cls) -> list[str]:
-        """Of the tensors."""
-        return [field.name for field in fields(cls)]
+        """Of the tensors beside the jaw's."""
+        return [field.name for field in fields(cls)[1:]]
 
     def tensors(self) -> dict[str, Tensor]:
         """By name."""
@@ -77,7 +81,7 @@ class Patients:
         return len(self.theta)
 
     def __getitem__(self, chosen: Any) -> Patients:
-        return Patients(**{name: value[chosen] for name, value in self.tensors().items()})
+        return Patients(self.jaw[chosen], **{name: value[chosen] for name, value in self.tensors().items()})
 
 
 class Twin:
@@ -103,7 +107,8 @@ class Twin:
         self.reach = float(device["full_scale"]) / self.servo
         self.encoder_sd = torch.tensor(np.sqrt(noise["measurement_variance"][:6]))
         self.wrench_variance = torch.tensor(noise["wrench_variance"][:6])
-        self.lasting = float(noise["lasting"])
+        self.lasting, self.unsure = float(noise["lasting"]), bool(noise["unsure"])
+        self.nuisances = Nuisances.of(noise["nuisances"])
         # m/s that the unmodelled force gives the mouthpiece in a tick: so fast shakes a jaw that is held still.
         self.shaking = TICK * float(model["mouthpiece_mobility"]) * float(noise["wrench_variance"][0]) ** 0.5
         self.force, self.speed, self.condyle_side = (float(comfort[key]) for key in ("force", "speed", "condyle_side"))
@@ -113,12 +118,17 @@ class Twin:
         self.stop = float(device["stop_stiffness"])
         self.servo_damping = float(device["servo_damping"])
         self.sliding_damping, self.turning_damping = float(model["damping_sliding"]), float(model["damping_rotation"])
-        self.crest = CREST_SHARE * pi / self.jaw.fossa_frequency
+        self.crest = CREST_SHARE * pi / float(self.jaw.fossa_frequency)
         self.prior_mean, self.prior_sd = torch.tensor(noise["prior_mean"]), torch.tensor(noise["prior_sd"])
         self.gain_sd = float(noise["gain_variance"]) ** 0.5
         self.laws_per_decision = laws_per_decision
         self.decision_s: float = 1.0 / simulation.configuration.steps_per_s
         self.dt: float = self.decision_s / laws_per_decision
+        self.memory, self.disturbance_variance = 0.0, torch.zeros(6, dtype=torch.float64)
+        if len(noise["disturbance_variance"]):
+            decay = float(noise["disturbance_decay"])
+            self.memory = decay ** (self.dt / TICK)
+            self.disturbance_variance = torch.tensor(noise["disturbance_variance"] / (1.0 - decay**2))
 
     def gain(self, rate: float) -> float:
         """Of an error, 1/s, in steps of ``dt``: it falls as by the ``rate`` (1/s) of a law that acts every 50 ms."""

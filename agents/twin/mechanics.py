@@ -106,9 +106,14 @@ class Passive(NamedTuple):
     bite: Tensor
 
 
-def ramp(depth: Tensor, width: float) -> tuple[Tensor, Tensor]:
+def norm(vector: Tensor) -> Tensor:
+    """Length of the last axis, with a derivative at zero."""
+    return (vector.square().sum(-1) + 1e-12).sqrt()
+
+
+def ramp(depth: Tensor, width: Tensor | float) -> tuple[Tensor, Tensor]:
     """Depth of a one-sided stop with a quadratic onset over ``width``, and its slope."""
-    inside = depth.clamp(0.0, width)
+    inside = torch.minimum(depth.clamp(min=0.0), torch.as_tensor(width, dtype=depth.dtype, device=depth.device))
     return inside * inside / (2.0 * width) + (depth - width).clamp(min=0.0), inside / width
 
 
@@ -126,7 +131,7 @@ def forces(pose: Pose, arm: Tensor, f: Tensor, rows: Tensor, k: Tensor) -> Force
     moved = rows @ Z.mT
     M = arm.mT @ f
     trace = M.diagonal(dim1=-2, dim2=-1).sum(-1)[..., None, None]
-    upper = (axes @ (M - trace * torch.eye(3, dtype=M.dtype)) @ axes.mT).triu()
+    upper = (axes @ (M - trace * torch.eye(3, dtype=M.dtype, device=M.device)) @ axes.mT).triu()
     between = upper + upper.triu(1).mT
     sliding = torch.nn.functional.pad((total[..., 2] * pose.curvature)[..., None, None], (0, 4, 0, 4))
     H = torch.nn.functional.pad(between, (2, 0, 2, 0)) + sliding
@@ -135,17 +140,17 @@ def forces(pose: Pose, arm: Tensor, f: Tensor, rows: Tensor, k: Tensor) -> Force
 
 @dataclass(frozen=True)
 class Jaw:
-    """Constants of one anatomy, as ``jawenv.mechanics.jaw.Jaw`` has them: float64, SI units."""
+    """Constants of one anatomy, or of one for each world, as ``jawenv.mechanics.jaw.Jaw`` has them; SI units."""
 
-    mass: float
+    mass: Tensor
     gravity: Tensor
-    fossa_drop: float
-    fossa_frequency: float
-    tone: float
-    crest: float
-    stop_width: float
-    tooth_stiffness: float
-    condyle_stiffness: float
+    fossa_drop: Tensor
+    fossa_frequency: Tensor
+    tone: Tensor
+    crest: Tensor
+    stop_width: Tensor
+    tooth_stiffness: Tensor
+    condyle_stiffness: Tensor
     centre_of_mass: Tensor
     teeth: Tensor
     mouthpiece: Tensor
@@ -155,10 +160,17 @@ class Jaw:
 
     @classmethod
     def of(cls, record: Any) -> Jaw:
-        """From a record of dtype ``jaw_dtype``."""
+        """From a record or records (...) of dtype ``jaw_dtype``."""
         values = {field.name: np.array(record[field.name], dtype=np.float64) for field in fields(cls)}
-        parts: dict[str, Any] = {name: torch.tensor(v) if v.ndim else float(v) for name, v in values.items()}
-        return cls(**parts)
+        return cls(**{name: torch.tensor(value) for name, value in values.items()})
+
+    def __getitem__(self, chosen: Any) -> Jaw:
+        return Jaw(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
+    @property
+    def weight(self) -> Tensor:
+        """(..., 3) of the mandible."""
+        return self.mass[..., None] * self.gravity
 
     def pose(self, q: Tensor) -> Pose:
         """Geometry of a pose (..., 5)."""
@@ -179,7 +191,7 @@ class Jaw:
 
     def passive(self, pose: Pose, theta: Tensor) -> Passive:
         """Muscles of natural-log parameters ``theta`` (..., 12), teeth, weight and capsule at a pose."""
-        body = torch.cat([self.insertion, self.teeth, self.centre_of_mass[None]])
+        body = torch.cat([self.insertion, self.teeth, self.centre_of_mass[..., None, :]], -2)
         arm = pose.arms(body)
         places = pose.contact[..., None, :] + arm
         line = self.origin - places[..., :N_MUSCLES, :]
@@ -189,16 +201,17 @@ class Jaw:
         strain = length / self.l_o - 1.0
         exponent = b * strain
         tension = F_o * exponent.exp()
-        pull = tension + self.tone
+        pull = tension + self.tone[..., None]
         across = pull / length  # a line's own turning; along the line the material stretches
-        gaps = self.teeth[:, 2] - places[..., N_MUSCLES:-1, 2]
-        depth, slope = ramp(-gaps, self.stop_width)
-        weight = (self.mass * self.gravity).expand(arm[..., :1, :].shape)
-        f = torch.cat([pull[..., None] * e, -self.tooth_stiffness * depth[..., None] * _Z, weight], -2)
-        units = wrenches(arm[..., :-1, :], torch.cat([e, _Z.expand(*e.shape[:-2], N_TEETH, 3)], -2))
-        skew = torch.tensordot(arm[..., :N_MUSCLES, :], _CROSS, 1)  # -[r]x
-        G = torch.cat([torch.eye(3, dtype=skew.dtype).expand(skew.shape), skew], -1).flatten(-3, -2)
-        k = (tension * b / self.l_o - across, self.tooth_stiffness * slope, across.repeat_interleave(3, -1))
+        gaps = self.teeth[..., 2] - places[..., N_MUSCLES:-1, 2]
+        stiffness = self.tooth_stiffness[..., None]
+        depth, slope = ramp(-gaps, self.stop_width[..., None])
+        weight = self.weight[..., None, :].expand(arm[..., :1, :].shape)
+        f = torch.cat([pull[..., None] * e, -(stiffness * depth)[..., None] * _Z.to(e.device), weight], -2)
+        units = wrenches(arm[..., :-1, :], torch.cat([e, _Z.to(e.device).expand(*e.shape[:-2], N_TEETH, 3)], -2))
+        skew = torch.tensordot(arm[..., :N_MUSCLES, :], _CROSS.to(arm.device), 1)  # -[r]x
+        G = torch.cat([torch.eye(3, dtype=skew.dtype, device=skew.device).expand(skew.shape), skew], -1).flatten(-3, -2)
+        k = (tension * b / self.l_o - across, stiffness * slope, across.repeat_interleave(3, -1))
         carried = forces(pose, arm, f, torch.cat([units, G], -2), torch.cat(k, -1))
         unit = pose.twists @ units[..., :N_MUSCLES, :].mT
         columns = unit[..., None] * torch.stack([tension, tension * exponent], -1)[..., None, :, :]
@@ -223,7 +236,14 @@ class Jaw:
 
 
 def force_noise(passive: Passive, J: Tensor, wrench_variance: Tensor, encoder_sd: Tensor) -> Tensor:
-    """J V J^T + K E K^T (..., 5, 5); arguments as of ``information_rows``."""
+    """J V J^T + K E K^T (..., 5, 5).
+
+    Args:
+        passive: at the pose.
+        J: (..., 5, 6) of the mouthpiece.
+        wrench_variance: (..., 6) V.
+        encoder_sd: (6,) of its place and turn.
+    """
     K, seen = passive.forces.stiffness, J / encoder_sd
     E = torch.linalg.inv(seen @ seen.mT)
     noise: Tensor = (J * wrench_variance[..., None, :]) @ J.mT + K @ E @ K.mT
@@ -247,18 +267,3 @@ def shaken_information(passive: Passive, C: Tensor, noise: Tensor) -> Tensor:
     k = passive.stretching.flatten(-2)
     information: Tensor = shared.repeat_interleave(2, -1).repeat_interleave(2, -2) * k[..., None] * k[..., None, :]
     return information
-
-
-def information_rows(passive: Passive, J: Tensor, wrench_variance: Tensor, encoder_sd: Tensor) -> Tensor:
-    """A (..., 5, 13) of a reading: about the parameters of six muscles and the load cell's gain it tells A^T A.
-
-    Args:
-        passive: at the pose.
-        J: (..., 5, 6) of the mouthpiece.
-        wrench_variance: (..., 6) V.
-        encoder_sd: (6,) of its place and turn.
-    """
-    noise = force_noise(passive, J, wrench_variance, encoder_sd)
-    rows = torch.cat([passive.columns, passive.forces.force[..., None]], -1)
-    A: Tensor = torch.linalg.solve_triangular(torch.linalg.cholesky(noise), rows, upper=False)
-    return A

@@ -13,7 +13,7 @@ MARKS = ((0.36, 0.2), (0.64, 0.2), (1.0, 0.6))
 
 def log_worst(worlds: Worlds) -> Tensor:
     """Smooth log (P,) of the largest sd of the parameters that are asked for: that of their 10-norm."""
-    variances = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12]
+    variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12]
     asked = worlds.asked.repeat_interleave(2, -1)
     log: Tensor = (asked * variances.pow(POWER / 2.0)).sum(-1).log() / POWER
     return log

@@ -20,7 +20,7 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor
         asked: whether muscles are asked for.
     """
     twin, p, q = worlds.twin, worlds.patients, worlds.pose.q
-    sd = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
+    sd = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].sqrt()
     used = torch.stack([p.opening, p.side, p.fore_aft], -1)
     speeds = worlds.speeds
     omega = torch.einsum("nji,nkj,nk->ni", worlds.pose.turned, worlds.pose.twists[:, 2:, 3:], speeds[:, 2:])
@@ -30,7 +30,7 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor
     body = worlds.pose.turned.mT
     felt = [(body @ vector[..., None])[..., 0] for vector in (force, moment)]
     parts = (
-        (worlds.mean - twin.prior_mean) / twin.prior_sd,
+        (worlds.belief.mean - twin.prior_mean) / twin.prior_sd,
         (sd / twin.prior_sd).log() / math.log(10.0),
         q / q.new_tensor(POSE_SCALE),
         torch.cat([speeds[:, :2], omega], -1) / q.new_tensor(RATE_SCALE),

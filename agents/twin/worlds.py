@@ -12,38 +12,19 @@ import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
+from agents.twin.belief import Belief, Held
 from agents.twin.constants import Patients, Twin
-from agents.twin.mechanics import (
-    Forces,
-    Passive,
-    Pose,
-    force_noise,
-    forces,
-    information_rows,
-    ramp,
-    shaken_information,
-    shaking,
-    wrenches,
-)
+from agents.twin.mechanics import Forces, Passive, Pose, forces, norm, ramp, wrenches
 from jawenv.device import laws
 from jawenv.device.channels import FASTEST_TARGET, HIGHEST, LOWEST, N_CHANNELS, ROLL_FULL_SCALE_RAD
 from jawenv.device.guard import FASTEST, REGROW, SHRINK_S
 from jawenv.device.motors import STOP_ONSET_WIDTH
 from jawenv.envs.world.plants import TICK
-from jawenv.filter.readings.lasting import ALIKE, LASTING_ARM, MOST_TICKS, SLOWEST
-from jawenv.filter.readings.teeth import NEAR, TOOTH_NOISE
+from jawenv.filter.readings.teeth import NEAR
 
 FURTHEST = torch.tensor([2e-3, 2e-3, 0.05, 0.05, 0.05], dtype=torch.float64)
 """m and rad of a Newton step, at most: beyond that a jaw that is nearly free is off its linearisation."""
 SMALLEST_GUARD = 1e-3
-QUICKLY = 10.0**-0.5
-"""Of the encoders' sd is left for a shaking at 30 1/s, whose velocities are read too."""
-_LOW, _FASTEST_TARGET = torch.tensor(LOWEST, dtype=torch.float64), torch.tensor(FASTEST_TARGET, dtype=torch.float64)
-
-
-def norm(vector: Tensor) -> Tensor:
-    """Length of the last axis, with a derivative at zero."""
-    return (vector.square().sum(-1) + 1e-12).sqrt()
 
 
 class Worlds:
@@ -62,28 +43,19 @@ class Worlds:
         target: (P, 4) of the channels.
         size: (P, 4) what the guard multiplies them by.
         fractions: (P, 8) of the limits that are used.
-        precision: (P, 13, 13) the filter's, of the parameters and the load cell's gain.
-        covariance: (P, 13, 13) its inverse, as of the last decision.
-        mean: (P, 12) believed parameters, as of the last decision.
+        belief: the filter's.
     """
 
     def __init__(
         self, twin: Twin, patients: Patients, generator: torch.Generator | None = None, asked: Tensor | None = None
     ) -> None:
-        self.twin, self.patients, self._generator = twin, patients, generator
+        self.twin, self.patients = twin, patients
         self.asked = patients.theta.new_ones(len(patients), 6) if asked is None else asked
         self.discomfort = patients.theta.new_zeros(len(patients))
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
         self.size, self.thrust = self.target + 1.0, self.target
-        sd = torch.cat([twin.prior_sd, twin.prior_sd.new_tensor([twin.gain_sd])])
-        self.precision = torch.diag(sd**-2).expand(len(patients), -1, -1)
-        self._score = patients.theta.new_zeros(len(patients), 13)
-        self._readings = patients.theta.new_zeros(len(patients))
-        self._truth = pad(patients.theta - twin.prior_mean, (0, 1))
-        if generator is not None:
-            self._truth[:, 12] = twin.gain_sd * self._noise(len(patients))
-        self._believe()
-        self._end_strain = twin.jaw.passive(twin.jaw.pose(patients.end), patients.theta).strain
+        self.belief = Belief(twin, patients, generator)
+        self._end_strain = patients.jaw.passive(patients.jaw.pose(patients.end), patients.theta).strain
         self.begin_at(patients.rest)
 
     def begin_at(self, q: Tensor) -> None:
@@ -96,40 +68,44 @@ class Worlds:
     def step(self, action: Tensor) -> Tensor:
         """Follow targets (P, 4) for one decision; returns the discomfort (P,), s."""
         twin = self.twin
-        goal = torch.maximum(action.clamp(max=HIGHEST), _LOW)
+        goal = torch.maximum(action.clamp(max=HIGHEST), action.new_tensor(LOWEST))
         rate = (goal - self.target) / twin.decision_s
-        rate = torch.maximum(torch.minimum(rate, _FASTEST_TARGET), -_FASTEST_TARGET)
+        fastest = action.new_tensor(FASTEST_TARGET)
+        rate = torch.maximum(torch.minimum(rate, fastest), -fastest)
         discomfort = torch.zeros_like(action[:, 0])
         for _ in range(twin.laws_per_decision):
             self._command(rate)
             self._move()
             # The filter sees the gap within the encoders' noise: how often it learns falls smoothly.
-            self._learn(((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK))
+            readings = ((self.passive.gap - NEAR) / twin.encoder_sd[0]).sigmoid() * (twin.dt / TICK)
+            self.belief.learn(self._held(), readings)
             discomfort = discomfort + twin.dt * self._feel()
             self.target = self.target + twin.dt * rate
-        self._learn_from_shaking()
-        self._believe()
+        self.belief.learn_from_shaking(self._held())
+        self.belief.renew()
         self.discomfort = self.discomfort + discomfort
         return discomfort
 
-    def _believe(self) -> None:
-        self.covariance = torch.linalg.inv(self.precision)
-        self.mean = self.twin.prior_mean + (self.covariance @ self._score[..., None])[:, :12, 0]
-
-    def _noise(self, *shape: int) -> Tensor:
-        return torch.randn(*shape, generator=self._generator, dtype=torch.float64)
+    def _held(self) -> Held:
+        push = self.thrust[..., None] * self.twin.directions
+        moment = torch.linalg.cross(self.motor_arms - self.arm[:, None, :], push).sum(1)
+        device = torch.cat([push.sum(1), moment], -1)
+        servos = wrenches(self.motor_arms, self.twin.directions)
+        return Held(self.pose, self.passive, self.arm, device, servos, self._stiffness, self.speeds)
 
     def _look(self, q: Tensor) -> None:
-        jaw = self.twin.jaw
+        jaw = self.patients.jaw
         self.pose: Pose = jaw.pose(q)
         self.passive: Passive = jaw.passive(self.pose, self.patients.theta)
-        arms = self.pose.arms(torch.cat([jaw.mouthpiece + self.twin.arms, jaw.mouthpiece[None]]))
+        mouthpiece = jaw.mouthpiece[..., None, :]
+        arms = self.pose.arms(torch.cat([mouthpiece + self.twin.arms, mouthpiece], -2))
         self.motor_arms, self.arm = arms[:, :-1], arms[:, -1]
         self.place = self.pose.contact + self.arm
 
     def _position(self) -> Tensor:
         """(P, 4) of the motors along their axes, m from the closed jaw."""
-        moved = self.pose.contact[:, None, :] + self.motor_arms - (self.twin.jaw.mouthpiece + self.twin.arms)
+        closed = self.patients.jaw.mouthpiece[..., None, :] + self.twin.arms
+        moved = self.pose.contact[:, None, :] + self.motor_arms - closed
         return (moved * self.twin.directions).sum(-1)
 
     def _command(self, rate: Tensor) -> None:
@@ -165,7 +141,8 @@ class Worlds:
         servos = forces(self.pose, self.motor_arms, thrust[..., None] * twin.directions, units, k)
         whole = self.passive.forces + servos + self._stops()
         step = torch.linalg.solve(whole.stiffness, whole.force)
-        step = torch.maximum(torch.minimum(step, FURTHEST), -FURTHEST)
+        furthest = FURTHEST.to(step.device)
+        step = torch.maximum(torch.minimum(step, furthest), -furthest)
         self._look(q + step)
         self.thrust = twin.servo * (self.motor - self._position())
         self._stiffness = whole.stiffness
@@ -181,52 +158,15 @@ class Worlds:
         depth, slope = ramp(travel.abs() - limit, width)
         push, k = -twin.stop * depth * travel.sign(), twin.stop * slope
         push = torch.cat([push[:, :2], push[:, 2:3].clamp(min=0.0), push[:, 3:]], -1)  # nothing stops a jaw that closes
-        arm, axes = self.arm[:, None, :].expand(-1, 3, -1), torch.eye(3, dtype=push.dtype)
+        arm, axes = self.arm[:, None, :].expand(-1, 3, -1), torch.eye(3, dtype=push.dtype, device=push.device)
         on_teeth = forces(self.pose, arm, torch.diag_embed(push[:, :3]), wrenches(arm, axes), k[:, :3])
         on_slide = Forces(pad(push[:, 3:], (0, 3)), torch.diag_embed(pad(k[:, 3:], (0, 3))))
         return on_teeth + on_slide
 
-    def _learn(self, readings: Tensor) -> None:
-        """The filter's information of so many readings (P,), as if all were of the pose that the law left."""
-        twin, speeds = self.twin, self.speeds.abs()
-        moved = speeds[:, 0] + twin.jaw.mouthpiece[0] * speeds[:, 2:].sum(-1)
-        speed = (moved.square() + twin.shaking**2).sqrt()
-        carried = norm(self.thrust @ twin.directions) + twin.jaw.mass * norm(twin.jaw.gravity)
-        ticks = (ALIKE / (TICK * speed.clamp(min=SLOWEST))).clamp(max=MOST_TICKS)
-        lasting = ticks * (twin.lasting * carried).square()
-        arms = lasting.new_tensor([1.0] * 3 + [LASTING_ARM**2] * 3)
-        variance = lasting[:, None] * arms + (self.passive.bite[:, None] * lasting.new_tensor(TOOTH_NOISE)).square()
-        rows = information_rows(
-            self.passive, self.pose.motion(self.arm), twin.wrench_variance + variance, twin.encoder_sd
-        )
-        rows = rows * readings.sqrt()[:, None, None]
-        self._readings = self._readings + readings
-        seen = rows @ self._truth[..., None]
-        if self._generator is not None:
-            seen = seen + self._noise(*seen.shape)
-        self.precision = self.precision + rows.mT @ rows
-        self._score = self._score + (rows.mT @ seen)[..., 0]
-
-    def _learn_from_shaking(self) -> None:
-        """The information of what the unmodelled wrench makes of the jaw during a decision."""
-        twin, Z = self.twin, self.pose.twists
-        with torch.no_grad():
-            J = self.pose.motion(self.arm)
-            servos = wrenches(self.motor_arms, twin.directions) @ Z.mT
-            slides, turns = Z[..., :3], Z[..., 3:]
-            damping = twin.servo_damping * servos.mT @ servos
-            damping = damping + twin.sliding_damping * slides @ slides.mT + twin.turning_damping * turns @ turns.mT
-            C = shaking(self._stiffness, damping, TICK * (J * twin.wrench_variance) @ J.mT)
-            noise = force_noise(self.passive, J, twin.wrench_variance, QUICKLY * twin.encoder_sd)
-        information = shaken_information(self.passive, C, noise) * self._readings[:, None, None]
-        self._readings = torch.zeros_like(self._readings)
-        self.precision = self.precision + pad(information, (0, 1, 0, 1))
-        self._score = self._score + pad((information @ self._truth[:, :12, None])[..., 0], (0, 1))
-
     def excursions(self) -> tuple[Tensor, Tensor, Tensor]:
         """Opening above rest, side and fore-aft excursion (P,) of the mouthpiece, m."""
         p, place = self.patients, self.place
-        opening = self.twin.jaw.mouthpiece[2] - place[:, 2] - p.rest_opening
+        opening = p.jaw.mouthpiece[..., 2] - place[:, 2] - p.rest_opening
         s = opening / p.opening
         path = p.path[:, 0] + (p.path[:, 1] + p.path[:, 2] * s) * s
         return opening, place[:, 1] - p.rest_side, place[:, 0] - path
@@ -247,7 +187,8 @@ class Worlds:
         )
         self.fractions = torch.stack(used, -1)
         # The guard knows where the painless range ends, and the exponents as they are believed.
-        believed = (self.mean[:, 1::2].exp() * (self.passive.strain - self._end_strain)).exp() / twin.tension_margin
+        exponents = self.belief.mean[:, 1::2].exp()
+        believed = (exponents * (self.passive.strain - self._end_strain)).exp() / twin.tension_margin
         seen = torch.cat([self.fractions[:, :-1], believed.amax(-1, keepdim=True)], -1)
         self.margin = 1.0 - seen
         margin = torch.cat([self.margin, 1.0 - q[:, :1] / twin.crest], -1)

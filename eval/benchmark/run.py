@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -10,7 +10,7 @@ from agents.registry import world_of
 from eval.benchmark.agent_process import load_apart
 from eval.benchmark.tasks import PATIENTS_IN_A_PART, Task
 from eval.kept.cells import Cell
-from eval.kept.entries import fits, load_entry
+from eval.kept.entries import can_play, load_entry
 from eval.rows.times import Times
 from jawenv.errors import InputError
 
@@ -69,8 +69,20 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
 
 
 def _fitting(spec: str, tasks: Sequence[Task]) -> list[Task]:
-    trained_in = world_of(spec)
-    fitting = [task for task in tasks if trained_in is None or fits(trained_in, task.settings().world)]
-    if trained_in is not None and not fitting:
-        raise InputError(f"{spec} was trained in {trained_in.env_id}, where none of these tasks is played")
+    fitting = [task for task in tasks if can_play(spec, task.settings().world)]
+    if not fitting:
+        trained_in = world_of(spec)
+        trained = None if trained_in is None else f"was trained in {trained_in.env_id}, not in"
+        why = trained or "plans in another environment than"
+        raise InputError(f"{spec} {why} that of these tasks: {', '.join(task.id for task in tasks)}")
     return fitting
+
+
+def left_out(cells: Sequence[Cell], tasks: Sequence[Task]) -> Iterator[str]:
+    """A line for each agent that does not fit all tasks."""
+    played: dict[str, set[object]] = {}
+    for cell in cells:
+        played.setdefault(str(cell.levels["agent"]), set()).add(cell.levels["task"])
+    for agent, ids in played.items():
+        if missing := [task.id for task in tasks if task.id not in ids]:
+            yield f"{agent} is for other environments than: {', '.join(missing)}"

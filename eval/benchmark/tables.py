@@ -16,7 +16,7 @@ NOTE = (
     "Seconds until every parameter is within the task's share of the truth, and stays there to the end of an episode "
     "in which no hard limit is crossed: means over the patients, who count as the whole episode where that never "
     "happens (restricted mean time). Lower is better. In brackets the 95 % interval over the patients (bias-corrected "
-    "and accelerated bootstrap). `–`: trained in another environment."
+    "and accelerated bootstrap). `–`: trained for another environment, or plans in another one."
 )
 DETAILS_NOTE = (
     "Get there: share of the patients (Wilson's interval). Within 20, 10, 5 %: the score with that share. "

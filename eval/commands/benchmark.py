@@ -9,7 +9,7 @@ import typer
 
 from eval.commands import options
 from eval.commands.options import terminal, typed
-from jawenv.errors import InputError
+from jawenv.errors import InputError, shown
 
 if TYPE_CHECKING:
     from eval.kept.parts import Run
@@ -18,7 +18,6 @@ TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark.md"
 BASELINES = (
     "hold_still",
     "random",
-    "hold_still",
     "slow_opening",
     "opening_with_swings_and_fore_aft",
     "refined",
@@ -31,6 +30,8 @@ BASELINES = (
     "ppo_imaged",
     "apg_trismus",
     "apg_one_sided",
+    "clairvoyant_myopic",
+    "clairvoyant",
 )
 
 
@@ -54,7 +55,11 @@ def benchmark_command(
         ),
     ] = None,
     baselines: Annotated[
-        bool, typer.Option("--baselines", help="Play what comes with jawenv, and renew docs/tables/benchmark.md.")
+        bool,
+        typer.Option(
+            "--baselines",
+            help="Play what comes with jawenv; of all tasks and patients also renews docs/tables/benchmark.md.",
+        ),
     ] = False,
     output: options.Output = Path("runs/benchmark"),
     fresh: options.Fresh = False,
@@ -88,7 +93,7 @@ def _play(
     agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run, trust: bool
 ) -> None:
     from eval.benchmark import submission, tables
-    from eval.benchmark.run import cells_of
+    from eval.benchmark.run import cells_of, left_out
     from eval.benchmark.tasks import tasks_named
     from eval.kept.cells import play_cells
     from eval.kept.tables import made_with, write_table
@@ -96,7 +101,10 @@ def _play(
     from jawenv.locks import alone
 
     submission.refuse_copies(agents, output)
-    cells = cells_of(agents, tasks_named(names), patients, trust=trust)
+    tasks, console = tasks_named(names), terminal()
+    cells = cells_of(agents, tasks, patients, trust=trust)
+    for line in left_out(cells, tasks):
+        console.print(line, soft_wrap=True)
     rows = play_cells(cells, output, run)
     metadata = made_with(typed())
     with alone(output):
@@ -104,22 +112,22 @@ def _play(
         write_table(rows, output / submission.PATIENTS, metadata)
         write_text(output / submission.PAGE, tables.markdown(rows, metadata))
         write_json(output / submission.FILE, submission.make(cells, rows, submitted, metadata))
-    console = terminal()
     tables.score_table(rows).show(console)
     console.print(f"tables:     {output / submission.PAGE}\nsubmission: {output / submission.FILE}", soft_wrap=True)
 
 
 def _play_baselines(agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
-    """All patients of all tasks, at a commit without changes."""
+    """What comes with jawenv; the page is renewed by all patients of all tasks, at a commit without changes."""
     from eval.benchmark.submission import PAGE
     from jawenv.files import write_text
     from jawenv.reading import read_text
     from jawenv.versions import made_with
 
-    if agents or names is not None or patients is not None:
-        raise InputError(
-            "--baselines: plays every task of all patients; allowed beside it: --output, --workers, --fresh"
-        )
+    if agents:
+        raise InputError(f"--baselines: plays what comes with jawenv, and not {shown(agents[0])}; allowed: no agents")
+    if names is not None or patients is not None:
+        _play(list(BASELINES), names, patients, output, run, False)
+        return
     git = made_with()["git"]
     if git is None or git["changed"]:
         raise InputError("--baselines: files differ from the commit; allowed: a clone without changes")

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Self
 
 from agents import registry
+from agents.planners import PLANNERS
 from agents.planning import Planner
 from agents.policies import TrainedPolicy
 from agents.registry import world_of
+from jawenv.controls import DEFAULT_CONTROL
 from jawenv.envs.configuration import Configuration
 from jawenv.errors import InputError, shown
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS
@@ -168,6 +170,18 @@ def fits(trained_in: Configuration, world: Configuration) -> bool:
     """Whether a policy trained in one world can be played in another: actions and observations mean the same."""
     ids = {trained_in.env_id, world.env_id}
     return (len(ids) == 1 or ids <= _ALIKE) and (trained_in.asked is None) == (world.asked is None)
+
+
+def can_play(spec: str, world: Configuration) -> bool:
+    """Whether a policy or a planner can be played in a world; of other agents it is not known before.
+
+    Raises:
+        InputError: a policy's card is damaged.
+    """
+    if spec in PLANNERS:
+        return PLANNERS[spec](control=DEFAULT_CONTROL).plays(world)
+    trained_in = world_of(spec)
+    return trained_in is None or fits(trained_in, world)
 
 
 def load_entries(

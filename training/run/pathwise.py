@@ -67,7 +67,7 @@ class APG(OnPolicyAlgorithm):
         self.comfort_multiplier: float = configuration.comfort_weight / (2.0 * float(asked.sum()))
         with torch.no_grad():
             first: Any = self.policy.mlp_extractor.policy_net[0]
-            self._seen = torch.ones(first.in_features)
+            self._seen = first.weight.new_ones(first.in_features)
             for name in UNSEEN:
                 self._seen[OBSERVATION_LAYOUT[name]] = 0.0
             first.weight.mul_(self._seen)
@@ -119,18 +119,19 @@ class APG(OnPolicyAlgorithm):
             seed: of the readings' noise.
         """
         simulation, configuration = self._simulation, self._simulation.configuration
-        patients, asked = Patients.of_worlds(simulation.worlds), torch.tensor(simulation.asked).double()
-        worlds = Worlds(Twin(simulation), patients, torch.Generator().manual_seed(seed), asked)
+        with self.device:
+            patients, asked = Patients.of_worlds(simulation.worlds), torch.tensor(simulation.asked).double()
+            worlds = Worlds(Twin(simulation), patients, torch.Generator(self.device).manual_seed(seed), asked)
         marks, whole = weights(steps), configuration.steps
         worst = patients.theta.new_zeros(len(patients))
         for step in range(steps):
             now = np.array([step])
-            features = torch.tensor(self._base.features(now)).expand(len(patients), -1)
+            features = torch.tensor(self._base.features(now), device=self.device).expand(len(patients), -1)
             rows = observation(worlds, 1.0 - step / whole, configuration.asked is not None)
             seen = torch.cat([rows.float(), features], -1)
             latent = self.policy.mlp_extractor.forward_actor(seen)
             action = self.policy.action_net(latent).clamp(-1.0, 1.0).double()
-            base = torch.tensor(self._base.targets(now))
+            base = torch.tensor(self._base.targets(now), device=self.device)
             worlds.step(base + self._base.scale * action)
             if step + 1 in marks:
                 worst = worst + marks[step + 1] * log_worst(worlds)

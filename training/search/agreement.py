@@ -16,7 +16,7 @@ from agents.twin.constants import Patients, Twin
 from agents.twin.worlds import Worlds
 from jawenv.device.channels import HIGHEST, LOWEST
 from jawenv.errors import InputError
-from jawenv.ladder import DEFAULT_ENV
+from jawenv.ladder import DEFAULT_ENV, env_id_of
 from jawenv.playing.agents import Array
 from jawenv.playing.maneuvers import Maneuver
 from jawenv.playing.maneuvers.maneuver import action_of
@@ -90,7 +90,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
         InputError: fewer than two patients, or an environment whose jaw is not the midline model.
     """
     arguments = {"episode_s": HORIZON_S, **world}
-    env_id = arguments.pop("env", DEFAULT_ENV)
+    env_id = env_id_of(arguments.pop("env", DEFAULT_ENV))
     if patients < 2:
         raise InputError(f"patients is {patients}; allowed: 2 or more")
     env: Any = gym.make_vec(env_id, patients, autoreset_mode="disabled", **arguments)
@@ -108,6 +108,6 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
         with torch.no_grad():
             discomfort += [info["cost"] * twin.decision_s, worlds.step(torch.tensor(targets[:, step])).numpy()]
     env.close()
-    variances = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
+    variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
     worst = np.stack([np.log(info["belief_sd"].max(axis=1)), 0.5 * np.log(variances)])
     return Agreement(np.arange(patients)[running] % len(MANEUVERS), worst[:, running], discomfort[:, running])

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 import jawenv
-from agents.twin.mechanics import Jaw, information_rows, shaken_information, shaking
+from agents.twin.mechanics import Jaw, force_noise, shaken_information, shaking
 from jawenv.mechanics import acceleration, build_jaw
 
 POSES = np.array([[4e-3, 1e-3, 0.15, 0.05, -0.06], [-0.2e-3, -2e-3, -0.01, -0.03, 0.1], [12.9e-3, 0.0, 0.4, 0.1, 0.0]])
@@ -75,19 +75,17 @@ def test_lengths_are_those_of_the_independent_jaw(record):
     assert jaw.mass == record["mass"]
 
 
-def test_information_counts_wrench_and_encoders_alike_where_only_one_is_noisy(record, rng):
+def test_the_noise_is_the_wrench_s_and_grows_with_the_encoders(record, rng):
     theta = rows_of(jawenv.cohort("trismus").draw_log_parameters(rng))
     jaw = Jaw.of(record)
     pose = jaw.pose(rows_of(POSES[0]))
     carried = jaw.passive(pose, theta)
     J = pose.motion(pose.arms(jaw.mouthpiece[None])[:, 0])
     variance, sd = torch.full((1, 6), 1e-2), torch.full((6,), 1e-9, dtype=torch.float64)
-    rows = information_rows(carried, J, variance, sd)
-    noise = (J * variance[:, None]) @ J.mT
-    columns = torch.cat([carried.columns, carried.forces.force[..., None]], -1)
-    torch.testing.assert_close(rows.mT @ rows, columns.mT @ torch.linalg.solve(noise, columns))
-    less = information_rows(carried, J, variance, torch.full((6,), 1e-3, dtype=torch.float64))
-    assert (torch.linalg.eigvalsh(rows.mT @ rows - less.mT @ less) > -1e-6).all()
+    noise = force_noise(carried, J, variance, sd)
+    torch.testing.assert_close(noise, (J * variance[:, None]) @ J.mT)
+    more = force_noise(carried, J, variance, torch.full((6,), 1e-3, dtype=torch.float64))
+    assert (torch.linalg.eigvalsh(more - noise) > -1e-6).all()
 
 
 def test_shaking_solves_its_equation_and_informs_symmetrically(record, rng):

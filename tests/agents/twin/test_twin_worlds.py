@@ -75,7 +75,7 @@ def test_the_twin_knows_what_the_filter_knows(cohort):
 def test_log_worst_bounds_the_largest_sd(env):
     simulation = env.unwrapped.simulation
     worlds = Worlds(Twin(simulation), Patients.of_worlds(simulation.worlds))
-    largest = worlds.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).log() / 2.0
+    largest = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).log() / 2.0
     assert ((log_worst(worlds) >= largest - 1e-9) & (log_worst(worlds) < largest + log(12.0) / 10.0)).all()
     assert sum(weights(50).values()) == pytest.approx(1.0)
 

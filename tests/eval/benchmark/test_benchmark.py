@@ -10,10 +10,11 @@ import pytest
 
 from agents.registry import world_of
 from eval.benchmark import submission
-from eval.benchmark.run import cells_of
+from eval.benchmark.run import cells_of, left_out
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.commands.app import main
+from eval.commands.benchmark import BASELINES
 from jawenv.errors import InputError
 from jawenv.playing.maneuvers import Maneuver
 from tests.eval.benchmark.conftest import CIRCLES, play
@@ -64,9 +65,10 @@ def test_an_interrupt_keeps_what_is_finished(tmp_path, plays, capsys):
         (["slow_opening", "--tasks", ","], "tasks is none; allowed"),
         ([], "nothing to play: name a maneuver"),
         (["nobody"], "agent is 'nobody'; allowed"),
-        (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v3, where none of these tasks"),
+        (["ppo_trismus", "--tasks", "hinge-exact"], "was trained in jawenv/Jaw-v3, not in that of these tasks"),
         (["slow_opening", "--check", "x"], "--check: plays what the submission names"),
-        (["slow_opening", "--baselines"], "--baselines: plays every task of all patients"),
+        (["clairvoyant", "--tasks", "bilateral-exact"], "clairvoyant plans in another environment than that of these"),
+        (["slow_opening", "--baselines"], "--baselines: plays what comes with jawenv, and not 'slow_opening'"),
         (["--check", "nowhere"], "nowhere/submission.json"),
     ],
 )
@@ -90,6 +92,20 @@ def test_an_agent_plays_the_tasks_of_its_environment_in_its_own_control():
     ]
     assert "played with control force" in cells[0].load().note and not cells[1].load().note
     assert cells[0].load().env_kwargs["control"] == "force"
+
+
+def test_every_task_has_an_agent_at_rest_and_one_that_knows_the_patient():
+    cells = cells_of([*BASELINES], tasks_named())
+    agents = {task: {cell.levels["agent"] for cell in cells if cell.levels["task"] == task} for task in TASKS}
+    assert all({"hold_still", "clairvoyant_myopic"} <= played for played in agents.values())
+    without = {task for task, played in agents.items() if "clairvoyant" not in played}
+    assert without == {"hinge-exact", "bilateral-exact"} and len(set(BASELINES)) == len(BASELINES)
+
+
+def test_who_is_left_out_of_a_task_is_one_line():
+    tasks = tasks_named(["hinge-exact", "jaw-exact"])
+    cells = cells_of(["slow_opening", "clairvoyant"], tasks)
+    assert list(left_out(cells, tasks)) == ["clairvoyant is for other environments than: hinge-exact"]
 
 
 def test_a_runs_files_are_copied_so_that_they_load(tmp_path):
