@@ -45,8 +45,12 @@ def _agents() -> dict[str, str]:
     from jawenv.playing.policies.card import SHIPPED, policy_names, read_card
 
     listed = {name: _scored(read_card(SHIPPED / name)) for name in policy_names()}
-    listed |= DESCRIPTIONS | _maneuvers()
-    return listed | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
+    return (
+        listed
+        | dict(DESCRIPTIONS)
+        | _maneuvers()
+        | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
+    )
 
 
 def _scored(card: ModelCard) -> str:
