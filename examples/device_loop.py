@@ -94,7 +94,7 @@ def main() -> None:
         belief = serve(link, online)
         process.join()
     if belief is not None:
-        print(f"all known to {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")
+        print(f"all within {belief.log_sd.max():.1%} after {belief.time_s:g} s, misfit {belief.misfit:.2f}")
 
 
 if __name__ == "__main__":

@@ -51,7 +51,7 @@ def replay(record: Record, fast: bool) -> None:
         if tick and tick % round(1.0 / record.dt) == 0:
             worst = int(np.argmax(belief.log_sd))
             name = belief.names[worst].removeprefix("log_")
-            print(f"{belief.time_s:4.0f} s: all known to {100 * belief.log_sd[worst]:5.1f} % ({name}), ", end="")
+            print(f"{belief.time_s:4.0f} s: all within {100 * belief.log_sd[worst]:5.1f} % ({name}), ", end="")
             print(f"misfit {belief.misfit:.2f}", flush=True)
     times_us = 1e6 * np.array(updates_s)
     print(f"{len(times_us)} updates: median {np.median(times_us):.0f} us, worst {times_us.max():.0f} us, ", end="")

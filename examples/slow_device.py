@@ -1,6 +1,6 @@
 """How well do the filter and the smoother know the muscles from encoders that are read more seldom?
 
-    python examples/slow_device.py hold_still --patients 32 --episode-s 15
+    python examples/slow_device.py open_and_hold --patients 32 --episode-s 15
 
 Patients are played in force control at 100 Hz; their records are made slower, and divided into short ticks again. For
 each rate it prints the mean NEES per parameter with its standard error (calibrated: 1), the median, and the root mean

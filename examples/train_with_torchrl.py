@@ -44,7 +44,7 @@ def train(steps: int, episode_s: float) -> None:
     """Collect, improve, and print the mean reward of each round, nats a step."""
     torch.manual_seed(0)
     torch.set_num_threads(1)
-    worlds = gym.make_vec("jawenv/Jaw-v3", num_envs=WORLDS, autoreset_mode="same_step", episode_s=episode_s, **KWARGS)
+    worlds = gym.make_vec("jawenv/Jaw-v3", num_envs=WORLDS, autoreset_mode="disabled", episode_s=episode_s, **KWARGS)
     env = GymWrapper(worlds)
     env.set_seed(TRAINING.start)
     actor, critic = networks(env)

@@ -38,7 +38,7 @@ SHOWN_S, SPEED = 20.0, 2  # of the patient's time, and how much quicker the film
 STEPS_PER_S = 10
 WIDTH = 480
 FIGURES = {
-    "time to 5 %, s": ("s", "until all 12 numbers are known to 5 %"),
+    "time to 5 %, s": ("s", "until all 12 numbers are within 5 %"),
     "worst sd, %": ("%", "sd of the least known after 30 s"),
     "discomfort, s": ("s", "of discomfort in 30 s"),
 }

@@ -103,7 +103,7 @@ def study_command(
 
     if listing:
         for name, path in design.shipped().items():
-            print(f"{name:12s} {design.read(str(path))[1].title}")
+            print(f"{name:14s} {design.read(str(path))[1].title}")
     elif study is None:
         raise InputError(f"study is none; allowed: {', '.join(design.shipped())}, or a file")
     else:

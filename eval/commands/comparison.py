@@ -49,7 +49,7 @@ def compare_command(
 ) -> None:
     """Play every entry on the same patients with the same noise, rank them and write a report.
 
-    Ranked is what is within comfort, by the time until all parameters are known to 5 %. Writes report.html,
+    Ranked is what is within comfort, by the time until all parameters are within 5 %. Writes report.html,
     patients.parquet and curves.parquet. Ctrl-C keeps the entries that are finished: the same command goes on from
     there.
     """

@@ -1,6 +1,6 @@
 """Every entry's figures with their intervals: those that are ranked, the best first, then all others and why.
 
-Ranked is by the time until all parameters are known to 5 %: median over the patients, then the 90 % quantile, then the
+Ranked is by the time until all parameters are within 5 %: median over the patients, then the 90 % quantile, then the
 share that gets there; among equals, as where nobody gets there, by true information, which overconfidence cannot raise.
 """
 

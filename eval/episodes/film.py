@@ -242,5 +242,5 @@ def _sentence(label: str, info: dict[str, Any], parameter_names: tuple[str, ...]
     end = ", a hard limit was crossed" if info["violation"] else ""
     return (
         f"{label}: after {info['time']:g} s {np.sum(info['belief_sd'] <= 0.05)} of {len(info['belief_sd'])} parameters "
-        f"are known to 5 %, least known is {name} ({100.0 * info['belief_sd'][worst]:.1f} %){end}"
+        f"are within 5 %, least known is {name} ({100.0 * info['belief_sd'][worst]:.1f} %){end}"
     )

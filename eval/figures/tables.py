@@ -41,11 +41,17 @@ class Table:
     def show(self, console: Console, *, intervals: bool = True) -> None:
         """Print it, each interval below its figure."""
         printed = printed_table(self.title)
+        rows = [[_two_lines(text, intervals) for text in row] for row in self.rows]
         for column, name in enumerate(self.head):
-            texts, broken = column in self.texts, re.sub(r", | (?=[/−] )", "\n", name)
-            printed.add_column(broken, justify="left" if texts else "right", no_wrap=not texts)
-        for row in self.rows:
-            printed.add_row(*(_two_lines(text, intervals) for text in row))
+            lines = [line for row in rows for line in row[column].plain.splitlines()]
+            if column in self.texts:
+                least = max(map(len, " ".join(lines).split()), default=0)
+                printed.add_column(name, min_width=least)
+            else:  # a heading may break, a figure may not
+                least, broken = max(map(len, lines), default=0), re.sub(r", | (?=[/−] )", "\n", name)
+                printed.add_column(broken, justify="right", min_width=least)
+        for row in rows:
+            printed.add_row(*row)
         console.print(printed)
         if self.note:
             console.print(Text(self.note, style="dim"))

@@ -60,7 +60,7 @@ def answer(ranking: Ranking) -> str:
     Before it the effects on the truth unknown to the filter, if any.
     """
     effects = ", ".join(f"{name} = {value:g}" for name, value in ranking.effects.items())
-    sentence = f"with {effects}, which the filter does not know: {_answer(ranking)}" if effects else _answer(ranking)
+    sentence = f"with {effects}, unknown to the filter: {_answer(ranking)}" if effects else _answer(ranking)
     return sentence[0].upper() + sentence[1:]
 
 
@@ -77,7 +77,7 @@ def _answer(ranking: Ranking) -> str:
     times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
-    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are known {times}."
+    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are {times}."
 
 
 def assumption(study: Results) -> str:
@@ -93,8 +93,8 @@ def assumption(study: Results) -> str:
 
 
 def _reached(row: RankingRow, target: float) -> str:
-    """`to 5 % after 9.3 s`, as the median over the patients."""
-    to = f"to {100.0 * target:g} %"
+    """`within 5 % after 9.3 s`, as the median over the patients."""
+    to = f"within {100.0 * target:g} %"
     if math.isfinite(row.time_to[target].value):
         return f"{to} after {words.number(row.time_to[target].value)} s"
     share = row.share_to[target].value

@@ -61,7 +61,7 @@ def _show_all(ranking: Ranking, console: Console) -> None:
     console.print(
         Text(
             f"{ranking.patients} patients, the same for all; below a figure its 95 % bootstrap interval over them. "
-            "sd is of the natural log: 5 % is 5 % of the parameter. Ranked by the time until all are known to "
+            "sd is of the natural log: 5 % is 5 % of the parameter. Ranked by the time until all are within "
             f"{100 * KNOWN:g} % (median, then 90 % quantile, then share), then by true information. In 19 of 20 "
             f"calibrated studies of this size every mean NEES lies in {low:.1f} … {high:.1f}.",
             style="dim",

@@ -23,7 +23,7 @@ _LEGEND_COLUMNS = 3
 
 
 def draw(profiles: pd.DataFrame, design: Design, path: Path) -> None:
-    """Draw the share of the patients known to x, and known to 5 % within x s, as SVG on white.
+    """Draw the share of the patients within x, and within 5 % after x s, as SVG on white.
 
     Panels are settings, with a line per entry, or the other way round where there are more settings than entries.
 

@@ -137,7 +137,7 @@ def judge_full(table: pd.DataFrame) -> Judgement:
     tracked, slower = error["log"].value < 0.5 * prior, slow.value > fast.value
     return Judgement(
         f"Median error of the 12 parameters after the maneuver: {rows.with_interval(error['linear'])} as F_o and b "
-        f"themselves, {rows.with_interval(error['log'])} in logs. Half of the parameters are known to 10 % after "
+        f"themselves, {rows.with_interval(error['log'])} in logs. Half of the parameters are within 10 % after "
         f"{rows.with_interval(slow, 1.0, ' s')}, of the two-sided model's four after "
         f"{rows.with_interval(fast, 1.0, ' s')} (looked at every {words.number(spacing, 2)} s).",
         "reproduced" if tracked and slower else "partly" if tracked or slower else "not reproduced",

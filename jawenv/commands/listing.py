@@ -41,12 +41,16 @@ def _maneuvers() -> dict[str, str]:
 
 
 def _agents() -> dict[str, str]:
-    from jawenv.playing.excitation import BASELINES
+    from jawenv.playing.excitation import DESCRIPTIONS
     from jawenv.playing.policies.card import SHIPPED, policy_names, read_card
 
     listed = {name: _scored(read_card(SHIPPED / name)) for name in policy_names()}
-    listed |= dict.fromkeys(BASELINES, "random actions") | {"zero": "the action 0"} | _maneuvers()
-    return listed | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
+    return (
+        listed
+        | dict(DESCRIPTIONS)
+        | _maneuvers()
+        | {"": "those above come with the library; planners run from a clone (agents/README.md)"}
+    )
 
 
 def _scored(card: ModelCard) -> str:

@@ -64,7 +64,7 @@ def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -
         share = np.isfinite(times).mean()
         middle = np.quantile(times, 0.5, method="inverted_cdf")
         words = f"{middle:.1f} s" if np.isfinite(middle) else "never"
-        print(f"all known to {threshold:.0%}: {words} in the median, reached by {share:.0%}")
+        print(f"all within {threshold:.0%}: {words} in the median, reached by {share:.0%}")
     information = f"{reached.information_true.mean():.1f} nats, {reached.information_claimed.mean():.1f} claimed"
     print(f"information: {information}")
     print(f"NEES: {reached.nees.mean():.1f} (calibrated: about {len(reached.parameter_names)})")

@@ -202,8 +202,8 @@ _POSTERIOR_HEADS = (
     ("sd", "standard deviation of its natural log"),
 )
 _SCORE_HEADS = (
-    ("10 %", "time until every parameter is known to 10 %"),
-    ("5 %", "time until every parameter is known to 5 %"),
+    ("10 %", "time until every parameter is within 10 %"),
+    ("5 %", "time until every parameter is within 5 %"),
     ("worst", f"{_WORST}, at the end"),
     ("discomfort", "how far comfort limits were exceeded, times how long"),
 )

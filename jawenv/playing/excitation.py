@@ -119,3 +119,15 @@ BASELINES: Mapping[str, Callable[[float], Excitation]] = MappingProxyType(
     {"zero": lambda control_hz: Excitation("zero", zero, control_hz), **EXCITATIONS}
 )
 """The same, and the agent without any."""
+DESCRIPTIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "zero": "The action 0, the middle of every range",
+        "random": "Uniform random actions, new at every step",
+        "ou_quick": "Random actions that change smoothly within half a second",
+        "ou_slow": "Weak random actions that change smoothly within two seconds",
+        "ou_strong": "Strong random actions that change smoothly within a second",
+        "harmonics": "Sums of four sines of random size and frequency",
+        "switching": "Every action thrown between its two extremes, once a second",
+    }
+)
+"""What each of the baselines does, in a sentence."""

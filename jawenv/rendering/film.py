@@ -82,7 +82,7 @@ def _canvas(size: tuple[int, int], design: tuple[int, int]) -> Canvas:
 
 
 def _known(scene: Scene) -> str:
-    return f"{int((scene.belief_sd <= KNOWN_SD).sum())} of {len(scene.belief_sd)} known to {100 * KNOWN_SD:g} %"
+    return f"{int((scene.belief_sd <= KNOWN_SD).sum())} of {len(scene.belief_sd)} within {100 * KNOWN_SD:g} %"
 
 
 def _draw_backgrounds(canvas: Canvas, side: Box, front: Box, scene: Scene) -> None:

@@ -141,7 +141,7 @@ def test_a_summary_is_a_table():
     assert [(line[0], line[-1].strip()) for line in lines] == [
         ("patients", "3"),
         ("worst sd, median", "2.5%"),
-        ("all known to 5 % after, s, median", "never"),
+        ("all within 5 % after, s, median", "never"),
         ("NEES", "–"),
     ]
     assert summary._repr_html_().count("<tr>") == 4 and summary["nees"] is not None

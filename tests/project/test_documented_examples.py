@@ -93,13 +93,6 @@ def test_python_examples_run(page: Path, short: Path) -> None:
         shutil.copy("recording.csv", "bench.csv")
         for block in rest:
             exec(compile(block.text, block.place, "exec"), names)
-    elif page.name == "studies.md":  # whose results the page reads
-        small = short / "headline.yaml"
-        small.write_text(
-            "title: T\ndescription: D.\nentries: [hold_still]\npatients: 2\nseed: 0\nepisode_s: 1\n", encoding="utf-8"
-        )
-        assert eval.commands.app.main(["study", str(small), "--workers", "1", "--output", "runs/study/headline"]) == 0
-        run(blocks(page, "python"))
     else:
         run(blocks(page, "python"))
 

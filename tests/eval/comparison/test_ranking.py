@@ -109,7 +109,7 @@ def test_false_sds_identify_nothing(made):
     ranking = rank(misled(made, 12.0))
     assert not ranking.ranked
     assert not ranking.believed
-    assert first.answer(ranking).startswith("With creep_share = 0.3, which the filter does not know: No maneuver id")
+    assert first.answer(ranking).startswith("With creep_share = 0.3, unknown to the filter: No maneuver id")
     assert all("sds are false" in row.excluded for row in ranking.rows)
 
 

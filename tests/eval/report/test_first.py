@@ -32,9 +32,9 @@ def test_a_replay_is_not_ones_own():
 def test_the_answer_names_the_best_both_targets_and_the_patients(made):
     said = first.answer(rank(made))
     assert said.startswith(
-        "Good one is the best maneuver: in half of the 12 patients, all 12 parameters are known to 10 %"
+        "Good one is the best maneuver: in half of the 12 patients, all 12 parameters are within 10 %"
     )
-    assert " s, to 5 % after " in said
+    assert " s, within 5 % after " in said
 
 
 def test_the_best_is_believed_by_its_nees_and_its_alarm(made):

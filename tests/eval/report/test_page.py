@@ -103,7 +103,7 @@ def test_the_bound_is_drawn_where_it_is_one(made, page):
     assert "bound" not in data_of(other)["curves"][GOOD]["log_b/masseter_left"]
     assert "No bound is drawn" in other
     assert "RMSE / bound" not in other
-    assert "with creep_share = 0.3, which the filter does not know" in other
+    assert "with creep_share = 0.3, unknown to the filter" in other
 
 
 def test_learning_curves_of_a_run_are_shown_and_a_damaged_table_is_named(made, tmp_path):
