@@ -48,7 +48,7 @@ class JawRenderer:
             self._begun = True
         self._canvas.restore()
         _draw_views(self._canvas, side, front, scene)
-        words = f"{_known(scene)}, the worst to {100 * scene.belief_sd.max():.1f} %"
+        words = f"{_known(scene)}, the worst within {100 * scene.belief_sd.max():.1f} %"
         self._canvas.text(f"{scene.time_s:.1f} s", (14, 20), 20, SOFT_INK)
         self._canvas.text(words, (626, 20), 20, INK, bold=True, anchor="right", fit=530)
         return self._canvas.pixels()

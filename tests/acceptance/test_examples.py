@@ -135,7 +135,7 @@ def test_real_time(tmp_path: Path) -> None:
     done = run("examples/real_time.py")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    assert [line.split(" s: all known to ")[0].strip() for line in lines[:5]] == ["1", "2", "3", "4", "5"]
+    assert [line.split(" s: all within ")[0].strip() for line in lines[:5]] == ["1", "2", "3", "4", "5"]
     assert all("misfit" in line for line in lines[:5])
     assert lines[5].startswith("501 updates: median ") and lines[6].startswith("a reading was taken ")
 
@@ -158,7 +158,7 @@ def test_device_loop() -> None:
     assert lines[0] == "201 readings, 0 without a reply"
     p50, p99 = (float(lines[1].split()[i]) for i in (2, 5))
     assert 0.0 < p50 <= p99
-    assert lines[2].startswith("deadlines of 10 ms missed: ") and lines[3].startswith("all known to ")
+    assert lines[2].startswith("deadlines of 10 ms missed: ") and lines[3].startswith("all within ")
 
 
 def test_device_loop_names_what_is_not_allowed(refusal) -> None:
