@@ -33,7 +33,7 @@ def episode(simulation, device: torch.device, policy: torch.nn.Module | None) ->
         worlds = Worlds(twin, patients, generator if policy else None)
         cost = worlds.discomfort
         for target in targets:
-            moved = policy(torch.cat([worlds.mean, worlds.target], -1)) if policy else 0.0
+            moved = policy(torch.cat([worlds.belief.mean, worlds.target], -1)) if policy else 0.0
             cost = cost + worlds.step(target + moved)
         (log_worst(worlds) + cost).mean().backward()
 

@@ -84,7 +84,7 @@ class WorldReader:
             "violation": self._violated.item(0) != 0,
             "misfit": self._misfit.item(0),
             "time": self._tick.item(0) * TICK,
-            "episode_key": self._keys[0].copy(),
+            "episode_key": self._keys[0].astype(np.int64),
         }
         if self._asked is not None:
             info["asked"] = self._asked[0].copy()
@@ -117,7 +117,7 @@ class WorldReader:
             "violation": self._violated != 0,
             "misfit": self._misfit.copy(),
             "time": self._tick * TICK,
-            "episode_key": self._keys.copy(),
+            "episode_key": self._keys.astype(np.int64),
         }
         if self._asked is not None:
             info["asked"] = self._asked.copy()

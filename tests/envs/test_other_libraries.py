@@ -46,7 +46,7 @@ def test_infos_are_flat_and_hold_pythons_numbers_and_arrays(arguments):
     assert all(list(info) == list(infos[0]) for info in infos)
     for info in infos:
         arrays = {key: value for key, value in info.items() if isinstance(value, np.ndarray)}
-        assert arrays["episode_key"].dtype == np.uint64
+        assert arrays["episode_key"].dtype == np.int64
         kinds = {value.dtype for key, value in arrays.items() if key != "episode_key"}
         assert all(value.ndim > 0 for value in arrays.values()) and kinds == {np.dtype(np.float64)}
         scalars = {key: value for key, value in info.items() if key not in arrays}
