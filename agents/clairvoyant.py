@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.planning import Planner
 from agents.twin import MODEL
@@ -69,13 +70,18 @@ class Clairvoyant(Planner):
         self._moves: Array = between[..., None] * SCALE
 
     def _search(self, step: Array, due: Mask) -> None:
+        every = np.flatnonzero(due)
+        for chosen in np.array_split(every, math.ceil(len(every) / self.together)):
+            self._search_for(chosen)
+
+    def _search_for(self, chosen: NDArray[np.intp]) -> None:
+        """The same of a few worlds (N,): the graph of an episode takes some 50 MB for each."""
         import torch
 
         from agents.twin.constants import Patients
         from agents.twin.objective import log_worst
         from agents.twin.worlds import Worlds
 
-        chosen = np.flatnonzero(due)
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
         asked = torch.tensor(self._simulation.asked[chosen]).double()
         base, moves = torch.tensor(self._base[: len(self._moves)]), torch.tensor(self._moves)
