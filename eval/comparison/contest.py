@@ -131,4 +131,5 @@ def _log(study: Results, label: str, column: str) -> Array:
 
 def _per_30_s(study: Results, label: str) -> Array:
     rows = study.of(label)
-    return PER_S * (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
+    per_s: Array = (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
+    return PER_S * per_s
