@@ -126,7 +126,8 @@ def _over(values: Array) -> Interval:
 
 
 def _log(study: Results, label: str, column: str) -> Array:
-    return np.log(study.of(label)[column].to_numpy(dtype=np.float64))
+    values: Array = np.log(study.of(label)[column].to_numpy(dtype=np.float64))
+    return values
 
 
 def _per_30_s(study: Results, label: str) -> Array:
