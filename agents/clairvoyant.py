@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.planning import Planner
 from agents.twin import MODEL
@@ -69,24 +70,32 @@ class Clairvoyant(Planner):
         self._moves: Array = between[..., None] * SCALE
 
     def _search(self, step: Array, due: Mask) -> None:
+        every = np.flatnonzero(due)
+        for chosen in np.array_split(every, math.ceil(len(every) / self.together)):
+            self._search_for(chosen)
+
+    def _search_for(self, chosen: NDArray[np.intp]) -> None:
+        """The same of a few worlds (N,): the graph of an episode takes some 50 MB for each."""
         import torch
 
         from agents.twin.constants import Patients
-        from agents.twin.objective import log_worst
+        from agents.twin.objective import log_worst, weights
         from agents.twin.worlds import Worlds
 
-        chosen = np.flatnonzero(due)
         patients = Patients.of_worlds(self._simulation.worlds[chosen])
         asked = torch.tensor(self._simulation.asked[chosen]).double()
         base, moves = torch.tensor(self._base[: len(self._moves)]), torch.tensor(self._moves)
         x = base.new_zeros(len(chosen), self._knots, N_CHANNELS, requires_grad=True)
         optimiser = torch.optim.Adam([x], LEARNING_RATE, betas=(0.8, 0.95))
+        marks = weights(len(base))
         for _ in range(self.updates):
-            worlds, discomfort = Worlds(self._twin, patients, asked=asked), x.new_zeros(len(chosen))
-            for target in (base + torch.einsum("tkc,nkc->ntc", moves, x)).unbind(1):
-                discomfort = discomfort + worlds.step(target)
+            worlds, cost = Worlds(self._twin, patients, asked=asked), x.new_zeros(len(chosen))
+            for number, target in enumerate((base + torch.einsum("tkc,nkc->ntc", moves, x)).unbind(1), 1):
+                cost = cost + PRICE * worlds.step(target)
+                if number in marks:
+                    cost = cost + marks[number] * log_worst(worlds)
             optimiser.zero_grad()
-            (log_worst(worlds) + PRICE * discomfort).sum().backward()  # type: ignore[no-untyped-call]
+            cost.sum().backward()  # type: ignore[no-untyped-call]
             optimiser.step()
         found = base + torch.einsum("tkc,nkc->ntc", moves, x.detach())
         self._planned[chosen] = self._base

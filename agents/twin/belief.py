@@ -144,7 +144,8 @@ class Belief:
         lasting = ticks * (twin.lasting * carried).square()
         arms = lasting.new_tensor([1.0] * 3 + [LASTING_ARM**2] * 3)
         bite = (held.passive.bite[:, None] * lasting.new_tensor(TOOTH_NOISE)).square()
-        return twin.wrench_variance + lasting[:, None] * arms + bite
+        variance: Tensor = twin.wrench_variance + lasting[:, None] * arms + bite
+        return variance
 
     def _weight_of_stay(self, held: Held, carried: Tensor) -> Tensor:
         """(P,) what readings count for, as ``jawenv.filter.readings.lasting.weight_of_stay`` has it."""

@@ -34,7 +34,7 @@ class Disturbance:
             noise: (P, 5, 5) of e.
         """
         L = torch.linalg.cholesky(J @ self._covariance @ J.mT + noise)
-        rows = torch.linalg.solve_triangular(L, columns - J @ self._by_parameters, upper=False)
+        rows: Tensor = torch.linalg.solve_triangular(L, columns - J @ self._by_parameters, upper=False)
         gain = torch.linalg.solve_triangular(L, J @ self._covariance, upper=False)
         self._by_parameters = self._decay * (self._by_parameters + gain.mT @ rows)
         kept = self._covariance - gain.mT @ gain

@@ -105,8 +105,9 @@ class Nuisances:
         F_o, b = theta[..., 0::2][..., line, None].exp(), theta[..., 1::2][..., line, None].exp()
         tension = F_o * (b * (length / l_o - 1.0)).exp()
         whole = tension + jaw.tone[..., None, None]
-        shift = pose.arms(self.insertion[chosen].unflatten(-1, (-1, 3))[torch.arange(len(line)), line])
-        change = self.origin[chosen].unflatten(-1, (-1, 3))[torch.arange(len(line)), line] - shift
+        origin, insertion = (ends.reshape(len(self), -1, 3)[chosen, line] for ends in (self.origin, self.insertion))
+        shift = pose.arms(insertion)
+        change = origin - shift
         longer = (e * change).sum(-1, keepdim=True)
         stretch = longer / l_o - length * self.l_o[chosen, line, None] / l_o**2
         pull = tension * b * stretch * e + whole / length * (change - longer * e)

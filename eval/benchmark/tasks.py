@@ -18,7 +18,7 @@ from jawenv.errors import InputError, shown
 
 VERSION = "jawenv-2"
 """Version for citation, with the ids of the tasks."""
-PATIENTS_IN_A_PART = 10
+PATIENTS_IN_A_PART = 50
 """Patients that are played together. An agent that draws at random draws anew for each part."""
 
 

@@ -11,7 +11,7 @@ import typer
 from eval.commands import options
 from eval.commands.benchmark import benchmark_command
 from eval.commands.calibration import calibrate_command
-from eval.commands.comparison import card_command, compare_command, replay_command, report_command
+from eval.commands.comparison import card_command, compare_command, contest_command, replay_command, report_command
 from eval.commands.dataset import dataset_command
 from eval.commands.information import information_command
 from eval.commands.live import live_command
@@ -31,6 +31,7 @@ app = command_line("Compare maneuvers and trained agents on the same patients; d
 app.command("compare")(compare_command)
 app.command("report")(report_command)
 app.command("card")(card_command)
+app.command("contest")(contest_command)
 app.command("replay")(replay_command)
 app.command("calibrate")(calibrate_command)
 app.command("dataset")(dataset_command)

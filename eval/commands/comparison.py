@@ -115,6 +115,24 @@ def card_command(
     print(f"written: {output}")
 
 
+def contest_command(
+    folders: Annotated[list[Path], typer.Argument(help="Folders of finished comparisons.", metavar="FOLDER...")],
+    output: Annotated[Path, typer.Option(help="Page to write.", metavar="FILE.md")] = Path("runs/contest.md"),
+) -> None:
+    """Write how much each entry closes of the gap between the best fixed maneuver and the clairvoyant.
+
+    Each comparison has a clairvoyant among its entries. Entries NAME-seed0, NAME-seed1 ... are one row.
+    """
+    from eval.comparison import results
+    from eval.comparison.contest import markdown
+    from jawenv.files import write_text
+
+    page = markdown({folder.name: results.load(folder) for folder in folders})
+    with alone(output):
+        write_text(output, page)
+    print(f"{page}\nwritten: {output}")
+
+
 @options.takes_world("control")
 def replay_command(
     world: dict[str, Any],

@@ -127,6 +127,7 @@ class Ranking:
         admission: limits of comfort.
         effects: fields of ``jawenv.reality.Reality`` that acted on the truth and that the filter did not know.
         estimator: mechanics that the filter believes in, if not the environment's own; else empty.
+        asked: the muscles that are asked for, as the environment's argument; empty for all.
         band: in which 95 % of calibrated studies of this size have the mean NEES of all their entries (Bonferroni).
     """
 
@@ -139,6 +140,7 @@ class Ranking:
     effects: dict[str, float]
     estimator: str
     band: tuple[float, float]
+    asked: str = ""
 
     @property
     def ranked(self) -> tuple[RankingRow, ...]:
@@ -170,6 +172,11 @@ class Ranking:
     def n_parameters(self) -> int:
         """Number of parameters, which is also the mean of a calibrated NEES."""
         return len(self.parameters)
+
+    @property
+    def sought(self) -> str:
+        """What has to be known: all parameters, or those that are asked for."""
+        return "parameters asked for" if self.asked else f"all {self.n_parameters} parameters"
 
     @property
     def best(self) -> RankingRow | None:
@@ -215,6 +222,7 @@ def rank(study: Results, reference: str | None = None, admission: AdmissionLimit
         admission=allowed,
         effects=settings.get("reality") or {},
         estimator=settings.get("estimator") or "",
+        asked=settings.get("asked") or "",
         band=nees_band(number, parameters, 1.0 - 0.05 / len(rows)),
     )
 

@@ -88,9 +88,9 @@ def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
     entries = study.about.get("entries", [])
     made = [entry for entry in entries if entry.get("trained") or entry.get("planned")]
     trained = [entry["label"] for entry in made if entry["label"] != reference]
-    replays = {label: [entry["label"] for entry in entries if entry.get("replay_of") == label] for label in trained}
+    replays = {label: replays_of(study, label) for label in trained}
     rows: list[Gain] = []
-    for name, group in _groups(trained):
+    for name, group in groups(trained):
         if reference is not None:
             rows += _of(study, name, group, [reference] * len(group), reference)
         for number, kind in enumerate(_KINDS):
@@ -99,7 +99,12 @@ def gains(study: Results, reference: str | None) -> tuple[Gain, ...]:
     return tuple(rows)
 
 
-def _groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
+def replays_of(study: Results, label: str) -> list[str]:
+    """Labels of an entry's replay and yoked replay; none if it has none."""
+    return [entry["label"] for entry in study.about.get("entries", []) if entry.get("replay_of") == label]
+
+
+def groups(labels: Sequence[str]) -> list[tuple[str, list[str]]]:
     """Labels grouped by common beginning, name of the group first; a label that ends in no seed is alone."""
     seeds: dict[str, list[str]] = {}
     alone: list[tuple[str, list[str]]] = []

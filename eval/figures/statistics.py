@@ -97,6 +97,24 @@ def mean_over_both(values: Array) -> Interval:
     return Interval(estimate, float(low), float(high))
 
 
+def ratio_over_both(values: Array, whole: Array) -> Interval:
+    """Mean over trainings and patients as a share of a mean over patients; both are resampled, patients together.
+
+    Args:
+        values: (S, N) of S trainings, each on the same N patients.
+        whole: (N,) of the same patients.
+    """
+    estimate = float(values.mean() / whole.mean())
+    if len(whole) < 2 or not np.isfinite(estimate):
+        return Interval(estimate, float("nan"), float("nan"))
+    rng, (trainings, patients) = np.random.default_rng(0), values.shape
+    rows = rng.multinomial(trainings, np.full(trainings, 1.0 / trainings), RESAMPLES) / trainings
+    columns = rng.multinomial(patients, np.full(patients, 1.0 / patients), RESAMPLES) / patients
+    ratios = np.einsum("rs,sn,rn->r", rows, values, columns, optimize=True) / (columns @ whole)
+    low, high = np.quantile(ratios, [(1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0])
+    return Interval(estimate, float(low), float(high))
+
+
 def means_together(values: Array) -> list[Interval]:
     """Means over patients of several figures, with intervals that hold all true means at once with 95 %.
 

@@ -77,7 +77,7 @@ def _answer(ranking: Ranking) -> str:
     times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
     which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
-    return f"{words.label(best.entry)} {which}: {half}, all {number} parameters are {times}."
+    return f"{words.label(best.entry)} {which}: {half}, {ranking.sought} are {times}."
 
 
 def assumption(study: Results) -> str:

@@ -103,7 +103,7 @@ def _table(title: str, *columns: str) -> Table:
 
 def _precision(ranking: Ranking) -> Table:
     table = _table(
-        f"How well all {ranking.n_parameters} parameters of {ranking.env} are known at the end",
+        f"How well {ranking.sought} of {ranking.env} are known at the end",
         "true info\nnats",
         "minus that of\nthe reference",
         "worst sd, %\nmedian",
@@ -130,7 +130,7 @@ def _precision(ranking: Ranking) -> Table:
 
 def _short(ranking: Ranking) -> Table:
     table = _table(
-        f"How soon all {ranking.n_parameters} parameters are known, in half of {ranking.patients} patients",
+        f"How soon {ranking.sought} are known, in half of {ranking.patients} patients",
         *(f"to {100.0 * target:g} %\ns" for target in (first.NEARLY_KNOWN, KNOWN)),
         "worst sd\n%",
         "discomfort\ns per 30 s",

@@ -22,7 +22,7 @@ def test_the_tasks_are_those_of_their_version():
         "bilateral-exact",
         "jaw-asked",
     ]
-    assert digest() == "8848c1db8603f784", "a task has changed: give the benchmark a new version, and play it anew"
+    assert digest() == "06e80cdf4de153a4", "a task has changed: give the benchmark a new version, and play it anew"
 
 
 def test_what_every_task_has_in_common():

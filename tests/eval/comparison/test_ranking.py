@@ -83,6 +83,13 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
     assert "c  good one is not ranked: the alarm rings in 7.5 %" in console.file.getvalue()
 
 
+def test_what_is_asked_for_is_named(made):
+    about = made.about | {"settings": made.about["settings"] | {"asked": "random"}}
+    ranking = rank(type(made)(made.patients, made.curves, about))
+    assert "parameters asked for are known" in first.answer(ranking)
+    assert "all 12 parameters are known" in first.answer(rank(made))
+
+
 def test_few_may_ring(made):
     ranking = rank(ringing(made, GOOD, 2))
     assert ranking.ranked[0].entry == GOOD

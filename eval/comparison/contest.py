@@ -1,0 +1,136 @@
+"""A contest: what each entry closes of the gap between the best fixed maneuver and a planner that knows the patient.
+
+Of every comparison all seeds of one training are one row (``trainings``). Figures are of the end of the episode, and
+differences patient by patient. The best fixed maneuver is the one of the smallest mean log of the worst sd among those
+within the admitted discomfort.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from eval.comparison.admission import PER_S, AdmissionLimits
+from eval.comparison.results import Results
+from eval.comparison.trainings import groups, replays_of
+from eval.figures import statistics, words
+from eval.figures.statistics import UNKNOWN, Array, Interval
+from eval.figures.tables import Table
+from jawenv.errors import InputError
+
+NOTE = (
+    "Worst sd, true error: mean log of the largest sd asked for and of the root mean square error, less that of the "
+    "best fixed maneuver, patient by patient; below 0 is better. Closed: the share of the way from that maneuver to "
+    "the clairvoyant. Replay, yoked: mean log of the worst sd less that of the entry's own and yoked replay. Above: "
+    "share of the patients with more discomfort than is admitted on average. In brackets the 95 % interval over "
+    "patients, and over the seeds of a training."
+)
+HEAD = (
+    "entry",
+    "seeds",
+    "worst sd",
+    "closed, %",
+    "true error",
+    "replay",
+    "yoked",
+    "discomfort, s",
+    "above, %",
+    "NEES / p",
+)
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """One row; see ``NOTE``.
+
+    Attributes:
+        name: label of the entry, or the common beginning of those of its seeds.
+        seeds: how many trainings.
+        figures: those of ``HEAD`` behind the seeds.
+    """
+
+    name: str
+    seeds: int
+    figures: tuple[Interval, ...]
+
+
+def contestants(study: Results, admission: AdmissionLimits | None = None) -> tuple[Contestant, ...]:
+    """Every entry but replays, seeds of one training together, the best first.
+
+    Args:
+        study: a comparison.
+        admission: limits of comfort; the defaults of ``AdmissionLimits`` without one.
+
+    Raises:
+        InputError: it has no maneuver within comfort, or no clairvoyant.
+    """
+    allowed = admission or AdmissionLimits()
+    entries = {entry["label"]: entry for entry in study.about["entries"]}
+    own = [label for label, entry in entries.items() if not entry.get("replay_of")]
+    fixed = [label for label in own if not (entries[label].get("trained") or entries[label].get("planned"))]
+    fixed = [label for label in fixed if _per_30_s(study, label).mean() <= allowed.discomfort_s]
+    ends = [label for label in own if entries[label].get("clairvoyant")]
+    if not fixed or not ends:
+        raise InputError("comparison: lacks a maneuver within comfort, or a clairvoyant planner; allowed: with both")
+    best = min(fixed, key=lambda label: float(_log(study, label, "worst_sd").mean()))
+    end = min(ends, key=lambda label: float(_log(study, label, "worst_sd").mean()))
+    rows = [_row(study, name, group, (best, end), allowed) for name, group in groups(own)]
+    return tuple(sorted(rows, key=lambda row: row.figures[0].value))
+
+
+def markdown(studies: Mapping[str, Results]) -> str:
+    """A table for each comparison, by its name, below the command that made it."""
+    parts = ["# Contest", NOTE]
+    for name, study in studies.items():
+        rows = [_written(row) for row in contestants(study)]
+        table = Table(HEAD, rows, (0,)).markdown()
+        parts += [f"## {name}", f"`{study.about['command']}`", table]
+    return "\n\n".join(parts) + "\n"
+
+
+def _row(
+    study: Results, name: str, group: Sequence[str], scale: tuple[str, str], admission: AdmissionLimits
+) -> Contestant:
+    best, end = scale
+
+    def less(column: str, others: Sequence[str]) -> Array:
+        return np.array(
+            [_log(study, own, column) - _log(study, other, column) for own, other in zip(group, others, strict=True)]
+        )
+
+    worst, error = (less(column, [best] * len(group)) for column in ("worst_sd", "rmse"))
+    whole = _log(study, end, "worst_sd") - _log(study, best, "worst_sd")
+    replays = [replays_of(study, label) for label in group]
+    kinds = [list(kind) for kind in zip(*replays, strict=False)]
+    against = [_over(less("worst_sd", kind)) for kind in kinds] or [UNKNOWN, UNKNOWN]
+    discomfort = np.array([study.of(label)["discomfort_s"].to_numpy() for label in group])
+    above = 100.0 * np.array([_per_30_s(study, label) > admission.discomfort_s for label in group])
+    nees = np.array([study.of(label)["nees"].to_numpy() for label in group]) / len(study.parameters)
+    closed = words.scaled(statistics.ratio_over_both(worst, whole), 100.0)
+    return Contestant(
+        name, len(group), (_over(worst), closed, _over(error), *against, _over(discomfort), _over(above), _over(nees))
+    )
+
+
+def _written(row: Contestant) -> list[str]:
+    digits = (3, 0, 2, 3, 3, 3, 0, 2)
+    figures = [words.with_interval(value, places) for value, places in zip(row.figures, digits, strict=True)]
+    return [words.label(row.name), str(row.seeds), *figures]
+
+
+def _over(values: Array) -> Interval:
+    """Mean of (S, N) over patients, and over trainings where there are several."""
+    return statistics.mean(values[0]) if len(values) == 1 else statistics.mean_over_both(values)
+
+
+def _log(study: Results, label: str, column: str) -> Array:
+    values: Array = np.log(study.of(label)[column].to_numpy(dtype=np.float64))
+    return values
+
+
+def _per_30_s(study: Results, label: str) -> Array:
+    rows = study.of(label)
+    per_s: Array = (rows["discomfort_s"] / rows["duration_s"]).to_numpy(dtype=np.float64)
+    return PER_S * per_s

@@ -1,0 +1,63 @@
+"""The share of the gap that an entry closes, on entries of known outcome."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from eval.comparison.contest import contestants, markdown
+from eval.comparison.results import Results
+from eval.figures.statistics import ratio_over_both
+from jawenv.errors import InputError
+
+PATIENTS = 40
+SHIFTS = {"refined": 0.0, "quick": -0.1, "apg-seed0": -0.2, "apg-seed1": -0.3, "clairvoyant": -0.5}
+DISCOMFORT = {"quick": 1.0}
+
+
+def compared(*without: str) -> Results:
+    """Every entry's worst sd is that of the maneuver times exp(shift); replays are the maneuver itself."""
+    rng, tables, entries = np.random.default_rng(0), [], []
+    base = rng.uniform(0.01, 0.05, PATIENTS)
+
+    def add(label, shift, **about):
+        values = base * np.exp(rng.normal(shift, 1e-3, PATIENTS))
+        columns = {"worst_sd": values, "rmse": values, "nees": 12.0, "duration_s": 10.0}
+        columns |= {"discomfort_s": DISCOMFORT.get(label, 0.01), "patient": np.arange(PATIENTS), "entry": label}
+        entries.append({"label": label, **about})
+        tables.append(pd.DataFrame(columns | {f"sd/{k}": 0.1 for k in range(12)}))
+
+    for label, shift in SHIFTS.items():
+        if label in without:
+            continue
+        add(label, shift, trained="seed" in label, clairvoyant=label == "clairvoyant", planned=label == "clairvoyant")
+        if "seed" in label:
+            add(f"replay of {label}", 0.0, replay_of=label)
+            add(f"yoked replay of {label}", 0.1, replay_of=label)
+    return Results(pd.concat(tables), pd.DataFrame(), {"entries": entries, "command": "eval compare"})
+
+
+def test_seeds_are_one_row_on_a_scale_from_the_admitted_maneuver_to_the_clairvoyant():
+    found = contestants(compared())
+    assert [(row.name, row.seeds) for row in found] == [("clairvoyant", 1), ("apg", 2), ("quick", 1), ("refined", 1)]
+    worst, closed, _, replay, yoked, discomfort, above, nees = found[1].figures
+    assert (worst.value, replay.value, yoked.value) == pytest.approx((-0.25, -0.25, -0.35), abs=1e-3)
+    assert (closed.value, closed.low, closed.high) == pytest.approx((50.0, 40.0, 60.0), abs=0.3)
+    assert (discomfort.value, above.value, nees.value) == pytest.approx((0.01, 0.0, 1.0))
+    assert found[2].figures[6].value == 100.0 and not found[0].figures[3].known
+
+
+def test_a_page_has_a_table_for_each_comparison_and_its_command():
+    page = markdown({"trismus": compared(), "one_sided": compared()})
+    assert page.count("| apg | 2 |") == 2 and "## one_sided" in page and "`eval compare`" in page
+
+
+@pytest.mark.parametrize("without", ["clairvoyant", "refined"])
+def test_a_comparison_without_both_ends_is_refused(without):
+    with pytest.raises(InputError):
+        contestants(compared(without))
+
+
+def test_a_share_is_that_of_the_means():
+    values, whole = np.array([[1.0, 2.0], [3.0, 2.0]]), np.array([4.0, 4.0])
+    assert ratio_over_both(values, whole).value == 0.5
+    assert not ratio_over_both(values[:, :1], whole[:1]).known
