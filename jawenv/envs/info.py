@@ -25,7 +25,7 @@ class WorldReader:
     frozen, and not used); ``gated`` (share of the step's ticks whose readings the filter's gate has refused to learn
     from); ``misfit`` (the alarm: above 1 no parameters explain what was read, or the belief moves by more than it
     claims, see ``filter.alarm.misfit``); ``jaw_state`` (10: true q, u); ``time`` (s); ``episode_key`` (2,
-    uint64: of the episode's patient and random numbers, with which ``reset`` begins it again); ``asked`` (6, bool:
+    int64: of the episode's patient and random numbers, with which ``reset`` begins it again); ``asked`` (6, bool:
     which muscles are asked for; only with the argument ``asked``).
 
     A light info has ``belief_mean``, ``belief_sd``, ``truth``, ``cost``, ``violation``, ``misfit``, ``time``,
