@@ -30,7 +30,6 @@ BASELINES = (
     "ppo_imaged",
     "apg_trismus",
     "apg_one_sided",
-    "clairvoyant",
 )
 
 
