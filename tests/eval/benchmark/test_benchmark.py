@@ -133,8 +133,8 @@ def test_an_agent_within_the_output_is_refused(tmp_path):
         refuse_copies([str(tmp_path / "agents" / "0" / "mine.yaml")], tmp_path)
 
 
-def test_patients_are_played_in_tens_so_that_a_part_can_be_checked(tmp_path):
+def test_patients_are_played_in_parts_of_fifty_so_that_a_part_can_be_checked(tmp_path):
     (cell,) = cells_of(["random"], tasks_named(["hinge-exact"]))
-    parts = replace(cell, seeds=cell.seeds[:25]).parts(tmp_path)
-    assert [(part.first, part.number) for part in parts] == [(50_000, 10), (50_010, 10), (50_020, 5)]
-    assert len(cell.parts(tmp_path)) == 10
+    parts = replace(cell, seeds=cell.seeds[:70]).parts(tmp_path)
+    assert [(part.first, part.number) for part in parts] == [(50_000, 50), (50_050, 20)]
+    assert len(cell.parts(tmp_path)) == 2

@@ -176,8 +176,8 @@ def test_a_check_draws_patients_by_its_own_entropy_and_plays_the_parts_in_which_
     parts = [object() for _ in range(10)]
     draws = [drawn(parts, 3, np.random.default_rng(seed)) for seed in (0, 0, 1)]
     assert draws[0] == draws[1] != draws[2] and 1 <= len(draws[0]) <= 3
-    assert drawn(parts, None, np.random.default_rng(0)) == parts == drawn(parts, 500, np.random.default_rng(0))
-    counts = np.bincount([len(drawn(parts, 44, np.random.default_rng(seed))) for seed in range(100)])
+    assert drawn(parts, None, np.random.default_rng(0)) == parts == drawn(parts, 5000, np.random.default_rng(0))
+    counts = np.bincount([len(drawn(parts, 220, np.random.default_rng(seed))) for seed in range(100)])
     assert counts[:9].sum() == 0, "so many patients lie in nearly every part"
 
 
