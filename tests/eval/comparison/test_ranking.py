@@ -87,7 +87,7 @@ def test_what_is_asked_for_is_named(made):
     about = made.about | {"settings": made.about["settings"] | {"asked": "random"}}
     ranking = rank(type(made)(made.patients, made.curves, about))
     assert "parameters asked for are within" in first.answer(ranking)
-    assert "all 12 parameters are known" in first.answer(rank(made))
+    assert "all 12 parameters are within" in first.answer(rank(made))
 
 
 def test_few_may_ring(made):
