@@ -10,7 +10,8 @@ A line from its insertion p to its origin o, along e, l long, of tension T, has 
 
     df = T b (dl / l_o - l dl_o / l_o^2) e + (T + tone) / l (1 - e e^T) (do - dp),   moment r x df + dp x (T + tone) e
 
-more. Every tensor may have leading axes of worlds, written (...); m is the number of nuisances.
+more. Every tensor may have leading axes of worlds, written (...); m is the number of nuisances
+that a jaw at rest shows.
 """
 
 from __future__ import annotations
@@ -61,8 +62,9 @@ class Nuisances:
 
     @classmethod
     def of(cls, record: Any) -> Nuisances:
-        """From a record of dtype ``nuisance_dtype``."""
-        return cls(**{field.name: torch.tensor(np.array(record[field.name])) for field in fields(cls)})
+        """From a record of dtype ``nuisance_dtype``, of those that a jaw at rest shows: the twin is quasi-static."""
+        shown = record["at_rest"].astype(bool)
+        return cls(**{field.name: torch.tensor(np.array(record[field.name][shown])) for field in fields(cls)})
 
     def __len__(self) -> int:
         return len(self.mass)

@@ -23,6 +23,7 @@ _FIELDS = {
     "cell_turn": "cell, angles",
     "motors": "force of each motor",
     "tone": "tone",
+    "inertial": "inertia",
 }
 GROUPS = ("attachments", "fossa", "mass", "centre of mass", "head tilt", *list(_FIELDS.values())[3:], "damping")
 """Of nuisances, in the order of tables."""

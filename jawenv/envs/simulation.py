@@ -79,8 +79,10 @@ class Simulation:
         )
         self._known_condyles = 2 if filter_bilateral else 1
         self.knowledge = configuration.build_knowledge()
-        self._sds = directions(self.knowledge, muscles, self._jaw, self.cohort.typical, self._motor_sds)
-        disturbance = N_WRENCH if self.device[0]["unmodelled_time"] > 0.0 else 0
+        lasting = bool(self.device[0]["unmodelled_time"] > 0.0)
+        about = muscles, self._jaw, self.cohort.typical, self._motor_sds
+        self._sds = directions(self.knowledge, *about, lasting=lasting)
+        disturbance = N_WRENCH if lasting else 0
         sizes = len(muscles), len(muscles.muscle), N_BODY if filter_bilateral else N_STATES, len(self._sds), disturbance
         self.settings = self._build_settings(sizes)
         self.worlds = record_zeros(num_worlds, world_dtype(*sizes, N_BODY if bilateral else 0))

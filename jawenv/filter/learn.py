@@ -68,11 +68,16 @@ def set_steps(belief: Belief, scratch: LearnScratch):
 
 @njit
 def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
-    """Move motion and score to the belief's mean."""
+    """Move motion and score to the belief's mean.
+
+    What a jaw at rest does not show stays at its nominal value: servos answer to the motion that shows it.
+    """
     set_steps(belief, scratch)
     row, first = scratch.row, belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     if belief.nuisances.shape[0] > 0:
         for k in range(belief.nuisances.shape[0]):
+            if not settings.nuisances.at_rest[k]:
+                row[first + k] = 0.0
             belief.nuisances[k] += row[first + k]
         move_jaw(belief.jaw, settings.nuisances, row, first)
     for i in range(belief.motion.shape[0]):

@@ -25,7 +25,7 @@ _OF_THE_BODY = ("mass", "centre_of_mass", "inertia", "inertia_inverse", "inertia
 
 
 def sds_of(
-    jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None = None
+    jaw: Any, model: Model, knowledge: Knowledge, prior: Any, motor_sds: NDArray[np.float64] | None, lasting: bool
 ) -> tuple[Any, list[Unknowns]]:
     """The geometry about which sds are taken, and one sd of every nuisance that the filter integrates out.
 
@@ -38,11 +38,12 @@ def sds_of(
         knowledge: the sds.
         prior: of the parameters.
         motor_sds: those of a force that no load cell reads, or None.
+        lasting: whether the disturbance has memory.
     """
     upright, default = jaw.copy(), defaults.geometry(model.name)
     for name in _OF_THE_BODY:
         upright[name] = default[name]
-    return upright, directions(knowledge, model.muscles, upright, prior.mean, motor_sds)
+    return upright, directions(knowledge, model.muscles, upright, prior.mean, motor_sds, lasting=lasting)
 
 
 def settings_of_record(record: Record) -> Any:
@@ -57,7 +58,7 @@ def settings_of_record(record: Record) -> Any:
     if not record.knowledge.exact or force is not None:
         model = defaults.matching_models(record.parameter_names, states)[0]
         parts = record.jaw, model, record.knowledge, record.prior
-        upright, sds = sds_of(*parts, None if force is None else force[0])
+        upright, sds = sds_of(*parts, None if force is None else force[0], record.disturbance_time_s > 0.0)
         muscle_set = model.muscles
     lines = len(record.jaw["l_o"]) if sds else 1
     disturbance = N_WRENCH if record.disturbance_time_s > 0.0 else 0
@@ -84,8 +85,8 @@ def settings_of_configuration(configuration: Configuration, jaw: Any) -> Any:
     sensor = configuration.force_sensor
     motor_sds = sds_of_sensor(sensor, device)
     force = None if motor_sds is None else (motor_sds, device_with_sensor(sensor, device)[0])
-    upright, sds = sds_of(jaw, model, knowledge, prior, motor_sds)
     noise, spread = noise_of(device, sensor, TICK), start_sd(jaw, int(jaw["condyles"]))
+    upright, sds = sds_of(jaw, model, knowledge, prior, motor_sds, noise.disturbance_time_s > 0.0)
     disturbance = N_WRENCH if noise.disturbance_time_s > 0.0 else 0
     sizes = len(muscles), len(spread), len(muscles.muscle), len(sds), disturbance
     settings = record_zeros(1, filter_settings_dtype(*sizes))[0]

@@ -21,6 +21,9 @@ POSES = [(x, 0.0, pitch, yaw, 0.0) for x, pitch in ((2e-3, 0.04), (5e-3, 0.14), 
 NEGLIGIBLE = 2e-3
 
 N_MOTORS, N_MOTOR_ERRORS = 4, 5
+N_INERTIAL = 4
+MASS, DAMPING = 2, slice(3, 5)
+"""Which of ``Unknowns.numbers`` are the mass and both dampings."""
 FARTHEST = 4.0  # sds that a nuisance may be from its nominal value, drawn or believed
 
 
@@ -40,6 +43,8 @@ class Unknowns(NamedTuple):
         motors: (4, ``N_MOTOR_ERRORS``) of a force that no load cell reads: each motor's gain, Coulomb and viscous
             friction, and direction about two axes (``device.force_sensor``).
         tone: (1,) of the closers.
+        inertial: (4,) mass and centre of mass once more, as accelerations show them: the same numbers, which a filter
+            may take for others.
     """
 
     origin: NDArray[np.float64]
@@ -53,20 +58,34 @@ class Unknowns(NamedTuple):
     cell_turn: NDArray[np.float64]
     motors: NDArray[np.float64]
     tone: NDArray[np.float64]
+    inertial: NDArray[np.float64]
 
 
 def no_unknowns(lines: int) -> Unknowns:
     """All at their nominal values."""
-    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS), 1)
+    rest = (6, 3, 3, 3, 6, 1, 3, (N_MOTORS, N_MOTOR_ERRORS), 1, N_INERTIAL)
     return Unknowns(np.zeros((lines, 3)), np.zeros((lines, 3)), *(np.zeros(shape) for shape in rest))
 
 
 def draw_unknowns(lines: int, generator: np.random.Generator) -> Unknowns:
     """Standard normals for all but motors and tone, none beyond ``FARTHEST``: a mass stays positive."""
     none = no_unknowns(lines)
-    undrawn = none._replace(tone=np.empty(0))
+    undrawn = none._replace(tone=np.empty(0), inertial=np.empty(0))
     drawn = Unknowns(*(_normals(values, generator) for values in undrawn))
-    return drawn._replace(motors=none.motors, tone=none.tone)
+    return with_inertial(drawn._replace(motors=none.motors, tone=none.tone))
+
+
+def with_inertial(values: Unknowns) -> Unknowns:
+    """The same with accelerations that show its mass and centre of mass."""
+    return values._replace(inertial=np.append(values.numbers[MASS], values.centre_of_mass))
+
+
+def as_body(values: Unknowns) -> Unknowns:
+    """The same with what ``inertial`` has added to mass and centre of mass, and nothing left there."""
+    numbers = values.numbers.copy()
+    numbers[MASS] += values.inertial[0]
+    centre = values.centre_of_mass + values.inertial[1:]
+    return values._replace(numbers=numbers, centre_of_mass=centre, inertial=np.zeros(N_INERTIAL))
 
 
 def with_motors(values: Unknowns, generator: np.random.Generator) -> Unknowns:
@@ -150,6 +169,8 @@ def directions(
     jaw: Any,
     log_parameters: NDArray[np.float64],
     motor_sds: NDArray[np.float64] | None = None,
+    *,
+    lasting: bool = False,
 ) -> list[Unknowns]:
     """One sd of every nuisance that moves the jaw by more than the noise hides.
 
@@ -162,6 +183,7 @@ def directions(
         jaw: the filter's model.
         log_parameters: (p,) of a typical patient.
         motor_sds: (``N_MOTOR_ERRORS``,) those of each motor's force, or None where a load cell reads it.
+        lasting: whether the disturbance has memory: then mass and centre of mass are there once more (``inertial``).
     """
     lines, vectors = len(muscles.muscle), []
 
@@ -183,6 +205,8 @@ def directions(
         vectors.append(one("tone", 0))
     sds = (knowledge.centre_of_mass_x_mm, knowledge.centre_of_mass_y_mm, knowledge.centre_of_mass_z_mm)
     vectors += [one("centre_of_mass", k) for k, sd in enumerate(sds) if sd > 0.0]
+    if lasting:
+        vectors += [one("inertial", k) for k, sd in enumerate((knowledge.mass, *sds)) if sd > 0.0]
     vectors += [one("mouthpiece", k) for k in range(3) if knowledge.mouthpiece_mm > 0.0]
     vectors += [one("turn", k) for k in range(3) if knowledge.mouthpiece_deg > 0.0]
     cell = [knowledge.cell_offset_N] * 3 + [knowledge.cell_offset_N_m] * 3

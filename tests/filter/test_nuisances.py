@@ -17,7 +17,16 @@ from jawenv.filter.nuisances.changes import add_readings, set_wrenches
 from jawenv.filter.updates.measurement_update import EXPECTED
 from jawenv.kernels.compiled import njit
 from jawenv.laboratory.online import take_tick
-from jawenv.mechanics.unknowns import FARTHEST, Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
+from jawenv.mechanics.unknowns import (
+    FARTHEST,
+    MASS,
+    N_INERTIAL,
+    Unknowns,
+    cell_turn_of,
+    changed_jaw,
+    offset_of,
+    turn_of,
+)
 from jawenv.playing.maneuvers import Player
 
 EPS = 1e-3  # sds
@@ -94,7 +103,7 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
         motion, wrench = motion_at(rng), rng.normal(size=6) * [3.0, 3.0, 3.0, 0.05, 0.05, 0.05]
         columns = np.zeros((6, len(simulation._sds)))
         rate = twin.acceleration(jaw, theta, motion[:5], motion[5:], wrench)
-        at = tuple(motion[:5]), tuple(motion[5:]), tuple(motion[5:]), tuple(rate), tuple(wrench)
+        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), False
         wrenches_of(jaw, muscles, at, settings, columns, scratch)
         by_wrench = twin.derivative(lambda w, m=motion: twin.acceleration(jaw, theta, m[:5], m[5:], w), wrench)
         for j, values in enumerate(simulation._sds):
@@ -102,6 +111,33 @@ def test_a_nuisances_wrench_does_to_the_jaw_what_the_nuisance_does(simulation, r
             np.testing.assert_allclose(
                 by_wrench @ columns[:, j], expected, rtol=0.03, atol=2e-3 * np.abs(by_wrench).max(), err_msg=f"{j}"
             )
+
+
+def test_what_a_jaw_at_rest_shows_and_what_accelerations_show_make_the_whole(rng):
+    """Beside a disturbance with memory mass and centre of mass are two numbers each; damping is in motion alone."""
+    made = Simulation(1, Configuration(knowledge=KNOWN, device={"unmodelled_time_s": 0.5}))
+    settings, scratch = made.settings[0]["filter"], made._scratches[0]["filter"]["time"]["nuisances"]
+    muscles = np.exp(made.cohort.prior.mean).reshape(-1, 2)[made._jaw["muscle"]]
+    motion, wrench = motion_at(rng), rng.normal(size=6)
+
+    def columns(motion, rate, apart):
+        found = np.zeros((6, len(made._sds)))
+        at = tuple(motion[:5]), tuple(motion[5:]), tuple(rate), tuple(wrench), apart
+        wrenches_of(made._jaw, muscles, at, settings, found, scratch)
+        return found
+
+    rate = rng.normal(size=5)
+    whole, apart = columns(motion, rate, False), columns(motion, rate, True)
+    still = columns(motion * np.repeat([1.0, 0.0], 5), np.zeros(5), False)
+    again, at_rest = (settings["nuisances"][name].astype(bool) for name in ("again", "at_rest"))
+    body = np.array([bool(values.numbers[MASS] or values.centre_of_mass.any()) for values in made._sds])
+    assert again.sum() == body.sum() == N_INERTIAL
+    np.testing.assert_allclose(apart[:, at_rest], still[:, at_rest], atol=1e-12)
+    np.testing.assert_allclose(apart[:, again] + apart[:, body], whole[:, body], atol=1e-12)
+    damping = ~again & ~at_rest
+    assert damping.sum() == 2
+    np.testing.assert_allclose(apart[:, damping], whole[:, damping], atol=1e-12)
+    assert np.abs(whole[:, damping]).max() > 1e-3
 
 
 def test_a_nuisance_changes_the_readings_as_the_independent_jaw_says(simulation, rng):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.mechanics.unknowns import Unknowns
+from jawenv.mechanics.unknowns import Unknowns, with_inertial
 
 OWN_NUMBERS = 5
 """The first of ``Unknowns.numbers``: drop and frequency of the fossa, mass, both dampings; then the session's tilt."""
@@ -18,13 +18,14 @@ OWN_NUMBERS = 5
 def with_anatomy_of(patient: Unknowns, session: Unknowns) -> Unknowns:
     """The patient's own values of one, and the session's of another."""
     numbers = np.concatenate([patient.numbers[:OWN_NUMBERS], session.numbers[OWN_NUMBERS:]])
-    return session._replace(
+    joined = session._replace(
         origin=patient.origin,
         insertion=patient.insertion,
         numbers=numbers,
         centre_of_mass=patient.centre_of_mass,
         inertia=patient.inertia,
     )
+    return with_inertial(joined)
 
 
 def own_values(values: Unknowns) -> NDArray[np.float64]:

@@ -140,6 +140,10 @@ class Nuisances:
     turn: Annotated[Array, "nuisances", 3]  # of the mouthpiece about body axes, rad
     cell_turn: Annotated[Array, "nuisances", 3]  # of the load cell, with the mouthpiece and by itself
     line: Annotated[NDArray[np.int64], "nuisances"]  # whose ends it moves and nothing else, or -1
+    # Whether it is one of the body's numbers once more, as accelerations show it beside a disturbance with memory; and
+    # whether a jaw at rest shows it, which neither these nor damping do.
+    again: Annotated[NDArray[np.uint8], "nuisances"]
+    at_rest: Annotated[NDArray[np.uint8], "nuisances"]
     moves: Annotated[NDArray[np.uint8], "nuisances"]  # whether it is in the equations of motion elsewhere
     in_cell: Annotated[NDArray[np.uint8], "nuisances"]  # whether the load cell reads it
     turns: Annotated[NDArray[np.uint8], "nuisances"]  # whether it turns what the encoders read

@@ -87,7 +87,7 @@ def begin_bound(settings: FilterSettings, covariance):
     for i in range(moving):
         covariance[i, i] = settings.start_sd[i] * settings.start_sd[i]
     for i in range(moving, first):
-        covariance[i, i] = 1.0
+        covariance[i, i] = 0.0 if settings.nuisances.again[i - moving] else 1.0
     for i in range(settings.prior_sd.shape[0]):
         covariance[first + i, first + i] = settings.prior_sd[i] * settings.prior_sd[i]
     covariance[-1, -1] = settings.gain_variance
@@ -160,7 +160,8 @@ def add_columns(jaw: Jaw, muscles, tick, settings: FilterSettings, scratch: Boun
         mean_reading(wrench, 4),
         mean_reading(wrench, 5),
     )
-    set_wrenches(jaw, muscles, (pose, u, u, rate, mean), settings.nuisances, 0, scratch.wrench, scratch.nuisances)
+    at = (pose, u, rate, mean, False)
+    set_wrenches(jaw, muscles, at, settings.nuisances, 0, scratch.wrench, scratch.nuisances)
     total, by_wrench = scratch.recursion.total, scratch.joint.total
     first, column = total.shape[0], by_wrench.shape[1] - 2 * N_WRENCH
     for i in range(by_wrench.shape[0]):

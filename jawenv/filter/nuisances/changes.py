@@ -80,19 +80,28 @@ def line_change(jaw: Jaw, muscles, nuisances: Nuisances, j, contact, body_to_hea
 
 
 @njit
+def body_change(changed: Jaw, muscles, at, base):
+    """The derivative of ``left_over``, ``base`` at the arguments ``at``, by what ``changed`` has ``STEP`` sds of."""
+    x, y, moment = left_over(changed, muscles, *at)
+    return (x - base[0]) / STEP, (y - base[1]) / STEP, scale(1.0 / STEP, subtract(moment, base[2]))
+
+
+@njit
 def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench, scratch: NuisanceScratch):
     """Into the columns of ``line_wrench`` (6, columns) from ``first`` on the wrench of one sd of each nuisance.
 
-    ``at`` is the pose half way through the tick, the rates of motors, those of the jaw and their rate of change, and
-    the load cell's smoothed reading (six numbers), all as the past alone has them (``instrument``).
+    ``at`` is the pose half way through the tick, the rates of the jaw and their rate of change, and the load cell's
+    smoothed reading (six numbers), all as the past alone has them (``instrument``), and whether what a jaw at rest
+    shows is ``apart``.
     """
-    pose, of_motors, u, rate, reading = at
+    pose, u, rate, reading, apart = at
     body_to_head = rotation(pose)
     contact = contact_point(jaw, pose)
     _, slope, _, _ = fossa(jaw, pose[0])
     copy_rest(jaw, scratch.jaw)
-    base_x, base_y, base_turn = left_over(jaw, muscles, pose, u, reading, rate)
-    motors = motors_of(nuisances, jaw, (pose, of_motors, body_to_head, reading), scratch)
+    moving, still = (pose, u, reading, rate), (pose, STILL, reading, STILL)
+    base_moving, base_still = left_over(jaw, muscles, *moving), left_over(jaw, muscles, *still)
+    motors = motors_of(nuisances, jaw, (pose, u, body_to_head, reading), scratch)
     for j in range(nuisances.mass.shape[0]):
         if nuisances.of_motors[j]:
             set_motor_column(nuisances, j, (body_to_head, motors), first + j, line_wrench)
@@ -103,9 +112,13 @@ def set_wrenches(jaw: Jaw, muscles, at, nuisances: Nuisances, first, line_wrench
             x, y, moment = force[0] + slope * force[2], force[1], apply_transposed(body_to_head, moment)
         elif nuisances.moves[j]:
             change_jaw(jaw, nuisances, j, STEP, scratch.jaw)
-            x, y, moment = left_over(scratch.jaw, muscles, pose, u, reading, rate)
-            x, y = (x - base_x) / STEP, (y - base_y) / STEP
-            moment = scale(1.0 / STEP, subtract(moment, base_turn))
+            if apart and nuisances.at_rest[j]:
+                x, y, moment = body_change(scratch.jaw, muscles, still, base_still)
+            else:
+                x, y, moment = body_change(scratch.jaw, muscles, moving, base_moving)
+            if apart and not nuisances.at_rest[j]:
+                x_rest, y_rest, moment_rest = body_change(scratch.jaw, muscles, still, base_still)
+                x, y, moment = x - x_rest, y - y_rest, subtract(moment, moment_rest)
         pull, moment = at_mouthpiece(jaw, pose, x, y, moment)
         # The reading is of axes that are turned, and has an offset.
         turn = (nuisances.cell_turn[j, 0], nuisances.cell_turn[j, 1], nuisances.cell_turn[j, 2])
@@ -160,19 +173,20 @@ def _has_memory(settings):
     return settings.typeof("disturbance_variance").shape[0]
 
 
-def _as_predicted(settings, before, after):
-    return middle_rates(before, after, settings.dt)
+def _together(settings):
+    return False
 
 
-@where(_has_memory, otherwise=_as_predicted)
-def rates_of_tick(settings: FilterSettings, before, after):
-    """Rates over the tick and their rate of change for the nuisances' columns: none beside a disturbance with memory.
+@where(_has_memory, otherwise=_together)
+def is_apart(settings: FilterSettings):
+    """Whether what a jaw at rest shows of a nuisance is taken apart from the rest: beside a disturbance with memory.
 
     What lasts shakes the jaw slowly, and servos answer to the true motion. The predicted rates are then correlated with
-    the error of the filtered motion: mass, fossa and seat would seem known, and be wrong on one side. Without memory
-    the way in which a jaw is shaken tells them from the muscles.
+    the error of the filtered motion: mass, fossa and seat would seem known, and be wrong on one side. So a jaw at rest
+    teaches these, and what accelerations show of mass and centre of mass are numbers of their own, which take that
+    error. Without memory the way in which a jaw is shaken tells nuisances from muscles.
     """
-    return STILL, STILL
+    return True
 
 
 def _all_readings(settings):
@@ -181,7 +195,7 @@ def _all_readings(settings):
 
 @where(_has_memory, otherwise=_all_readings)
 def readings_of_nuisances(settings: FilterSettings):
-    """How many of the readings a nuisance changes: those of the pose alone where ``rates_of_tick`` is none."""
+    """How many of the readings a nuisance changes: those of the pose alone where ``is_apart``."""
     return N_POSE
 
 
@@ -198,9 +212,8 @@ def set_nuisance_wrenches(jaw: Jaw, muscles, belief: Belief, pose, settings: Fil
     last = belief.smoothed
     reading = (last[0], last[1], last[2], last[3], last[4], last[5])
     before, after = scratch.start_motion, scratch.instrument.motion
-    of_motors, _ = middle_rates(before, after, settings.dt)
-    u, rate = rates_of_tick(settings, before, after)
-    at = (pose, of_motors, u, rate, reading)
+    u, rate = middle_rates(before, after, settings.dt)
+    at = (pose, u, rate, reading, is_apart(settings))
     set_wrenches(jaw, muscles, at, settings.nuisances, first, wrenches, scratch.nuisances)
 
 

@@ -11,7 +11,7 @@ from jawenv.anatomy import MuscleSet
 from jawenv.anatomy.knowledge import Knowledge
 from jawenv.device.force_sensor import motor_errors
 from jawenv.filter.nuisances.changes import STEP
-from jawenv.mechanics.unknowns import Unknowns, cell_turn_of, changed_jaw, offset_of, turn_of
+from jawenv.mechanics.unknowns import DAMPING, Unknowns, as_body, cell_turn_of, changed_jaw, offset_of, turn_of
 
 _PLAIN = ("mass", "gravity", "tone", "fossa_drop", "fossa_frequency", "damping_rotation", "damping_sliding")
 _IN_MOTION = (*_PLAIN, "mouthpiece", "first_moment", "inertia")
@@ -38,7 +38,8 @@ def write_nuisances(
     """
     if force is not None:
         record["linkage"]["point"], record["linkage"]["direction"] = force[1]["point"], force[1]["direction"]
-    for j, values in enumerate(sds):
+    for j, direction in enumerate(sds):
+        record["again"][j], values = np.any(direction.inertial != 0.0), as_body(direction)
         small = Unknowns(*(STEP * value for value in values))
         changed = changed_jaw(jaw, knowledge, muscles, small)
         for name in (*_PLAIN, "mouthpiece", "l_o"):
@@ -53,6 +54,7 @@ def write_nuisances(
         ends = np.abs(values.origin) + np.abs(values.insertion)
         record["line"][j] = np.flatnonzero(ends.any(axis=1))[0] if ends.any() else -1
         record["moves"][j] = any(np.any(record[name][j] != 0.0) for name in _IN_MOTION)
+        record["at_rest"][j] = not record["again"][j] and not np.any(values.numbers[DAMPING] != 0.0)
         record["in_cell"][j] = np.any(record["offset"][j] != 0.0) or np.any(record["cell_turn"][j] != 0.0)
         record["turns"][j] = np.any(record["turn"][j] != 0.0)
         if force is not None and np.any(values.motors != 0.0):
