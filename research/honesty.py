@@ -21,13 +21,14 @@ import numpy as np
 import jawenv
 from agents import load_agent
 from eval.figures import statistics, words
-from eval.kept.entries import Settings, load_entries
+from eval.kept.entries import Entry, Settings, load_entries
 from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
 
+MUJOCO = "jawenv.mechanics.mujoco_jaw:MujocoJaw"
 LOT = 50  # patients that are played together
 LOST = 10.0  # NEES over the number of parameters
 RICH, SWINGS, PLAIN = "refined", "opening_with_swings_and_fore_aft", "slow_opening"
@@ -228,6 +229,14 @@ def alarm(arguments):
         row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
 
 
+class OnMujoco(Entry):
+    """An entry whose patients have a jaw that MuJoCo moves."""
+
+    @property
+    def env_kwargs(self):
+        return super().env_kwargs | {"plant": MUJOCO}
+
+
 def change(arguments):
     """Between two treatments, drift 0.1."""
     if arguments.knowledge == "exact":
@@ -236,6 +245,7 @@ def change(arguments):
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
         settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
         (entry,) = load_entries([name], settings.world)
+        entry = OnMujoco(**vars(entry)) if arguments.mujoco else entry
         prior, z, sd = population_of(entry).prior, [], []
         for seed in range(arguments.seed, arguments.seed + arguments.patients):
             first = first_treatment(entry, seed)
@@ -253,7 +263,7 @@ def change(arguments):
 def jaws(arguments):
     """Imaged ones as in ``JawImaged-v3``, where the disturbance has a memory as well."""
     head("filter", "agent", "true jaw", "NEES/12, 30 s", "inside 2 sd, %", "beyond 10", "worst / median sd", "rings, %")
-    plants = {"its own": None, "MuJoCo": "jawenv.mechanics.mujoco_jaw:MujocoJaw"}
+    plants = {"its own": None, "MuJoCo": MUJOCO}
     filters = {
         "one point": {"knowledge": "exact"},
         "one point, imaged": {"knowledge": "imaged", "device": {"unmodelled_time_s": 0.5}},
@@ -295,6 +305,7 @@ def main() -> None:
     parser.add_argument("--knowledge", default="exact")
     parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
+    parser.add_argument("--mujoco", action="store_true", help="change: of patients whose jaw MuJoCo moves")
     arguments = parser.parse_args()
     (TABLES | {"all": every})[arguments.table](arguments)
 
