@@ -89,7 +89,7 @@ def stretches_when_open(opening: float) -> np.ndarray:
 
 def muscle_law() -> Figure:
     """Tension over stretch of the cohorts' median muscles, and what tells F_o from b."""
-    figure, (linear, logs) = canvas(9.6, 3.7, 1, 2)
+    figure, (linear, logs) = canvas(9.6, 4.0, 1, 2)
     stretch = np.linspace(-0.02, 0.35, 200)
     # Stretch of the masseter when the trismus median jaw is opened that far.
     shown = (("healthy", BLUE, "-"), ("trismus", RED, "-"), ("blockage", GREEN, (0, (5, 2))), ("severe", PINK, "-."))
@@ -107,16 +107,18 @@ def muscle_law() -> Figure:
             for axes in (linear, logs):
                 axes.fill_between(100 * stretch, low, high, color=colour, alpha=0.13, lw=0, label="95 % of trismus")
     xlabel = r"stretch $(l - l_o)/l_o$ (%)"
-    linear.set(title="The law", xlabel=xlabel, ylabel="tension of one muscle (N)", ylim=(0, 20), xlim=(-2, 35))
-    linear.legend(loc="upper left")
+    linear.set(title="The law", xlabel=xlabel, ylabel="tension of one muscle (N)", ylim=(0, 40), xlim=(-2, 35))
+    figure.legend(
+        *linear.get_legend_handles_labels(), loc="outside lower center", ncols=5, columnspacing=1.2, handlelength=1.8
+    )
     logs.set(title=r"Its logarithm: height $\log F_o$, slope $b$", xlabel=xlabel, yscale="log", xlim=(-2, 35))
-    logs.set(ylabel="tension of one muscle (N)", ylim=(0.1, 200))
+    logs.set(ylabel="tension of one muscle (N)", ylim=(0.4, 300))
     logs.axvline(0, color=GREY, lw=0.9)
-    logs.text(0.4, 0.115, "0", color=GREY, size=8)
+    logs.text(0.4, 0.45, "0", color=GREY, size=8)
     for name in ("10", "20", "35 mm open"):
         place = 100 * stretches_when_open(1e-3 * float(name.split()[0]))[0]
         logs.axvline(place, color=GREY, lw=0.9, ls=(0, (4, 3)))
-        logs.text(place + 0.4, 0.115, name, color=GREY, size=8)
+        logs.text(place + 0.4, 0.45, name, color=GREY, size=8)
     return figure
 
 

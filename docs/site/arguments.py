@@ -22,14 +22,15 @@ PAGE = ROOT / "docs" / "environment.md"
 _BLOCK = re.compile(r"(<!-- table: arguments -->\n).*?(<!-- end of table -->)", re.S)
 
 
-def table(changed: Mapping[str, Any] = MappingProxyType({})) -> str:
-    """The arguments in their order; some environments have other defaults."""
-    lines = ["| argument | type | default | meaning |", "|---|---|---|---|"]
+def table(changed: Mapping[str, Any] = MappingProxyType({}), types: bool = False) -> str:
+    """The arguments in their order, with or without types; some environments have other defaults."""
+    rows = [["argument", *["type"][:types], "default", "meaning"]]
     for argument in fields(Configuration):
         kind, meaning = str(argument.type).replace("|", "or"), argument.metadata["help"].rstrip(".")
         default = changed.get(argument.name, argument.default)
-        lines.append(f"| `{argument.name}` | `{kind}` | `{default!r}` | {meaning} |")
-    return "\n".join(lines) + "\n"
+        rows.append([f"`{argument.name}`", *[f"`{kind}`"][:types], f"`{default!r}`", meaning])
+    head, *body = (f"| {' | '.join(row)} |\n" for row in rows)
+    return "".join((head, "|" + "---|" * len(rows[0]) + "\n", *body))
 
 
 def renewed(text: str) -> str:

@@ -70,7 +70,7 @@ def _page(env_id: str, model: Model) -> str:
         if heading == "Observation Space":
             parts.append(_observation(model))
         if heading == "Arguments":
-            parts.append(arguments.table(spec.kwargs).rstrip())
+            parts.append(arguments.table(spec.kwargs, types=True).rstrip())
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,7 +1,8 @@
-"""Write the table of rooms and their imports in docs/tables/rooms.md: ``python docs/site/imports.py``.
+"""Write the tables of rooms, imports and folders in docs/tables/rooms.md: ``python docs/site/imports.py``.
 
-What a room is about is the first paragraph of its docstring; what it imports is read from the sources, imports within
-functions too. A test fails when the table is out of date, when rooms import in a circle, or when one imports upwards.
+What a room or folder is about is the first paragraph of its docstring; what it imports is read from the sources,
+imports within functions too. A test fails when a table is out of date, when rooms import in a circle, or when one
+imports upwards.
 """
 
 from __future__ import annotations
@@ -30,7 +31,10 @@ CLONE = ("agents", "training", "eval")
 ORDER = (*(f"jawenv.{name}" for name in (*SHARED, *LOOP, *STUDY)), "jawenv", *CLONE)
 """All rooms: each imports only from rooms before it."""
 
-_BLOCK = re.compile(r"(<!-- table: imports -->\n).*?(<!-- end of table -->)", re.S)
+DIVIDED = ("jawenv.filter", "jawenv.envs", "eval")
+"""Rooms whose folders have a table of their own."""
+
+_BLOCK = re.compile(r"(<!-- table: (imports|folders) -->\n).*?(<!-- end of table -->)", re.S)
 
 
 @cache
@@ -70,7 +74,7 @@ def room_imports() -> dict[str, set[str]]:
 
 
 def about(room: str) -> str:
-    """The first paragraph of a room's docstring."""
+    """The first paragraph of the docstring of a room or a folder."""
     doc = ast.get_docstring(ast.parse(module_files()[room].read_text(encoding="utf-8"))) or ""
     return doc.split("\n\n")[0].replace("\n", " ").rstrip(".").replace("``", "`")
 
@@ -93,6 +97,14 @@ def table() -> str:
     return "\n".join(lines) + "\n"
 
 
+def folders() -> str:
+    """The folders of the rooms that are divided."""
+    names = sorted(name for name, path in module_files().items() if path.name == "__init__.py")
+    inner = [name for room in DIVIDED for name in names if name.rpartition(".")[0] == room]
+    rows = [f"| `{name.removeprefix('jawenv.').replace('.', '/')}` | {about(name)} |" for name in inner]
+    return "\n".join(("| folder | what it is about |", "|---|---|", *rows)) + "\n"
+
+
 def _short(room: str) -> str:
     return room.removeprefix("jawenv.")
 
@@ -108,8 +120,8 @@ def upward(imports: dict[str, Iterable[str]]) -> list[str]:
 
 
 def renewed(text: str) -> str:
-    """The page with the table as the sources have it."""
-    return _BLOCK.sub(lambda block: block[1] + table() + block[2], text)
+    """The page with the tables as the sources have them."""
+    return _BLOCK.sub(lambda block: block[1] + {"imports": table, "folders": folders}[block[2]]() + block[3], text)
 
 
 if __name__ == "__main__":

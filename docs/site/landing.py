@@ -18,7 +18,7 @@ def landing(readme: str) -> str:
             "---\nhide: [navigation, toc]\ntitle: jawenv\n---",
             '<div class="hero" markdown>\n<div class="words" markdown>',
             f"# {QUESTION}",
-            lead,
+            lead.replace(f"{QUESTION} ", ""),
             buttons,
             '</div>\n<div class="film" markdown>',
             paragraphs[film],

@@ -21,10 +21,10 @@ addEventListener("load", () => {
 
 // Who has no pointer scrolls what is too wide with the arrow keys.
 addEventListener("load", () => {
-  for (const box of document.querySelectorAll('.md-typeset__scrollwrap, .notebook-output, .md-typeset math[display="block"]'))
+  for (const box of document.querySelectorAll('.md-typeset__scrollwrap, .notebook-output, .md-typeset math[display="block"], .md-typeset p:has(> img)'))
     if (box.scrollWidth > box.clientWidth) {
       box.setAttribute("tabindex", "0");
       box.setAttribute("aria-label", "wider than the page: scrolls sideways");
-      if (box.localName === "div") box.setAttribute("role", "group");
+      if (box.localName !== "math") box.setAttribute("role", "group");
     }
 });

@@ -1,1 +1,1 @@
-"""``python -m eval calibrate``: whether filters are honest, that is, whether the truth lies where they claim."""
+"""``python -m eval calibrate``: whether error bars are right: the truth lies where filters claim."""

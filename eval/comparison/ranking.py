@@ -176,7 +176,7 @@ class Ranking:
     @property
     def sought(self) -> str:
         """What has to be known: all parameters, or those that are asked for."""
-        return "parameters asked for" if self.asked else f"all {self.n_parameters} parameters"
+        return "the parameters asked for" if self.asked else f"all {self.n_parameters} parameters"
 
     @property
     def best(self) -> RankingRow | None:

@@ -75,9 +75,9 @@ def _answer(ranking: Ranking) -> str:
         ahead = words.label(ranking.ranked[0].entry)
         return f"No maneuver is best on these {patients}: {ahead} is ahead, but its stated errors cannot be believed."
     times = ", ".join(_reached(best, target) for target in (NEARLY_KNOWN, KNOWN) if target in best.time_to)
-    which = "is the only maneuver ranked" if len(ranking.ranked) == 1 else "is the best maneuver"
+    which = "the only one ranked" if len(ranking.ranked) == 1 else "the best"
     half = "in the one patient" if ranking.patients == 1 else f"in half of the {patients}"
-    return f"{words.label(best.entry)} {which}: {half}, {ranking.sought} are {times}."
+    return f"{which} is {words.label(best.entry)}: {half}, {ranking.sought} are {times}."
 
 
 def assumption(study: Results) -> str:

@@ -58,8 +58,8 @@ class Learned:
         before, after = (row.time_to[KNOWN].value for row in (self.base, self.entry))
         times = [f"after {words.number(time)} s" if math.isfinite(time) else "never" for time in (before, after)]
         base, entry = words.label(self.base.entry), words.label(self.entry.entry)
-        phrase = f"knows all parameters to {100.0 * KNOWN:g} % {times[0]}"
-        return f"{entry} began as {base}. In half of the patients that {phrase}, {entry} {times[1]}."
+        known = f"In half of the patients all parameters are within {100.0 * KNOWN:g} %"
+        return f"{entry} began as {base}. {known}: with {base} {times[0]}, with {entry} {times[1]}."
 
     @property
     def gain(self) -> tuple[str, Interval]:

@@ -131,7 +131,7 @@ def _precision(ranking: Ranking) -> Table:
 def _short(ranking: Ranking) -> Table:
     table = _table(
         f"How soon {ranking.sought} are known, in half of {ranking.patients} patients",
-        *(f"to {100.0 * target:g} %\ns" for target in (first.NEARLY_KNOWN, KNOWN)),
+        *(f"within\n{100.0 * target:g} %, s" for target in (first.NEARLY_KNOWN, KNOWN)),
         "worst sd\n%",
         "discomfort\ns per 30 s",
         "error bars\nare",

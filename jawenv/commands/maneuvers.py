@@ -56,19 +56,21 @@ def print_score(maneuver: str, patients: int, seed: int, world: Configuration) -
     player, env_id = agent_of(maneuver, world), world.env_id
     reached = score(play_on(player, patients=patients, seed=seed, env_kwargs=world.arguments, env_id=env_id))
     medians = (np.median(values, axis=0) for values in (reached.sd, np.abs(reached.error), reached.bound_sd))
-    print(f"{player.name} in {env_id} on {patients} patients, medians over them\n")
-    print(f"{'parameter':32s}{'claimed sd':>12}{'error':>9}{'bound':>9}")
+    cohort = world.build_cohort().name
+    print(f"{player.name} in {env_id} on {patients} patients of {cohort}, {world.episode_s:g} s; medians over them\n")
+    print(f"{'parameter':32s}{'error bar':>12}{'error':>9}{'bound':>9}")
     for name, sd, error, bound in zip(reached.parameter_names, *medians, strict=True):
-        print(f"{name:32s}{sd:12.1%}{error:9.1%}{bound:9.1%}")
+        print(f"{name:32s}{100 * sd:10.1f} %{100 * error:7.1f} %{100 * bound:7.1f} %")
     for threshold, times in reached.time_to_s.items():
         share = np.isfinite(times).mean()
         middle = np.quantile(times, 0.5, method="inverted_cdf")
         words = f"{middle:.1f} s" if np.isfinite(middle) else "never"
-        print(f"all within {threshold:.0%}: {words} in the median, reached by {share:.0%}")
-    information = f"{reached.information_true.mean():.1f} nats, {reached.information_claimed.mean():.1f} claimed"
-    print(f"information: {information}")
-    print(f"NEES: {reached.nees.mean():.1f} (calibrated: about {len(reached.parameter_names)})")
-    print(f"discomfort: {reached.discomfort_s.mean():.2f} s, a hard limit crossed in {reached.violated.mean():.0%}")
+        print(f"all within {100 * threshold:.0f} %: {words} in the median, reached by {100 * share:.0f} %")
+    true, claimed = reached.information_true.mean(), reached.information_claimed.mean()
+    print(f"information: {true:.1f} nats, {claimed:.1f} by the error bars")
+    print(f"NEES: {reached.nees.mean():.1f} (about {len(reached.parameter_names)} if the error bars are right)")
+    crossed = 100 * reached.violated.mean()
+    print(f"discomfort: {reached.discomfort_s.mean():.2f} s, a hard limit crossed in {crossed:.0f} %")
     if reached.alarm:
         print(f"alarm: {reached.alarm}; do not trust their beliefs")
     if not world.build_knowledge().exact:

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
-import numpy as np
-
 from jawenv.anatomy import COHORTS, Anatomy, Cohort, MuscleSet, anatomy_of, cohort
 from jawenv.anatomy.knowledge import Knowledge, knowledge
-from jawenv.checks import real_number
 from jawenv.controls import CONTROLS, DEFAULT_CONTROL, Control, ControlMode
 from jawenv.device.comfort_settings import Comfort, comfort_of
 from jawenv.device.device import Device, device_of
 from jawenv.device.force_sensor import ForceSensor
+from jawenv.envs.argument_checks import check_choice, checked_flag, checked_number, checked_rate
 from jawenv.envs.asked import checked_asked
 from jawenv.envs.own_estimators import OwnEstimator, is_own_estimator
 from jawenv.envs.registration import IMAGED
 from jawenv.envs.world.plants import TICK
-from jawenv.envs.world.tracking import LAW_TICKS
-from jawenv.errors import InputError, UnknownArgumentError, meant, not_among, shown
+from jawenv.errors import InputError, UnknownArgumentError, meant, shown
 from jawenv.files import Source
 from jawenv.ladder import DEFAULT_ENV, KNOWN_WITHIN_SDS, Estimator, env_id_of, model_named, model_of_env
 from jawenv.mechanics.plant import Plant, plant_of
@@ -36,8 +32,6 @@ Reward = Literal["uncertainty", "bound", "score", "worst", "mixed"]
 Info = Literal["full", "light"]
 
 NO_ESTIMATOR = "none"  # the argument ``estimator`` of who does not read the belief
-
-LARGEST = 1e6  # of the numeric arguments
 
 
 def _argument(default: Any, help: str, metavar: str = "", option: str = "") -> Any:
@@ -126,35 +120,17 @@ class Configuration:
         """
         kinds = {"control": Control, "sensors": Sensors, "reward": Reward, "info": Info, "force_sensor": ForceSensor}
         for name, kind in kinds.items():
-            value = getattr(self, name)
-            if not isinstance(value, str) or value not in get_args(kind):
-                raise not_among(name, value, get_args(kind))
-        self._set("episode_s", _checked_number("episode_s", self.episode_s))
-        hz = self.mode.steps_per_s
-        if self.control_hz is not None:
-            hz = _checked_number("control_hz", self.control_hz)
-        self._set("control_hz", hz)
+            check_choice(name, getattr(self, name), get_args(kind))
+        self._set("episode_s", checked_number("episode_s", self.episode_s))
+        given = self.control_hz
+        self._set("control_hz", checked_rate(self.mode.steps_per_s if given is None else given, self.mode))
         for name in ("comfort_weight", "comfort_limit_s"):
-            self._set(name, _checked_number(name, getattr(self, name), or_zero=True))
-        model = model_named(self.model)
-        names = (*model.estimators, NO_ESTIMATOR)
-        if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
-            allowed = ", ".join(names)
-            raise InputError(
-                f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}, or an object with the "
-                "methods reset(start) and update(measured, samples)"
-            )
-        least = LAW_TICKS if self.mode.takes_targets else 1
-        periods = 1.0 / hz / TICK / least
-        if not math.isfinite(periods) or abs(periods - round(periods)) > 1e-9 or periods < 1.0:
-            highest = 1.0 / (least * TICK)
-            raise InputError(f"control_hz is {hz:g}; allowed: {highest:g} divided by a whole number")
+            self._set(name, checked_number(name, getattr(self, name), or_zero=True))
+        self._check_estimator()
         if self.steps < 1:
             raise InputError(f"episode_s is {self.episode_s:g}; allowed: at least one control period")
         for name in ("track_bound", "record"):
-            if not isinstance(getattr(self, name), bool | np.bool_):
-                raise InputError(f"{name} is {shown(getattr(self, name))}; allowed: true or false")
-            self._set(name, bool(getattr(self, name)))
+            self._set(name, checked_flag(name, getattr(self, name)))
         self._set("comfort", comfort_of(self.comfort))
         if self.anatomy is not None:
             self._set("anatomy", anatomy_of(self.anatomy))
@@ -163,23 +139,35 @@ class Configuration:
         self._set("device", device_of(self.device))
         self._set("reality", check_reality(self.reality))
         self._set("knowledge", knowledge(self.knowledge))
-        if (self.filter_model == "bilateral" or model.plant == "contact") and not self.build_knowledge().exact:
-            why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
-            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
-        self._check_force_sensor()
+        self._check_exactness()
         if not (self.plant is None or isinstance(self.plant, str) and is_named(self.plant)):
             plant_of(self.plant)  # one that is named is not imported before it is to move
 
-    def _check_force_sensor(self) -> None:
-        """A force without a load cell is for one reference point.
+    def _check_estimator(self) -> None:
+        """The estimator is one of the model's, or the user's own.
 
         Raises:
-            InputError: it is asked for together with what does not know it.
+            InputError: it is something else.
         """
-        if self.force_sensor == "cell":
-            return
         model = model_named(self.model)
-        if self.filter_model == "bilateral" or model.plant == "contact":
+        names = (*model.estimators, NO_ESTIMATOR)
+        if self.estimator is not None and self._estimator_name() not in names and self.own_estimator is None:
+            allowed = f"{', '.join(names)}, or an object with the methods reset(start) and update(measured, samples)"
+            raise InputError(f"estimator is {shown(self.estimator)}; allowed in {model.title}: {allowed}")
+
+    def _check_exactness(self) -> None:
+        """Contacts, and a filter with two condyles, are of known anatomy and have a load cell.
+
+        Raises:
+            InputError: something else is asked for.
+        """
+        model = model_named(self.model)
+        if self.filter_model != "bilateral" and model.plant != "contact":
+            return
+        if not self.build_knowledge().exact:
+            why = "its contacts are" if model.plant == "contact" else "its filter has two condyles, and is"
+            raise InputError(f"knowledge is not exact; allowed in {model.title}: exact, as {why} of known anatomy")
+        if self.force_sensor != "cell":
             raise InputError(f"force_sensor is {self.force_sensor!r}; allowed in {model.title}: 'cell'")
 
     def _set(self, name: str, value: object) -> None:
@@ -361,15 +349,6 @@ def _plain(name: str, value: object) -> Any:
             f"{name} is {shown(value)}; allowed where a configuration is kept: a name, a number, a mapping"
         )
     return value
-
-
-def _checked_number(name: str, value: object, or_zero: bool = False) -> float:
-    """A number more than 0, or also 0, and at most ``LARGEST``."""
-    number = real_number(value)
-    if number is None or not 0.0 <= number <= LARGEST or (number == 0.0 and not or_zero):
-        low = "0 or more" if or_zero else "more than 0"
-        raise InputError(f"{name} is {shown(value)}; allowed: a number, {low}, at most {LARGEST:g}")
-    return number
 
 
 def configure(arguments: Mapping[str, object], owner: type = Configuration) -> Configuration:

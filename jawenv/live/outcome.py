@@ -56,8 +56,8 @@ class DriveOutcome:
         ten, five = (f"{time:.1f} s" if np.isfinite(time) else "never" for time in self.time_to_s)
         comfort = "" if self.within_comfort else ", not within comfort"
         return (
-            f"{self.name.replace('_', ' ')}: all to 10 % {ten}, to 5 % {five}, worst sd {100 * self.worst_sd:.1f} %, "
-            f"discomfort {self.discomfort_s:.2f} s{comfort}"
+            f"{self.name.replace('_', ' ')}: all within 10 % {ten}, within 5 % {five}, "
+            f"worst sd {100 * self.worst_sd:.1f} %, discomfort {self.discomfort_s:.2f} s{comfort}"
         )
 
 

@@ -35,8 +35,8 @@ def posterior_html(scene: Scene) -> str:
             sd = _sd_cell(float(scene.belief_sd[i]), worst)
             cells.append(f"<td style='text-align:right;padding-left:8px'>{value}</td>{sd}")
         rows.append(f"<tr><th style='{_NAME}'>{escape(_name(muscle))}</th>{''.join(cells)}</tr>")
-    counts = " · ".join(f"{int((scene.belief_sd <= sd).sum())} to {100 * sd:.0f} %" for sd in KNOWN)
-    title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)} known: {counts}</span>"
+    counts = " · ".join(f"{int((scene.belief_sd <= sd).sum())} within {100 * sd:.0f} %" for sd in KNOWN)
+    title = f"<b>Posterior</b> <span data-known>of {len(scene.parameter_names)}: {counts}</span>"
     table = f"<table style='border-collapse:collapse;width:100%;font-size:12px'>{head}{''.join(rows)}</table>"
     return f"<div id='posterior' style='{_CARD}'>{title}{table}</div>"
 
@@ -150,8 +150,8 @@ def status_html(shown: Shown, remark: str = "") -> str:
             f"<span data-worst='{worst}'>{worst} %</span>",
             f"driven by {escape(shown.driver)}",
         ),
-        ("all to 10 %", _seconds(outcome.time_to_s[0]), ""),
-        ("all to 5 %", _seconds(outcome.time_to_s[1]), ""),
+        ("all within 10 %", _seconds(outcome.time_to_s[0]), ""),
+        ("all within 5 %", _seconds(outcome.time_to_s[1]), ""),
         ("discomfort", discomfort, below),
         ("opening", f"{scene.opening_mm:.1f} mm", ""),
     )
@@ -171,7 +171,7 @@ def status_html(shown: Shown, remark: str = "") -> str:
 def ghost_html(shown: Shown) -> str:
     """How far the ghost has come."""
     outcome = shown.outcome
-    words = f"worst sd {100 * outcome.worst_sd:.1f} %, all to 5 % {_seconds(outcome.time_to_s[1])}"
+    words = f"worst sd {100 * outcome.worst_sd:.1f} %, all within 5 % {_seconds(outcome.time_to_s[1])}"
     style = "font:12px/1.4 system-ui,sans-serif;color:var(--live-soft);margin:0 20px 4px"
     return f"<div id='ghost' style='{style}'>ghost of {escape(shown.driver.replace('_', ' '))}: {words}</div>"
 

@@ -39,7 +39,7 @@ def score_png(title: str, answer: Sequence[AnsweredMuscle], outcomes: Sequence[D
             for row in answer
         ]
         rows += [()]
-    rows += [("", "all to 5 %", "worst sd", "discomfort")]
+    rows += [("", "all within 5 %", "worst sd", "discomfort")]
     rows += [
         (
             one.name.replace("_", " "),

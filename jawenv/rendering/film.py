@@ -106,7 +106,7 @@ def _draw_half(canvas: Canvas, shift: float, scene: Scene) -> None:
     cards = [(10 + shift, 58.0, 306.0, 360.0), (324 + shift, 58.0, 306.0, 360.0), (10 + shift, 426.0, 620.0, 244.0)]
     for card in cards:
         canvas.rect(card, palette.CARD, radius=10, border=palette.BORDER)
-    caption = f"knows {_known(scene).replace(' known', '')}"
+    caption = _known(scene)
     ink = palette.mix(palette.knowledge(float(scene.belief_sd.max())), INK, 0.45)
     used = canvas.text(caption, (shift + 626, 32), 19, ink, bold=True, anchor="right")
     canvas.text(scene.title, (shift + 16, 32), 22, INK, bold=True, fit=590 - used)

@@ -64,7 +64,7 @@ def draw_figures(canvas: Canvas, box: Box, scene: Scene) -> None:
     _figure(canvas, (lefts[2], y + 16), "Opening", f"{scene.opening_mm:.1f}".replace("-", "−"), "mm", column)
     identified = int((scene.belief_sd <= _IDENTIFIED_SD).sum())
     low = middle + 12
-    _figure(canvas, (lefts[0], low), "Known to 10 %", f"{identified}", f"of {len(scene.belief_sd)}", column)
+    _figure(canvas, (lefts[0], low), "Within 10 %", f"{identified}", f"of {len(scene.belief_sd)}", column)
     worst = int(np.argmax(scene.belief_sd))
     _figure(canvas, (lefts[1], low), "Least known", f"{100 * scene.belief_sd[worst]:.0f} %", "sd", column)
     parameter, _, muscle = scene.parameter_names[worst].partition("/")

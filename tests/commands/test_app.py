@@ -80,7 +80,7 @@ def test_a_policy_is_scored_elsewhere_on_request_or_refused_in_one_line(capsys):
 def test_score_prints_every_parameter_and_whether_it_can_be_believed(capsys, knowledge):
     assert main(["score", "refined", "--patients", "2", "--episode-s", "1", "--knowledge", knowledge]) == 0
     out = capsys.readouterr().out
-    assert out.count("/masseter_") == 4 and "NEES" in out and "all within 10%" in out
+    assert out.count("/masseter_") == 4 and "NEES" in out and "all within 10 %" in out
 
 
 def test_score_takes_a_comfort_an_anatomy_and_a_force_sensor(tmp_path, capsys):

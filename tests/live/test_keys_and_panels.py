@@ -70,7 +70,7 @@ def shown():
 def test_panels_say_what_is_known_and_used(shown):
     known = int((shown.scene.belief_sd <= 0.1).sum())
     html = panels.posterior_html(shown.scene)
-    assert html.count("<tr>") == 7 and "med. pterygoid L" in html and f"of 12 known: {known} to 10 %" in html
+    assert html.count("<tr>") == 7 and "med. pterygoid L" in html and f"of 12: {known} within 10 %" in html
     comfort = panels.comfort_html(shown.scene)
     assert comfort.count("<tr>") == len(shown.scene.comfort) and "fore-aft" in comfort
     assert panels.comfort_html(replace(shown.scene, comfort={}, comfort_hard={})) == ""

@@ -1,4 +1,4 @@
-"""Rooms import one way, and docs/architecture.md tells which."""
+"""Rooms import one way, and docs/tables/rooms.md tells which."""
 
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -77,13 +77,14 @@ def test_folders_within_a_room_do_not_import_in_a_circle(sources) -> None:
     assert len(graphs["jawenv.filter"]) > 7 and len(graphs["jawenv.envs"]) == 2 and len(graphs["eval"]) > 10
 
 
-@pytest.mark.parametrize("package", ["jawenv/filter", "jawenv/envs", "eval"])
-def test_the_page_tells_every_folder(package: str, sources) -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    folders = {path.parent for path in (ROOT / package).glob("*/*.py")}
-    assert folders
-    for name in (str(folder.relative_to(ROOT)).removeprefix("jawenv/") for folder in folders):
-        assert f"| `{name}` |" in text, f"no row for {name}"
+def test_the_page_tells_every_folder(sources) -> None:
+    text = sources.PAGE.read_text(encoding="utf-8")
+    assert sources.folders() in text, "run: python docs/site/imports.py"
+    for package in ("jawenv/filter", "jawenv/envs", "eval"):
+        folders = {str(path.parent.relative_to(ROOT)) for path in (ROOT / package).glob("*/__init__.py")}
+        assert folders
+        for name in (folder.removeprefix("jawenv/") for folder in folders):
+            assert f"| `{name}` |" in text, f"no row for {name}"
 
 
 def test_the_table_of_arguments_is_that_of_the_sources(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""docs/model.md has the tables, the figures and the errors of printed equations that the code makes."""
+"""The model's page and tables have the figures, numbers and errors of printed equations that the code makes."""
 
 import re
 from pathlib import Path
@@ -48,7 +48,8 @@ def test_a_figure_can_be_made(name: str, tmp_path: Path) -> None:
 def test_errors_of_the_printed_equations() -> None:
     from printed_equations import errors_of_printed_equations
 
-    block = TEXT.split("<!-- printed equations -->")[1].strip().split("\n\n")[0].splitlines()[2:]
+    text = (ROOT / "docs" / "tables" / "model.md").read_text(encoding="utf-8")
+    block = text.split("<!-- printed equations -->")[1].strip().split("\n\n")[0].splitlines()[2:]
     stated = [[cell.strip() for cell in line.strip("|").split("|")] for line in block]
     rows = errors_of_printed_equations()
     assert [(cells[0], cells[1], cells[4]) for cells in stated] == [(r.equation, r.fault, r.unit) for r in rows]

@@ -16,26 +16,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jawenv.anatomy import Prior, cohort
+from jawenv.anatomy import Prior
 from jawenv.anatomy.knowledge import Knowledge
-from jawenv.anatomy.knowledge import knowledge as knowledge_of
 from jawenv.controls import Control
 from jawenv.device.device import Device
 from jawenv.device.force_sensor import ForceSensor
 from jawenv.errors import InputError
 from jawenv.files import Source
-from jawenv.filter.model.joint_step import N_SAMPLES
 from jawenv.laboratory.recordings import defaults
-from jawenv.laboratory.recordings.checks import check_columns, even_time, has_any
-from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, TIME, TRUE_WRENCH, Column, true_motion
+from jawenv.laboratory.recordings.checks import check_columns, even_time
+from jawenv.laboratory.recordings.columns import ENCODERS, SAMPLES, TIME, TRUE_WRENCH, true_motion
+from jawenv.laboratory.recordings.given import (
+    given_device,
+    given_errors,
+    given_geometry,
+    given_knowledge,
+    given_prior,
+)
 from jawenv.laboratory.recordings.mapping import mapped, read_columns
 from jawenv.laboratory.recordings.record import Record
 from jawenv.laboratory.recordings.resampling import resampled
-from jawenv.laboratory.recordings.table import RecordTable, checked_path, read_table, write_table
+from jawenv.laboratory.recordings.series import encoders, samples, stacked, wrenches, written
+from jawenv.laboratory.recordings.table import checked_path, read_table, write_table
 from jawenv.laboratory.recordings.words import WORDS, check_numbers, check_texts
 from jawenv.ladder import model_named
 from jawenv.mechanics.bilateral import N_BODY
-from jawenv.mechanics.dynamics import N_STATES, N_WRENCH
+from jawenv.mechanics.dynamics import N_STATES
 
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
@@ -55,9 +61,9 @@ def save_record(record: Record, path: PathLike) -> None:
     columns = {TIME: record.time}
     states = true_motion(len(record.start_mean))
     for column in (*ENCODERS, *SAMPLES, *(states if record.states is not None else ())):
-        columns[column.name] = _written(record, column)
+        columns[column.name] = written(record, column)
     if record.wrenches is not None:
-        columns |= {column.name: _written(record, column) for column in TRUE_WRENCH}
+        columns |= {column.name: written(record, column) for column in TRUE_WRENCH}
     write_table(target, columns, _header(record))
 
 
@@ -101,66 +107,49 @@ def load_record(
     Raises:
         InputError: a file, column, row or argument that cannot be used.
     """
-    source = checked_path(path)
-    table = mapped(read_table(source, WORDS), {} if columns is None else read_columns(Path(columns)))
+    table = mapped(read_table(checked_path(path), WORDS), {} if columns is None else read_columns(Path(columns)))
     if resample_hz is not None:
         table = resampled(table, resample_hz)
     header = table.header
     check_texts(table)
-    rung = model_named(model or header.get("model", "jaw"))
-    muscles = rung.muscles
-    states = N_BODY if rung.estimator == "bilateral" else N_STATES
-    check_numbers(table, {"states": states, "parameters": len(muscles.parameter_names)})
-    tilt = head_tilt_deg if head_tilt_deg is not None else header.get("head_tilt_deg", 0.0)
-    jaw = _geometry(jaw, rung, tilt, header if model is None else {}, table.path)
+
+    def either(argument: Any, name: str, default: Any = None) -> Any:
+        return header.get(name, default) if argument is None else argument
+
+    rung = model_named(either(model, "model", "jaw"))
+    names = rung.muscles.parameter_names
+    check_numbers(table, {"states": N_BODY if rung.estimator == "bilateral" else N_STATES, "parameters": len(names)})
+    tilt = either(head_tilt_deg, "head_tilt_deg", 0.0)
+    jaw = given_geometry(jaw, rung, tilt, header if model is None else {}, table.path)
     size = defaults.motion_size(jaw)
     time = even_time(table)
     check_columns(table, size)
-    measured = _encoders(table)
-    sensor = force_sensor or header.get("force_sensor", "cell")
-    errors = _errors(device, header, sensor, float(time[1] - time[0]))
-    measured_by = _device(device, header.get("device"), table.path)
-    if measured_by is None and sensor != "cell":
-        measured_by = Device()
-    start = start_mean if start_mean is not None else header.get("start_mean")
-    start_spread = start_sd if start_sd is not None else header.get("start_sd")
+    measured = encoders(table)
+    sensor = either(force_sensor, "force_sensor", "cell")
+    errors = given_errors(device, header, sensor, float(time[1] - time[0]))
+    measured_by = given_device(device, header.get("device"), table.path)
+    start, spread = either(start_mean, "start_mean"), either(start_sd, "start_sd")
     if start is None:
         start = defaults.motion_of_reading(jaw, measured[0], errors["measurement_sd"])
-    true_parameters = truth if truth is not None else header.get("truth")
-    commanded = control or header.get("control", "force")
+    known = either(truth, "truth")
     return Record(
         time=time,
         measured=measured,
-        samples=_samples(table, slack=sensor == "straps"),
+        samples=samples(table, slack=sensor == "straps"),
         start_mean=np.array(start, dtype=np.float64),
-        start_sd=np.array(defaults.start_sd(jaw) if start_spread is None else start_spread, dtype=np.float64),
-        knowledge=_knowledge(knowledge, header.get("knowledge"), table.path),
+        start_sd=np.array(defaults.start_sd(jaw) if spread is None else spread, dtype=np.float64),
+        knowledge=given_knowledge(knowledge, header.get("knowledge"), table.path),
         jaw=jaw,
-        prior=_prior(prior, cohort, header, muscles, table.path),
-        parameter_names=muscles.parameter_names,
+        prior=given_prior(prior, cohort, header, rung.muscles, table.path),
+        parameter_names=names,
         force_sensor=sensor,
-        device=measured_by,
-        control=commanded,
-        truth=None if true_parameters is None else np.array(true_parameters, dtype=np.float64),
-        states=_stacked(table, true_motion(size)),
-        wrenches=_wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
+        device=Device() if measured_by is None and sensor != "cell" else measured_by,
+        control=either(control, "control", "force"),
+        truth=None if known is None else np.array(known, dtype=np.float64),
+        states=stacked(table, true_motion(size)),
+        wrenches=wrenches(table, TRUE_WRENCH) if TRUE_WRENCH[0].name in table.columns else None,
         **errors,
     )
-
-
-def _errors(device: Device | None, header: dict[str, Any], sensor: ForceSensor, dt: float) -> dict[str, Any]:
-    """A record's sds and the disturbance: of the device given, or the file's own, or the default device's."""
-    noise, stored = device or Device(), header if device is None else {}
-    time_constant = float(stored.get("disturbance_time_s", noise.unmodelled_time_s))
-    remembered = defaults.disturbance_sd(noise) if time_constant > 0.0 else np.zeros(N_WRENCH)
-    return {
-        "measurement_sd": np.array(stored.get("measurement_sd", defaults.measurement_sd(noise))),
-        "wrench_sd": np.array(stored.get("wrench_sd", defaults.wrench_sd(noise, dt, sensor))),
-        "cell_sd": np.array(stored.get("cell_sd", defaults.cell_sd(noise, sensor))),
-        "gain_sd": float(stored.get("gain_sd", noise.cell_gain if sensor == "cell" else 0.0)),
-        "disturbance_time_s": time_constant,
-        "disturbance_sd": np.array(stored.get("disturbance_sd", remembered)),
-    }
 
 
 def _header(record: Record) -> dict[str, Any]:
@@ -196,118 +185,3 @@ def _header(record: Record) -> dict[str, Any]:
     if record.truth is not None:
         header["truth"] = record.truth.tolist()
     return header
-
-
-def _stored_jaw(fields: dict[str, Any], model: str, path: str) -> Any:
-    jaw = defaults.geometry(model)
-    try:
-        for name in jaw.dtype.names:
-            jaw[name] = fields[name]
-            if not np.isfinite(jaw[name]).all():
-                raise ValueError("infinite or not a number")
-    except (KeyError, TypeError, ValueError, OverflowError):
-        raise InputError(
-            f"{path}: jaw lacks {name!r}, or has it in another shape or not finite; allowed: as save_record wrote it"
-        ) from None
-    return jaw
-
-
-def _geometry(jaw: Any | None, rung: Any, tilt: float, header: dict[str, Any], path: str) -> Any:
-    """The geometry given, or the file's own, or the model's at that tilt of the head."""
-    if jaw is None:
-        stored = header.get("jaw")
-        jaw = defaults.geometry(rung.name, tilt) if stored is None else _stored_jaw(stored, rung.name, path)
-    lines = len(rung.muscles.muscle)
-    if len(jaw["l_o"]) != lines:
-        raise InputError(f"jaw has {len(jaw['l_o'])} lines; allowed with model {rung.name!r}: {lines}")
-    return jaw
-
-
-def _device(device: Device | None, fields: Any, path: str) -> Device | None:
-    """The device given, or the file's own."""
-    if device is not None or fields is None:
-        return device
-    try:
-        return Device(**fields)
-    except TypeError:
-        raise InputError(f"{path}: device is {str(fields)[:40]!r}; allowed: fields of jawenv.Device") from None
-
-
-def _knowledge(knowledge: str | Knowledge | Source | None, stored: Any, path: str) -> Knowledge:
-    """The knowledge given, or the file's own."""
-    if knowledge is not None or stored is None:
-        return knowledge_of(knowledge)
-    try:
-        return knowledge_of(stored)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-
-
-def _prior(prior: Prior | None, name: str | None, header: dict[str, Any], muscles: Any, path: str) -> Prior:
-    if prior is None and name is None and "prior_mean" in header and "prior_sd" in header:
-        prior = Prior(header["prior_mean"], header["prior_sd"])
-    if prior is None:
-        return cohort(name or header.get("cohort", "trismus"), muscles).prior
-    if len(prior.mean) != len(muscles.parameter_names):
-        raise InputError(f"{path}: prior has {len(prior.mean)} parameters; allowed: {len(muscles.parameter_names)}")
-    return prior
-
-
-def _written(record: Record, column: Column) -> Array:
-    """A column of T + 1 numbers; what belongs to a tick stands in the row in which the tick begins."""
-    values = getattr(record, column.field)[(slice(None), *column.index)] * column.scale
-    short = len(record.time) - len(values)
-    return np.concatenate([values, np.full(short, np.nan)])
-
-
-def _column(table: RecordTable, column: Column) -> Array:
-    values = table.columns.get(column.name)
-    return np.full(len(table.lines), np.nan) if values is None else values / column.scale
-
-
-def _encoders(table: RecordTable) -> Array:
-    """(T + 1, 12) readings, of which the first row has at least one."""
-    measured = np.column_stack([_column(table, column) for column in ENCODERS])
-    if not np.isfinite(measured[0]).any():
-        allowed = ", ".join(column.name for column in ENCODERS)
-        raise InputError(
-            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
-        )
-    return measured
-
-
-def _stacked(table: RecordTable, columns: list[Column]) -> Array | None:
-    if columns[0].name not in table.columns:
-        return None
-    return np.column_stack([_column(table, column) for column in columns])
-
-
-def _wrenches(table: RecordTable, columns: tuple[Column, ...], slack: bool = False) -> Array:
-    """(T, 3, 6) of three wrenches per tick; the last row begins no tick. Slack straps leave gaps."""
-    ticks = len(table.lines) - 1
-    wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
-    for column in columns:
-        values = _column(table, column)[:-1]
-        if not slack:
-            _complete(table, column, values)
-        moment, component = column.index
-        wrenches[:, moment, component] = values
-    return wrenches
-
-
-def _samples(table: RecordTable, slack: bool) -> Array:
-    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
-    if has_any(table, SAMPLES):
-        return _wrenches(table, SAMPLES, slack)
-    readings = np.column_stack([_column(table, column) for column in READINGS])
-    for column, values in zip(READINGS, readings.T, strict=True):
-        if not slack:
-            _complete(table, column, values)
-    return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
-
-
-def _complete(table: RecordTable, column: Column, values: Array) -> None:
-    """A motion cannot be followed without the force that drives it."""
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        raise table.fail(column.name, int(bad[0]), "empty", "a reading of the load cell in every row")

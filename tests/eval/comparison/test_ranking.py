@@ -86,7 +86,7 @@ def test_nothing_is_known_by_readings_that_do_not_fit_the_model(made):
 def test_what_is_asked_for_is_named(made):
     about = made.about | {"settings": made.about["settings"] | {"asked": "random"}}
     ranking = rank(type(made)(made.patients, made.curves, about))
-    assert "parameters asked for are within" in first.answer(ranking)
+    assert "the parameters asked for are within" in first.answer(ranking)
     assert "all 12 parameters are within" in first.answer(rank(made))
 
 

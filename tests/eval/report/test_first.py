@@ -31,9 +31,7 @@ def test_a_replay_is_not_ones_own():
 
 def test_the_answer_names_the_best_both_targets_and_the_patients(made):
     said = first.answer(rank(made))
-    assert said.startswith(
-        "Good one is the best maneuver: in half of the 12 patients, all 12 parameters are within 10 %"
-    )
+    assert said.startswith("The best is good one: in half of the 12 patients, all 12 parameters are within 10 %")
     assert " s, within 5 % after " in said
 
 
@@ -52,7 +50,7 @@ def test_the_best_is_the_first_that_can_be_believed_or_nobody(made):
     patients.loc[patients["entry"] == GOOD, "nees"] *= 2.0
     ranking = rank(type(made)(patients, made.curves, made.about))
     assert ranking.ranked[0].entry == GOOD and ranking.best.entry == IDLE
-    assert first.answer(ranking).startswith("Hold still is the best maneuver") and first.belief(ranking)[0]
+    assert first.answer(ranking).startswith("The best is hold still") and first.belief(ranking)[0]
     patients["nees"] = 20.0
     nobody = rank(type(made)(patients, made.curves, made.about))
     assert nobody.best is None and "cannot be believed" in first.answer(nobody)
@@ -79,7 +77,7 @@ def test_the_terminal_shows_one_short_table_and_the_verdict():
     assert len(lines) < 20
     assert any("my own" in line for line in lines) and not any("no 6" in line for line in lines)
     assert "6 more entries, and more about each: --details" in lines
-    assert lines[-2].startswith("No 1 is the best maneuver: ")
+    assert lines[-2].startswith("The best is no 1: ")
     assert lines[-1].startswith("Can it be believed? Yes, because the NEES of no 1 is ")
     whole = Console(file=io.StringIO(), width=120)
     table.show(ranking, whole, details=True)

@@ -36,7 +36,7 @@ def test_what_learning_did_is_the_gain_over_what_is_corrected(tmp_path):
     assert (found.entry.entry, found.base.entry, found.steps) == (TRAINED, IDLE, 9600)
     when, share = found.gain
     assert when == "after 10 s" and share.high < 1.0 and share.value == pytest.approx(np.exp(found.early.value))
-    known = "In half of the patients that knows all parameters to 5 % never, ppo-seed0 never."
+    known = "In half of the patients all parameters are within 5 %: with hold still never, with ppo-seed0 never."
     assert found.sooner == f"ppo-seed0 began as hold still. {known}"
     assert [change.target for change in found.changes] == ["opening", "side", "fore-aft", "roll"]
 

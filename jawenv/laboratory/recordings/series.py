@@ -1,0 +1,77 @@
+"""Time series of a recording's table: columns of a file as arrays of a record, and the other way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jawenv.errors import InputError
+from jawenv.filter.model.joint_step import N_SAMPLES
+from jawenv.laboratory.recordings.checks import has_any
+from jawenv.laboratory.recordings.columns import ENCODERS, READINGS, SAMPLES, Column
+from jawenv.laboratory.recordings.record import Record
+from jawenv.laboratory.recordings.table import RecordTable
+from jawenv.mechanics.dynamics import N_WRENCH
+
+Array = NDArray[np.float64]
+
+
+def written(record: Record, column: Column) -> Array:
+    """A column of T + 1 numbers; what belongs to a tick stands in the row in which the tick begins."""
+    values = getattr(record, column.field)[(slice(None), *column.index)] * column.scale
+    short = len(record.time) - len(values)
+    return np.concatenate([values, np.full(short, np.nan)])
+
+
+def _column(table: RecordTable, column: Column) -> Array:
+    values = table.columns.get(column.name)
+    return np.full(len(table.lines), np.nan) if values is None else values / column.scale
+
+
+def encoders(table: RecordTable) -> Array:
+    """(T + 1, 12) readings, of which the first row has at least one."""
+    measured = np.column_stack([_column(table, column) for column in ENCODERS])
+    if not np.isfinite(measured[0]).any():
+        allowed = ", ".join(column.name for column in ENCODERS)
+        raise InputError(
+            f"{table.path}: no encoder was read in row {table.lines[0]}; allowed: one or more of {allowed}"
+        )
+    return measured
+
+
+def stacked(table: RecordTable, columns: list[Column]) -> Array | None:
+    """(T + 1, n) of these columns; None without them in the file."""
+    if columns[0].name not in table.columns:
+        return None
+    return np.column_stack([_column(table, column) for column in columns])
+
+
+def wrenches(table: RecordTable, columns: tuple[Column, ...], slack: bool = False) -> Array:
+    """(T, 3, 6) of three wrenches per tick; the last row begins no tick. Slack straps leave gaps."""
+    ticks = len(table.lines) - 1
+    wrenches: Array = np.empty((ticks, N_SAMPLES, N_WRENCH))
+    for column in columns:
+        values = _column(table, column)[:-1]
+        if not slack:
+            _complete(table, column, values)
+        moment, component = column.index
+        wrenches[:, moment, component] = values
+    return wrenches
+
+
+def samples(table: RecordTable, slack: bool) -> Array:
+    """(T, 3, 6) force at start, middle and end of each tick; the middle of single readings is interpolated."""
+    if has_any(table, SAMPLES):
+        return wrenches(table, SAMPLES, slack)
+    readings = np.column_stack([_column(table, column) for column in READINGS])
+    for column, values in zip(READINGS, readings.T, strict=True):
+        if not slack:
+            _complete(table, column, values)
+    return np.stack([readings[:-1], 0.5 * (readings[:-1] + readings[1:]), readings[1:]], axis=1)
+
+
+def _complete(table: RecordTable, column: Column, values: Array) -> None:
+    """A motion cannot be followed without the force that drives it."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        raise table.fail(column.name, int(bad[0]), "empty", "a reading of the load cell in every row")
