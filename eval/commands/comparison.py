@@ -177,7 +177,8 @@ def _present(
     table.show(ranking, console, details=details)
     table.show_adaptations(adaptations(study), console)
     study_gains = gains(study, reference)
-    table.show_gains(study_gains, console)
+    new = (gain for gain in study_gains if gain.seeds > 1 or not gain.against.startswith("its "))  # beside that table
+    table.show_gains(tuple(new), console)
     with alone(output):
         labels = films.candidates(ranking, learned(study, ranking))
         study = play_patient(study, labels, console, patient, trust=trust, own_modules=own_modules)

@@ -74,11 +74,11 @@ def show_adaptations(adaptations: tuple[Adaptation, ...], console: Console) -> N
     if not adaptations:
         return
     table = _table(
-        "Against the own targets, replayed without looking: mean difference of the log of the worst sd",
+        "Does it adapt? The log of the worst sd less that of its own targets, replayed without looking",
         f"after {EARLY_S:g} s",
-        "",
+        "verdict",
         "at the end",
-        "",
+        "verdict",
     )
     for number, adaptation in enumerate(adaptations, 1):
         table.add_row(

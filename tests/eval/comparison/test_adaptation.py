@@ -1,13 +1,15 @@
 """Entries against their own replays."""
 
 import io
+import re
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from eval.comparison.ranking import rank
 from eval.comparison.trainings import adaptations
-from eval.report import table
+from eval.report import page, table
 from tests.eval.studies import GOOD, IDLE, TRAINED, study
 
 
@@ -43,3 +45,9 @@ def test_the_table_says_who_adapts(paired):
     empty = Console(file=io.StringIO(), width=120)
     table.show_adaptations((), empty)
     assert empty.file.getvalue() == ""
+
+
+def test_every_column_of_the_page_has_a_heading(paired, tmp_path):
+    """A heading is a button that sorts: without words it has no name."""
+    written = page.write(paired, rank(paired), tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Does it adapt?" in written and not re.search(r"<th[^>]*></th>", written)
