@@ -7,12 +7,13 @@ still: a servo holds the jaw at 40 % of its opening for two minutes. corners: mo
 their range. memory: a disturbance with memory, told rightly and wrongly. creep: tissue that creeps, which the filter is
 not told. groups: each group of what is known within sds alone, and what it costs. bias: the largest mean z of all
 parameters, six cohorts, three controls. alarm: what rings, of honest episodes and of those that are not. change: how
-much the muscles have changed between two treatments. jaws: a true jaw that MuJoCo moves, beside the filter's own. all:
+much the muscles have changed between two treatments. effects: how wrong belief and change are under each effect that
+the filter is not told. jaws: a true jaw that MuJoCo moves, beside the filter's own. all:
 each of these under its title, on as many patients as ``ALL`` says. A row is printed as soon as it is there.
 """
 
 import argparse
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from itertools import product
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from eval.figures import statistics, words
 from eval.kept.entries import Entry, Settings, load_entries
 from eval.patient.changes import change_of
 from eval.patient.treatments import first_treatment, next_treatment, population_of
+from eval.studies.design import read
 from jawenv.anatomy import COHORTS
 from jawenv.anatomy.knowledge import knowledge
 from jawenv.controls import CONTROLS
@@ -229,12 +231,33 @@ def alarm(arguments):
         row(effects, name, sample.figures(), f"{wrong.sum()} of {len(wrong)}", share)
 
 
-class OnMujoco(Entry):
-    """An entry whose patients have a jaw that MuJoCo moves."""
+@dataclass(frozen=True)
+class Elsewhere(Entry):
+    """An entry whose truth departs from the filter's model by other arguments of the environment."""
+
+    truth: dict = field(default_factory=dict)
 
     @property
     def env_kwargs(self):
-        return super().env_kwargs | {"plant": MUJOCO}
+        return super().env_kwargs | self.truth
+
+
+def changes_between(entry, arguments):
+    """First treatments (N), (estimate - truth) / sd of each change to a second (N, 12) with drift 0.1, and the sds."""
+    prior, firsts, z, sd = population_of(entry).prior, [], [], []
+    for seed in range(arguments.seed, arguments.seed + arguments.patients):
+        course = [first_treatment(entry, seed)]
+        course.append(next_treatment(entry, course[0], 2, 0.1, seed))
+        estimate = change_of(course, prior)
+        firsts.append(course[0])
+        z.append((estimate.mean - (course[1].truth - course[0].truth)) / estimate.sd)
+        sd.append(estimate.sd)
+    return firsts, np.array(z), np.array(sd)
+
+
+def inside(z):
+    """Share of the changes within their 95 % interval, over the patients, %."""
+    return words.with_interval(words.scaled(statistics.mean(np.mean(np.abs(z) < 1.96, axis=1)), 100.0), 1)
 
 
 def change(arguments):
@@ -245,19 +268,23 @@ def change(arguments):
     for name, seconds in product((RICH, SWINGS), (10.0, 30.0)):
         settings = Settings.of(1, arguments.seed, episode_s=seconds, knowledge=_sds(arguments.knowledge))
         (entry,) = load_entries([name], settings.world)
-        entry = OnMujoco(**vars(entry)) if arguments.mujoco else entry
-        prior, z, sd = population_of(entry).prior, [], []
-        for seed in range(arguments.seed, arguments.seed + arguments.patients):
-            first = first_treatment(entry, seed)
-            course = [first, next_treatment(entry, first, 2, 0.1, seed)]
-            estimate = change_of(course, prior)
-            z.append((estimate.mean - (course[1].truth - course[0].truth)) / estimate.sd)
-            sd.append(estimate.sd)
-        covered = statistics.mean(np.mean(np.abs(z) < 1.96, axis=1))
+        _, z, sd = changes_between(entry, arguments)
         width = f"{200.0 * 1.96 * np.median(sd):.1f} %"
         spread = f"{100.0 * np.max(sd, axis=1).mean():.1f} / {100.0 * np.median(sd):.1f} %"
-        inside = words.with_interval(words.scaled(covered, 100.0), 1)
-        row(name, f"{seconds:g} s", len(sd), inside, spread, width, f"{np.mean(np.square(z)):.2f}")
+        row(name, f"{seconds:g} s", len(sd), inside(z), spread, width, f"{np.mean(np.square(z)):.2f}")
+
+
+def effects(arguments):
+    """What the filter is not told, with a scan's anatomy: ``refined`` of 10 s, and the change to a second treatment."""
+    settings = Settings.of(1, arguments.seed, episode_s=10.0, knowledge=_sds("imaged"))
+    (entry,) = load_entries([RICH], settings.world)
+    truths = {title: {"reality": values} for title, values in read("robustness")[1].reality.items()}
+    head("effect", "NEES/12, 10 s", "rings, %", "change inside 95 %, %", "its error, median, %", "its sd, median, %")
+    for title, truth in (truths | {"a jaw that MuJoCo moves": {"plant": MUJOCO}}).items():
+        firsts, z, sd = changes_between(Elsewhere(**vars(entry), truth=truth), arguments)
+        nees = words.with_interval(statistics.mean(np.array([first.nees for first in firsts]) / z.shape[1]), 2)
+        rings = f"{100.0 * np.mean([first.rings for first in firsts]):.0f}"
+        row(title, nees, rings, inside(z), f"{100.0 * np.median(np.abs(z * sd)):.1f}", f"{100.0 * np.median(sd):.1f}")
 
 
 def jaws(arguments):
@@ -278,7 +305,9 @@ def _sds(name):
     return {field: value for field, value in asdict(knowledge(name)).items() if value > 0.0}
 
 
-TABLES = {table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change, jaws)}
+TABLES = {
+    table.__name__: table for table in (still, corners, memory, creep, groups, bias, alarm, change, effects, jaws)
+}
 ALL = {
     "bias": ("To which side estimates lie", 40),
     "corners": ("Motors held at the corners of their range", 64),
@@ -305,7 +334,6 @@ def main() -> None:
     parser.add_argument("--knowledge", default="exact")
     parser.add_argument("--patients", type=int, default=200, help="of each row")
     parser.add_argument("--seed", type=int, default=20_000)
-    parser.add_argument("--mujoco", action="store_true", help="change: of patients whose jaw MuJoCo moves")
     arguments = parser.parse_args()
     (TABLES | {"all": every})[arguments.table](arguments)
 
