@@ -14,6 +14,7 @@ from jawenv.seeds import REPORTS
 def test_they_have_names() -> None:
     assert policy_names() == (
         "apg_asked",
+        "apg_imaged",
         "apg_one_sided",
         "apg_trismus",
         "ppo_force",
