@@ -68,6 +68,11 @@ def cell_of(task: Task, spec: str, agent: str = "", patients: int | None = None,
     )
 
 
+def fitting_agents(specs: Sequence[str], tasks: Sequence[Task]) -> list[str]:
+    """Those that fit one of the tasks."""
+    return [spec for spec in specs if any(can_play(spec, task.settings().world) for task in tasks)]
+
+
 def _fitting(spec: str, tasks: Sequence[Task]) -> list[Task]:
     fitting = [task for task in tasks if can_play(spec, task.settings().world)]
     if not fitting:

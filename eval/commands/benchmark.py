@@ -30,6 +30,7 @@ BASELINES = (
     "ppo_imaged",
     "apg_trismus",
     "apg_one_sided",
+    "apg_imaged",
 )
 
 
@@ -116,7 +117,9 @@ def _play(
 
 def _play_baselines(agents: list[str], names: list[str] | None, patients: int | None, output: Path, run: Run) -> None:
     """What comes with jawenv; the page is renewed by all patients of all tasks, at a commit without changes."""
+    from eval.benchmark.run import fitting_agents
     from eval.benchmark.submission import PAGE
+    from eval.benchmark.tasks import tasks_named
     from jawenv.files import write_text
     from jawenv.reading import read_text
     from jawenv.versions import made_with
@@ -124,7 +127,7 @@ def _play_baselines(agents: list[str], names: list[str] | None, patients: int | 
     if agents:
         raise InputError(f"--baselines: plays what comes with jawenv, and not {shown(agents[0])}; allowed: no agents")
     if names is not None or patients is not None:
-        _play(list(BASELINES), names, patients, output, run, False)
+        _play(fitting_agents(BASELINES, tasks_named(names)), names, patients, output, run, False)
         return
     git = made_with()["git"]
     if git is None or git["changed"]:

@@ -10,7 +10,7 @@ import pytest
 
 from agents.registry import world_of
 from eval.benchmark import submission
-from eval.benchmark.run import cells_of, left_out
+from eval.benchmark.run import cells_of, fitting_agents, left_out
 from eval.benchmark.submission import FILE, PATIENTS, refuse_copies
 from eval.benchmark.tasks import TASKS, tasks_named
 from eval.commands.app import main
@@ -98,6 +98,13 @@ def test_every_task_has_an_agent_at_rest():
     cells = cells_of([*BASELINES], tasks_named())
     agents = {task: {cell.levels["agent"] for cell in cells if cell.levels["task"] == task} for task in TASKS}
     assert all("hold_still" in played for played in agents.values()) and len(set(BASELINES)) == len(BASELINES)
+
+
+def test_a_task_alone_is_played_by_the_baselines_that_fit_it():
+    tasks = tasks_named(["jaw-imaged-memory"])
+    fitting = fitting_agents(BASELINES, tasks)
+    assert "apg_asked" not in fitting and "refined" in fitting
+    assert len(cells_of(fitting, tasks)) == len(fitting)
 
 
 def test_who_is_left_out_of_a_task_is_one_line():
