@@ -99,5 +99,7 @@ def test_a_tone_is_drawn_with_its_sd_and_beside_the_other_draws():
     ]
     tones = [float(changed_jaw(jaw, known, MUSCLES, values)["tone"]) for values in drawn]
     assert np.std(tones) == pytest.approx(0.1, rel=0.1) and abs(np.mean(tones) - float(jaw["tone"])) < 0.02
-    for plain, toned in zip(draw_unknowns(LINES, np.random.default_rng(0))[:-1], drawn[0][:-1], strict=True):
-        np.testing.assert_array_equal(plain, toned)
+    toned = drawn[0]._asdict()
+    for name, plain in draw_unknowns(LINES, np.random.default_rng(0))._asdict().items():
+        if name != "tone":
+            np.testing.assert_array_equal(plain, toned[name])

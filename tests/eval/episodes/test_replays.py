@@ -32,7 +32,7 @@ def test_a_comparison_with_replays_says_whether_an_entry_adapts(tmp_path, capsys
     arguments = ["compare", "myopic", "hold_still", *SHORT, "--control", "targets", "--with-replay"]
     assert main([*arguments, "--output", str(tmp_path)]) == 0
     written = capsys.readouterr().out
-    assert "Against the own targets" in written and "ms per decision" in written
+    assert "Does it adapt?" in written and "ms per decision" in written
     patients = pd.read_parquet(tmp_path / "patients.parquet")
     assert list(dict.fromkeys(patients["entry"])) == [
         "myopic",
@@ -45,7 +45,7 @@ def test_a_comparison_with_replays_says_whether_an_entry_adapts(tmp_path, capsys
     again = capsys.readouterr().out
     assert "averaging" not in again and "8 of 8 episodes kept from an earlier run" in again
     assert main(["report", str(tmp_path)]) == 0
-    assert "Against the own targets" in capsys.readouterr().out
+    assert "Does it adapt?" in capsys.readouterr().out
 
 
 def test_what_has_no_replay_is_named(tmp_path, capsys):
