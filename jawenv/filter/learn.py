@@ -13,6 +13,7 @@ from jawenv.filter.belief.refocus import refocus
 from jawenv.filter.belief.state import Belief, FilterSettings, tension_columns
 from jawenv.filter.model.basis import N_NODES, set_coefficients
 from jawenv.filter.nuisances.changed_jaw import move_jaw
+from jawenv.filter.nuisances.changes import is_apart
 from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.unknowns import FARTHEST
@@ -70,13 +71,13 @@ def set_steps(belief: Belief, scratch: LearnScratch):
 def recentre(belief: Belief, settings: FilterSettings, scratch: LearnScratch):
     """Move motion and score to the belief's mean.
 
-    What a jaw at rest does not show stays at its nominal value: servos answer to the motion that shows it.
+    Beside a disturbance with memory, what a jaw at rest does not show stays at its nominal value (``is_apart``).
     """
     set_steps(belief, scratch)
     row, first = scratch.row, belief.nominal.shape[0] * belief.nominal.shape[1] + 1
     if belief.nuisances.shape[0] > 0:
         for k in range(belief.nuisances.shape[0]):
-            if not settings.nuisances.at_rest[k]:
+            if is_apart(settings) and not settings.nuisances.at_rest[k]:
                 row[first + k] = 0.0
             belief.nuisances[k] += row[first + k]
         move_jaw(belief.jaw, settings.nuisances, row, first)
