@@ -15,7 +15,7 @@ each of these under its title, on as many patients as ``ALL`` says. A row is pri
 import argparse
 from dataclasses import asdict, dataclass, field
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -235,7 +235,7 @@ def alarm(arguments):
 class Elsewhere(Entry):
     """An entry whose truth departs from the filter's model by other arguments of the environment."""
 
-    truth: dict = field(default_factory=dict)
+    truth: dict[str, Any] = field(default_factory=dict)
 
     @property
     def env_kwargs(self):
