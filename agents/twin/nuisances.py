@@ -10,7 +10,8 @@ A line from its insertion p to its origin o, along e, l long, of tension T, has 
 
     df = T b (dl / l_o - l dl_o / l_o^2) e + (T + tone) / l (1 - e e^T) (do - dp),   moment r x df + dp x (T + tone) e
 
-more. Every tensor may have leading axes of worlds, written (...); m is the number of nuisances that a jaw at rest shows.
+more. Every tensor may have leading axes of worlds, written (...); m is the number of nuisances that a jaw at rest
+shows.
 """
 
 from __future__ import annotations
