@@ -8,7 +8,7 @@ import two_condyles
 
 from jawenv.filter.belief.state import begin_belief, begin_motion
 from jawenv.filter.model.encoders import expect
-from jawenv.filter.readings.cell_trend import follow_trend
+from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise
 from jawenv.filter.readings.screening import is_resolved
 from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion
@@ -53,6 +53,7 @@ class Running:
             if self.belief["near"] > 0:
                 forget_motion(record.jaw, self.belief, before, self.settings["start_sd"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
+        follow_trend(self.belief["smoothed"], record.samples[k], record.dt, SMOOTHING_TIME)
 
     def update(self, k, used=ALL):
         """What explains the readings of row ``k``."""
@@ -124,14 +125,14 @@ def line_wrenches(jaw, basis, place, R, trend):
 
 
 def balanced(running, before, trend):
-    """(6,) ``trend`` changed so that, half way from the motion ``before``, the model needs no acceleration.
+    """(6,) ``trend`` changed so that, half way from the motion ``before`` to the predicted one, the model needs no acceleration.
 
     By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles not at all.
     """
-    jaw, unknown = running.record.jaw, np.zeros((5, 6))
+    jaw, unknown, after = running.record.jaw, np.zeros((5, 6)), running.belief["predicted"]
     if jaw["condyles"] == 2:
         return trend
-    pose = 0.5 * (before + coasted(before, running.record.dt))[:5]
+    pose = 0.5 * (before + after)[:5]
     tangents = np.array([[1.0, 0.0, twin.fossa(jaw, pose[0])[1]], [0.0, 1.0, 0.0]])
     unknown[:2, :3], unknown[2:, 3:] = tangents @ twin.rotation(pose), np.eye(3)
 
@@ -149,19 +150,6 @@ def half_way(jaw, before, after):
     if len(q) == 12:
         return q[:3], twin.rotation(two_condyles.five(q[:6]))
     return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
-
-
-def coasted(state, dt):
-    """The pose after ``dt`` at the rates of ``state``, those of the angles from R^T R'; the rates are not moved."""
-    half = len(state) // 2
-    angles, omega = state[half - 3 : half], state[-3:]
-    by_angle = twin.derivative(lambda a: twin.rotation(np.concatenate([np.zeros(2), a])).ravel(), angles)
-    turns = twin.rotation(np.concatenate([np.zeros(2), angles])).T @ by_angle.T.reshape(3, 3, 3)
-    axes = np.array([[turn[2, 1], turn[0, 2], turn[1, 0]] for turn in turns]).T
-    after = state.copy()
-    after[: half - 3] += dt * state[half:-3]
-    after[half - 3 : half] += dt * np.linalg.solve(axes, omega)
-    return after
 
 
 def rows_of(jaw, state):

@@ -23,7 +23,6 @@ from jawenv.filter.learn import conclude
 from jawenv.filter.model.encoders import N_MEASUREMENTS
 from jawenv.filter.model.motion_step import ORDER, midline_step
 from jawenv.filter.model.regressors import middle_of, set_line_wrenches
-from jawenv.filter.updates.instrument import coast
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_by_tension, predict_cov
 from jawenv.kernels.lanes import all_lines, total
@@ -58,9 +57,9 @@ def rate_operations() -> int:
 
 
 def motion_operations() -> int:
-    """Four stages, one Jacobian, and both series of the exponential."""
+    """Four stages twice, one Jacobian, and both series of the exponential."""
     series = (ORDER - 1) * product(N_STATES, N_STATES, N_STATES + N_WRENCH)
-    return 4 * rate_operations() + PER_JACOBIAN + series
+    return 8 * rate_operations() + PER_JACOBIAN + series
 
 
 def time_update_operations() -> int:
@@ -94,15 +93,15 @@ def true_part(device, model, world, settings, scratch):
 
 @numba.njit
 def motion_part(device, model, world, settings, scratch):
-    midline_step(model, world.known.belief.motion, scratch.samples, 0.01, scratch.filter.time.step)
+    midline_step(model, world.known.belief.motion, scratch.samples, 0.01, False, scratch.filter.time.step)
+    midline_step(model, world.known.belief.predicted, scratch.samples, 0.01, True, scratch.filter.time.step)
 
 
 @numba.njit
 def time_part(device, model, world, settings, scratch):
     belief, time_scratch = world.known.belief, scratch.filter.time
     predict_cov(belief.motion_cov, settings.filter.wrench_variance, time_scratch)
-    coast(belief.motion, settings.filter.dt, time_scratch.instrument.motion)
-    pose, position = middle_of(model, belief.motion, time_scratch.instrument.motion)
+    pose, position = middle_of(model, belief.motion, belief.predicted)
     set_line_wrenches(model, belief.basis, belief.trend, pose, position, time_scratch.line_wrench)
     predict_by_tension(belief.by_tension, time_scratch)
 

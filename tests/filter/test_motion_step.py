@@ -57,7 +57,7 @@ class Model:
         """Motion and derivative (n, n + 6) at the end of a step."""
         moved = state.copy()
         self.scratch["muscles"] = np.exp(theta).reshape(6, 2)
-        self.kernel(self.jaw, moved, samples, dt, self.scratch)
+        self.kernel(self.jaw, moved, samples, dt, True, self.scratch)
         return moved, self.scratch["total"].copy()
 
     def path(self, theta, state, samples, dt, parts, wrench=0.0):
@@ -134,6 +134,17 @@ def test_the_motion_is_runge_and_kuttas(model, rng):
         moved, _ = model.by_kernel(theta, state, samples, DT)
         expected, _ = model.path(theta, state, samples, DT, model.parts(theta, state, DT))
         np.testing.assert_allclose(moved, expected, rtol=1e-10, atol=1e-12)
+
+
+@BOTH
+def test_the_motion_alone_is_the_same_to_rounding_and_leaves_no_derivative(model, rng):
+    theta, state, samples = drawn(model, rng)
+    moved, _ = model.by_kernel(theta, state, samples, DT)
+    alone = state.copy()
+    model.scratch["total"] = 7.0
+    model.kernel(model.jaw, alone, samples, DT, False, model.scratch)
+    np.testing.assert_allclose(alone, moved, rtol=1e-12, atol=1e-14)
+    np.testing.assert_array_equal(model.scratch["total"], 7.0)
 
 
 @BOTH

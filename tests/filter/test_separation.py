@@ -6,7 +6,7 @@ import newton_euler as twin
 import numpy as np
 import pytest
 from recorded import SWINGS, recording
-from running import Running, balanced, coasted, half_way, line_wrenches, rows_of
+from running import Running, balanced, half_way, line_wrenches, rows_of
 
 import jawenv
 from agents import load_agent
@@ -31,7 +31,7 @@ class Joint:
         running.predict(k)
         after = running.belief["motion"].copy()
         A, G = np.split(running.scratch["time"]["step"]["total"], [n], axis=1)
-        middle = half_way(record.jaw, before, coasted(before, record.dt))
+        middle = half_way(record.jaw, before, running.belief["predicted"])
         lines = line_wrenches(record.jaw, running.belief["basis"], *middle, balanced(running, before, trend))
         F = np.eye(len(self.mean))
         F[:n, :n], F[:n, n:] = A, G @ lines
@@ -46,7 +46,7 @@ class Joint:
         running, n, chosen = self.running, self.running.size, used.astype(bool)
         path = running.belief["motion"].copy()
         H = np.zeros((12, len(self.mean)))
-        H[:, :n] = rows_of(running.record.jaw, path)
+        H[:, :n] = rows_of(running.record.jaw, running.belief["predicted"])
         expected = running.expected() + H[:, :n] @ (self.mean[:n] - path)
         H, R = H[chosen], np.diag(running.settings["measurement_variance"][chosen])
         K = self.P @ H.T @ np.linalg.inv(H @ self.P @ H.T + R)

@@ -1,10 +1,11 @@
 """The time update's products against plain NumPy, and what becomes of a motion that cannot be predicted."""
 
+import newton_euler as twin
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded import recording
-from running import Running, balanced, coasted, half_way, line_wrenches
+from running import Running, balanced, half_way, line_wrenches
 
 from jawenv.filter.updates.time_update import all_finite, predict_by_tension, predict_cov, time_scratch_dtype
 from jawenv.kernels.compiled import njit
@@ -62,13 +63,13 @@ def test_one_value_that_is_no_number_is_noticed():
 
 
 def test_a_tick_takes_all_of_it_together():
-    """Samples of the load cell, the lines half way at the rates before the tick, and the trend before it, balanced."""
+    """Derivatives along what the past predicts: lines half way there, and the trend before the tick, balanced."""
     running = Running(recording().records[0]).run(30)
     belief, record = running.belief, running.record
     before, V, P, trend = (belief[name].copy() for name in ("motion", "by_tension", "motion_cov", "trend"))
     running.predict(30)
     A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
-    middle = half_way(record.jaw, before, coasted(before, record.dt))
+    middle = half_way(record.jaw, before, belief["predicted"])
     lines = line_wrenches(record.jaw, belief["basis"], *middle, balanced(running, before, trend))
     expected = A @ V[:, : running.columns] + G @ lines
     np.testing.assert_allclose(running.by_tension, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
@@ -76,6 +77,26 @@ def test_a_tick_takes_all_of_it_together():
     sd = np.sqrt(np.diag(P))
     np.testing.assert_allclose(belief["motion_cov"] / np.outer(sd, sd), P / np.outer(sd, sd), rtol=0, atol=1e-10)
     assert np.abs(trend).max() > 0.1 and np.abs(belief["trend"] - trend).max() > 1e-3
+
+
+def test_the_past_predicts_a_tick_by_the_smoothed_reading_alone():
+    """Ten steps of Newton's and Euler's equations; what the load cell reads in the tick changes nothing."""
+    running = Running(recording().records[0]).run(30)
+    belief, record = running.belief, running.record
+    before, held = belief["motion"].copy(), belief["smoothed"].copy()
+    record.samples[30] += 1.0
+    try:
+        running.predict(30)
+    finally:
+        record.samples[30] -= 1.0
+    state = before
+    for _ in range(10):
+        state = twin.runge_kutta(
+            lambda t, s: twin.state_rate(record.jaw, belief["point"], s, held), state, record.dt / 10
+        )
+    change = np.abs(belief["motion"] - before)
+    assert (np.abs(belief["predicted"] - state) < 0.01 * change + 1e-9).all()
+    assert (np.abs(belief["predicted"] - belief["motion"])[5:] > 0.01 * change[5:]).any()
 
 
 def test_a_motion_that_is_no_number_stays_what_it_was_and_is_known_as_at_the_start():

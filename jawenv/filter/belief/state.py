@@ -114,7 +114,7 @@ def belief_dtype(
         nuisances=n_nuisances,
         shared=n_nuisances + 1,
         motors=N_MOTORS if n_nuisances else 0,
-        predicted=n_states if n_nuisances + n_disturbance else 0,
+        predicted=n_states,
         lines=n_lines if n_nuisances else 1,
     )
 

@@ -115,40 +115,41 @@ def is_half_way(part, stage, parts):
 @njit_within
 def midline_rate(q, u, stage, h, arguments):
     """(q', u') of the midline model; half way through the step also the Jacobian, into ``scratch``."""
-    jaw, samples, part, parts, scratch = arguments
+    jaw, samples, part, parts, derive, scratch = arguments
     sample = between_samples(samples, stage_share(part, stage, parts))
-    if not is_half_way(part, stage, parts):
+    if not (derive and is_half_way(part, stage, parts)):
         return state_rate(jaw, scratch.muscles, q, u, sample)
     return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
 
 
 @njit_within
-def midline_step(jaw: Jaw, motion, samples, dt, scratch: Step):
-    """Move ``motion`` (10) of the midline model through a step; leaves the derivative in ``total``."""
+def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
+    """Move ``motion`` (10) of the midline model through a step; to ``derive`` leaves the derivative in ``total``."""
     parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
     for part in range(parts):
         q, u = split(motion)
-        q, u = runge_kutta_step(midline_rate, q, u, h, (jaw, samples, part, parts, scratch))
+        q, u = runge_kutta_step(midline_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
         set_state(motion, q, u)
-    set_part(h, scratch)
-    for part in range(parts):
-        append_part(part == 0, scratch)
+    if derive:
+        set_part(h, scratch)
+        for part in range(parts):
+            append_part(part == 0, scratch)
 
 
 @njit_within
 def body_rate(q, u, stage, h, arguments):
     """(q', u') of the jaw with two condyles; half way through each part also the Jacobian, into ``scratch``."""
-    jaw, samples, part, parts, scratch = arguments
+    jaw, samples, part, parts, derive, scratch = arguments
     sample = between_samples(samples, stage_share(part, stage, parts))
-    if stage != 2:
+    if stage != 2 or not derive:
         return bilateral_rate(jaw, scratch.muscles, q, u, sample)
     return linearised_rate(jaw, scratch.muscles, q, u, sample, scratch.linear)
 
 
 @njit_within
-def body_step(jaw: Jaw, motion, samples, dt, scratch: Step):
-    """Move ``motion`` (12) of the jaw with two condyles through a step; leaves the derivative in ``total``.
+def body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
+    """Move ``motion`` (12) of the jaw with two condyles through a step; to ``derive`` leaves the derivative in ``total``.
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
     """
@@ -156,17 +157,18 @@ def body_step(jaw: Jaw, motion, samples, dt, scratch: Step):
     h = dt / parts
     for part in range(parts):
         q, u = split_body(motion)
-        q, u = runge_kutta_step(body_rate, q, u, h, (jaw, samples, part, parts, scratch))
+        q, u = runge_kutta_step(body_rate, q, u, h, (jaw, samples, part, parts, derive, scratch))
         set_state(motion, q, u)
-        set_part(h, scratch)
-        append_part(part == 0, scratch)
+        if derive:
+            set_part(h, scratch)
+            append_part(part == 0, scratch)
 
 
-def _body_step(jaw: Jaw, motion, samples, dt, scratch: Step):
-    body_step(jaw, motion, samples, dt, scratch)
+def _body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
+    body_step(jaw, motion, samples, dt, derive, scratch)
 
 
 @where(lambda scratch: scratch.typeof("total").shape[0] < N_BODY, otherwise=_body_step)
-def move(jaw: Jaw, motion, samples, dt, scratch: Step):
+def move(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
     """``midline_step`` or ``body_step``, whichever is for as many states as ``scratch`` is made for."""
-    midline_step(jaw, motion, samples, dt, scratch)
+    midline_step(jaw, motion, samples, dt, derive, scratch)

@@ -28,7 +28,6 @@ from jawenv.filter.updates.instrument import (
     Instrument,
     all_finite,
     instrument_dtype,
-    jacobian_of_tick,
     predict_from_past,
 )
 from jawenv.kernels.compiled import njit, njit_within
@@ -94,14 +93,14 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
     predict_from_past(jaw, belief, dt, scratch)
     correct_samples(jaw, belief, settings, samples, scratch)
     add_disturbance(belief, scratch.instrument.motion.shape[0], samples, scratch.driven)
-    move(jaw, belief.motion, scratch.driven, dt, scratch.step)
+    move(jaw, belief.motion, scratch.driven, dt, False, scratch.step)
     if not (all_finite(belief.motion) and all_finite(scratch.instrument.motion)):
         belief.motion[:] = scratch.start_motion
-        for i in range(belief.predicted.shape[0]):
+        for i in range(scratch.instrument.motion.shape[0]):
             belief.predicted[i] = scratch.start_motion[i]
         lose_motion(belief, start_sd)
         return
-    set_total(jacobian_of_tick(belief, scratch), settings.disturbance_decay, scratch.total)
+    set_total(scratch.step.total, settings.disturbance_decay, scratch.total)
     predict_cov(belief.motion_cov, noise_variance, scratch)
     if jaw.condyles == 2:
         add_impulse(belief.motion_cov, samples, noise_variance, dt, scratch.step.linear.by_input)
