@@ -125,7 +125,7 @@ def line_wrenches(jaw, basis, place, R, trend):
 
 
 def balanced(running, before, trend):
-    """(6,) ``trend`` changed so that, half way from the motion ``before`` to the predicted one, the model needs no acceleration.
+    """(6,) ``trend`` changed so that, half way from ``before`` to the predicted motion, nothing accelerates.
 
     By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles not at all.
     """

@@ -124,7 +124,7 @@ def midline_rate(q, u, stage, h, arguments):
 
 @njit_within
 def midline_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
-    """Move ``motion`` (10) of the midline model through a step; to ``derive`` leaves the derivative in ``total``."""
+    """Move ``motion`` (10) of the midline model through a step; ``derive``: its derivative, into ``total``."""
     parts = step_parts(jaw, scratch.muscles, motion, dt, scratch.linear)
     h = dt / parts
     for part in range(parts):
@@ -149,7 +149,7 @@ def body_rate(q, u, stage, h, arguments):
 
 @njit_within
 def body_step(jaw: Jaw, motion, samples, dt, derive, scratch: Step):
-    """Move ``motion`` (12) of the jaw with two condyles through a step; to ``derive`` leaves the derivative in ``total``.
+    """Move ``motion`` (12) of the jaw with two condyles through a step; ``derive``: its derivative, into ``total``.
 
     On the stiff discs the Jacobian changes within a step: it is frozen half way through each part.
     """
