@@ -132,7 +132,7 @@ def test_readings_of_the_jaw_are_taken_as_the_textbook_does(used):
     other.predict(30)
     before, measured, chosen = running.belief.copy(), running.record.measured[31], used.astype(bool)
     innovation = (measured - running.expected())[chosen]
-    rows = rows_of(running.record.jaw, before["motion"])[chosen]
+    rows = rows_of(running.record.jaw, before["predicted"])[chosen]
     assert running.take(measured, used) != REFUSED
     agree(running.belief, textbook(before, rows, running.settings["measurement_variance"][chosen], innovation), 1e-8)
     assert other.take(np.where(chosen, measured, np.nan), used) != REFUSED
@@ -166,7 +166,7 @@ def test_motion_and_covariance_are_those_of_filterpy(rng):
         else:
             textbooks.x = before[:, None]
         chosen = rng.random(12) > 0.3
-        H, path = rows_of(record.jaw, belief["motion"])[chosen], belief["motion"].copy()
+        H, path = rows_of(record.jaw, belief["predicted"])[chosen], belief["motion"].copy()
         z = (record.measured[k] - running.expected())[chosen] + H @ path
         textbooks.update(z[:, None], R=np.diag(running.settings["measurement_variance"][chosen]), H=H)
         running.update(k, chosen.astype(np.uint8))

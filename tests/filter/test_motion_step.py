@@ -218,7 +218,7 @@ def test_held_coordinates_stay(rng):
     scratch["muscles"] = np.exp(theta).reshape(6, 2)
     state = np.zeros(10)
     state[2], state[8] = 0.2, 0.3
-    step.midline_step(jaw, state, rng.normal(size=(3, 6)), DT, scratch)
+    step.midline_step(jaw, state, rng.normal(size=(3, 6)), DT, True, scratch)
     held = [0, 1, 3, 4, 5, 6, 7, 9]
     np.testing.assert_array_equal(state[held], 0.0)
     np.testing.assert_array_equal(scratch["total"][np.ix_([5, 6, 7, 9], range(16))], np.eye(10, 16)[[5, 6, 7, 9]])

@@ -61,7 +61,7 @@ def test_the_density_is_that_of_the_readings_and_the_prior(record):
         if k > 0:
             running.predict(k - 1)
         path = running.belief["motion"].copy()
-        H = twin.derivative(lambda s: twin.measurement(short.jaw, s), path)
+        H = twin.derivative(lambda s: twin.measurement(short.jaw, s), running.belief["predicted"])
         S = H @ running.belief["motion_cov"] @ H.T + np.diag(short.measurement_sd**2)
         innovation = short.measured[k] - twin.measurement(short.jaw, path)
         if running.resolved:
