@@ -22,6 +22,7 @@ import numpy as np
 
 from jawenv.controls import Control
 from jawenv.filter.learn import learn
+from jawenv.filter.model.motion_step import move
 from jawenv.kernels.compiled import njit
 
 FILTER = "jawenv.filter."
@@ -46,11 +47,14 @@ class Scenario(NamedTuple):
 
 
 @njit
-def along_own_motion(belief, scratch):
-    """In place of ``jacobian_of_tick``: regressors along the motion that this tick's reading has moved."""
-    for i in range(scratch.instrument.motion.shape[0]):
-        scratch.instrument.motion[i] = belief.motion[i]
-    return scratch.step.total
+def deriving(jaw, motion, samples, dt, derive, scratch):
+    """In place of ``move``: the Jacobian along the motion that this tick's reading has moved."""
+    move(jaw, motion, samples, dt, True, scratch)
+
+
+@njit
+def rows_of_the_motion(jaw, belief, used, scratch):
+    """In place of ``set_rows_of_past``: the rows at that motion."""
 
 
 @njit
@@ -96,7 +100,10 @@ ROWS = (
     Variant("nodes do not follow the belief", {"belief.refocus.SHRINKS": 0.0, "belief.refocus.STRAYS": math.inf}),
     Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
     Variant("series of the second order", {"model.motion_step.ORDER": 2}),
-    Variant("no instrument", {"updates.time_update.jacobian_of_tick": along_own_motion}),
+    Variant(
+        "no instrument",
+        {"updates.time_update.move": deriving, "updates.measurement_update.set_rows_of_past": rows_of_the_motion},
+    ),
     Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
     Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
     Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
