@@ -34,7 +34,7 @@ def observation(worlds: Worlds, time_left: float, asked: bool = False) -> Tensor
         (sd / twin.prior_sd).log() / math.log(10.0),
         q / q.new_tensor(POSE_SCALE),
         torch.cat([speeds[:, :2], omega], -1) / q.new_tensor(RATE_SCALE),
-        torch.stack(worlds.excursions(), -1) / used,
+        torch.stack(worlds.felt(), -1) / used,
         used / q.new_tensor(RANGE_SCALE),
         felt[0] / FORCE_SCALE,
         felt[1] / MOMENT_SCALE,

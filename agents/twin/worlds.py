@@ -55,6 +55,8 @@ class Worlds:
         self.target = patients.rest.new_zeros(len(patients), N_CHANNELS)
         self.size, self.thrust = self.target + 1.0, self.target
         self.belief = Belief(twin, patients, generator)
+        # The device takes the mouthpiece for where the nominal anatomy has it; the limits are of where it is.
+        self._misplaced = patients.jaw.mouthpiece - twin.jaw.mouthpiece
         self._end_strain = patients.jaw.passive(patients.jaw.pose(patients.end), patients.theta).strain
         self.begin_at(patients.rest)
 
@@ -113,7 +115,7 @@ class Worlds:
         twin, p = self.twin, self.patients
         q, fastest = self.pose.q, 1e-3 * laws.FASTEST
         correction = twin.gain(laws.CORRECTION)
-        opening, side = self.excursions()[:2]
+        opening, side = self.felt()[:2]
         full = torch.stack(
             [p.opening, p.side, torch.full_like(side, twin.force), torch.full_like(side, ROLL_FULL_SCALE_RAD)], -1
         )
@@ -171,6 +173,11 @@ class Worlds:
         path = p.path[:, 0] + (p.path[:, 1] + p.path[:, 2] * s) * s
         return opening, place[:, 1] - p.rest_side, place[:, 0] - path
 
+    def felt(self) -> tuple[Tensor, Tensor, Tensor]:
+        """The same as the device takes them to be."""
+        opening, side, fore_aft = self.excursions()
+        return opening, side - self._misplaced[..., 1], fore_aft - self._misplaced[..., 0]
+
     def _feel(self) -> Tensor:
         """Cost (P,) of the used fractions; the guard shrinks the targets by what is left."""
         twin, p, q = self.twin, self.patients, self.pose.q
@@ -188,8 +195,10 @@ class Worlds:
         self.fractions = torch.stack(used, -1)
         # The guard knows where the painless range ends, and the exponents as they are believed.
         exponents = self.belief.mean[:, 1::2].exp()
+        _, felt_side, felt_fore_aft = self.felt()
+        felt = torch.stack([felt_side.abs() / p.side, felt_fore_aft.abs() / p.fore_aft], -1)
         believed = (exponents * (self.passive.strain - self._end_strain)).exp() / twin.tension_margin
-        seen = torch.cat([self.fractions[:, :-1], believed.amax(-1, keepdim=True)], -1)
+        seen = torch.cat([self.fractions[:, :2], felt, self.fractions[:, 4:-1], believed.amax(-1, keepdim=True)], -1)
         self.margin = 1.0 - seen
         margin = torch.cat([self.margin, 1.0 - q[:, :1] / twin.crest], -1)
         self._shrink(margin)

@@ -31,6 +31,7 @@ BASELINES = (
     "apg_trismus",
     "apg_one_sided",
     "apg_imaged",
+    "apg_patchy",
 )
 
 

@@ -43,16 +43,26 @@ class Agreement:
     Attributes:
         maneuver: (N,) index of the perturbed maneuver in ``MANEUVERS``.
         worst: (2, N) log of the largest sd, of the environment's filter and of the twin.
+        error: (N,) of the log parameter that the filter knows least, its estimate less the truth.
         discomfort_s: (2, N) in 10 s.
     """
 
     maneuver: NDArray[np.intp]
     worst: NDArray[Any]
+    error: NDArray[Any]
     discomfort_s: NDArray[Any]
 
     def correlation(self) -> float:
         """Of ``worst``."""
         return float(np.corrcoef(*self.worst)[0, 1])
+
+    def scatter_without_error(self) -> float:
+        """Sd of the twin's log less the filter's, without what is linear in ``error``.
+
+        The filter's error bars are those at its estimate, the twin's those at the truth.
+        """
+        less = self.worst[1] - self.worst[0]
+        return float((less - np.polyval(np.polyfit(self.error, less, 1), self.error)).std())
 
     def table(self) -> str:
         """Markdown: scatter and offset of the twin's log of the largest sd, and discomfort, by maneuver and in all."""
@@ -65,7 +75,8 @@ class Agreement:
                 figures = f"{np.corrcoef(real, own)[0, 1]:.3f} | {(own - real).std():.3f} | {(own - real).mean():+.3f}"
                 rows.append(f"| {name} | {figures} | {felt.mean():.3f} | {of_twin.mean():.3f} |")
         both = np.corrcoef(*self.discomfort_s)[0, 1]
-        return "\n".join([*rows, "", f"Correlation of the patients' discomfort: {both:.3f}."])
+        rows += ["", f"Scatter in all without the estimates' errors: {self.scatter_without_error():.3f}."]
+        return "\n".join([*rows, f"Correlation of the patients' discomfort: {both:.3f}."])
 
 
 def perturbed(number: int, times: Array, rng: np.random.Generator) -> Array:
@@ -110,4 +121,7 @@ def agreement(world: Mapping[str, Any], patients: int, seed: int) -> Agreement:
     env.close()
     variances = worlds.belief.covariance.diagonal(dim1=-2, dim2=-1)[:, :12].amax(-1).numpy()
     worst = np.stack([np.log(info["belief_sd"].max(axis=1)), 0.5 * np.log(variances)])
-    return Agreement(np.arange(patients)[running] % len(MANEUVERS), worst[:, running], discomfort[:, running])
+    least = np.arange(patients), info["belief_sd"].argmax(axis=1)
+    error = simulation.worlds["known"]["belief"]["mean"][least] - simulation.worlds["truth"]["log_parameters"][least]
+    maneuver = np.arange(patients) % len(MANEUVERS)
+    return Agreement(maneuver[running], worst[:, running], error[running], discomfort[:, running])

@@ -16,6 +16,7 @@ def test_they_have_names() -> None:
         "apg_asked",
         "apg_imaged",
         "apg_one_sided",
+        "apg_patchy",
         "apg_trismus",
         "ppo_force",
         "ppo_imaged",
