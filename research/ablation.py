@@ -124,10 +124,10 @@ BODY_ROWS = (
     Variant("no tick until something is learnt", {"tick.SETTLING_TICKS": 0}),
 )
 CELLS = (
-    Scenario("hold_still", "force"),
+    Scenario("open_and_hold", "targets", "severe"),
     Scenario("opening_with_swings_and_fore_aft", "force"),
     Scenario("random", "force"),
-    Scenario("hold_still", "trajectory"),
+    Scenario("open_and_hold", "force"),
     Scenario("opening_with_swings_and_fore_aft", "trajectory"),
     Scenario("ou_slow", "trajectory"),
     Scenario("ou_strong", "force", "wide"),
