@@ -50,6 +50,9 @@ def never(belief: Belief):
     return False
 
 
+STAYING = ((learning, "recentre", stay), (learning, "refocus", keep_nodes), (tick, "has_moved", never))
+
+
 @njit
 def set_point(belief: Belief, settings: FilterSettings, theta, nuisances, row):
     """Move the point to the truth before the first reading."""
@@ -86,7 +89,8 @@ def records(arguments: argparse.Namespace) -> tuple[list[Any], Any]:
 def measure(arguments: argparse.Namespace, at_truth: bool) -> list[list[float]]:
     """NEES over the number of parameters, RMSE of the logs, and -log det of the covariance over 2, of every patient."""
     if at_truth:
-        learning.recentre, learning.refocus, tick.has_moved = stay, keep_nodes, never  # type: ignore[assignment]
+        for module, name, kernel in STAYING:
+            setattr(module, name, kernel)
     read, truth = records(arguments)
     rows = []
     for record, theta, nuisances in zip(read, truth["log_parameters"], truth["nuisances"], strict=True):
