@@ -21,9 +21,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jawenv.controls import Control
+from jawenv.envs.world.plants import TICK
 from jawenv.filter.learn import learn
 from jawenv.filter.model.motion_step import move
 from jawenv.kernels.compiled import njit
+from jawenv.mechanics.kinematics import angle_rates, contact_point
 
 FILTER = "jawenv.filter."
 STIFF_SERVO = {"servo_stiffness_N_m": 2500.0, "servo_damping_N_s_m": 15.0}
@@ -55,6 +57,18 @@ def deriving(jaw, motion, samples, dt, derive, scratch):
 @njit
 def rows_of_the_motion(jaw, belief, used, scratch):
     """In place of ``set_rows_of_past``: the rows at that motion."""
+
+
+@njit
+def at_constant_rates(jaw, before, after):
+    """In place of ``middle_of``: muscle lines where the tick's first rates lead by half way."""
+    half, share = before.shape[0] // 2, 0.5 * TICK
+    first = half - 3  # of the angles
+    pose = (before[0], before[1], before[first], before[first + 1], before[first + 2])
+    turning = angle_rates(pose, (before[half + first], before[half + first + 1], before[half + first + 2]))
+    x, y = before[0] + share * before[half], before[1] + share * before[half + 1]
+    pose = (x, y, pose[2] + share * turning[0], pose[3] + share * turning[1], pose[4] + share * turning[2])
+    return pose, contact_point(jaw, pose)
 
 
 @njit
@@ -101,9 +115,10 @@ ROWS = (
     Variant("belief linearised at its mean alone", {"belief.posterior.NEGLIGIBLE": math.inf}),
     Variant("series of the second order", {"model.motion_step.ORDER": 2}),
     Variant(
-        "no instrument",
+        "Jacobian and rows along the tick's own motion",
         {"updates.time_update.move": deriving, "updates.measurement_update.set_rows_of_past": rows_of_the_motion},
     ),
+    Variant("muscle lines at constant rates", {"updates.time_update.middle_of": at_constant_rates}),
     Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
     Variant("learning while teeth press", {"tick.NEAR": -math.inf}),
     Variant("teeth as believed alone, and not as read", {"readings.teeth.COARSEST": 0.0}),
