@@ -118,6 +118,7 @@ ROWS = (
         "Jacobian and rows along the tick's own motion",
         {"updates.time_update.move": deriving, "updates.measurement_update.set_rows_of_past": rows_of_the_motion},
     ),
+    Variant("predicted from the first reading on", {"updates.instrument.FIRST_READINGS": 0}),
     Variant("muscle lines at constant rates", {"updates.time_update.middle_of": at_constant_rates}),
     Variant("teeth whose force is certain", {"readings.teeth.TOOTH_NOISE": (0.0,) * 6}),
     Variant("learning while teeth press", {"tick.NEAR": -math.inf}),

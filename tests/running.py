@@ -12,6 +12,7 @@ from jawenv.filter.readings.cell_trend import SMOOTHING_TIME, follow_trend
 from jawenv.filter.readings.lasting import add_lasting_noise
 from jawenv.filter.readings.screening import is_resolved
 from jawenv.filter.readings.teeth import NEAR, add_tooth_noise, bite_of, bite_read, forget_motion
+from jawenv.filter.updates.instrument import FIRST_READINGS
 from jawenv.filter.updates.measurement_update import update_motion
 from jawenv.filter.updates.time_update import predict_motion
 from jawenv.kernels.linalg import mirror
@@ -25,15 +26,17 @@ class Running:
     """The filter's motion and information along a record, at a belief that stays ``log_parameters``.
 
     ``teeth``: with the uncertainty of their force, and learning from resolved ticks alone, as in an episode.
+    ``early``: as at the first readings of an episode.
     """
 
-    def __init__(self, record, log_parameters=None, teeth=False):
+    def __init__(self, record, log_parameters=None, teeth=False, early=True):
         self.record, self.size, self.teeth = record, len(record.start_mean), teeth
         run = FilterRun(record)
         _, self.belief, _, self.settings, self.scratch = run.arguments
         theta = record.prior.mean.copy() if log_parameters is None else log_parameters
         begin_belief(self.settings["basis"], self.belief, theta, record.prior.sd.copy())
         begin_motion(self.belief, record.start_mean.copy(), record.start_sd.copy())
+        self.belief["readings"] = 0 if early else FIRST_READINGS
         self.resolved = True
         self.columns = self.belief["nominal"].size + 1  # of the coefficients and the gain error; the rest is zero
 
@@ -54,6 +57,11 @@ class Running:
                 forget_motion(record.jaw, self.belief, before, self.settings["start_sd"])
         follow_trend(self.belief["trend"], record.samples[k], record.dt)
         follow_trend(self.belief["smoothed"], record.samples[k], record.dt, SMOOTHING_TIME)
+
+    def led(self, before):
+        """The end of the tick from the motion ``before``, half way to which the muscle lines lie."""
+        early = self.belief["readings"] < FIRST_READINGS
+        return coasted(before, self.record.dt) if early else self.belief["predicted"]
 
     def update(self, k, used=ALL):
         """What explains the readings of row ``k``."""
@@ -125,14 +133,14 @@ def line_wrenches(jaw, basis, place, R, trend):
 
 
 def balanced(running, before, trend):
-    """(6,) ``trend`` changed so that, half way from ``before`` to the predicted motion, nothing accelerates.
+    """(6,) ``trend`` changed so that, half way on from the motion ``before``, nothing accelerates.
 
     By a force at the mouthpiece that is tangential to the fossa, and a moment; with two condyles not at all.
     """
-    jaw, unknown, after = running.record.jaw, np.zeros((5, 6)), running.belief["predicted"]
+    jaw, unknown = running.record.jaw, np.zeros((5, 6))
     if jaw["condyles"] == 2:
         return trend
-    pose = 0.5 * (before + after)[:5]
+    pose = 0.5 * (before + running.led(before))[:5]
     tangents = np.array([[1.0, 0.0, twin.fossa(jaw, pose[0])[1]], [0.0, 1.0, 0.0]])
     unknown[:2, :3], unknown[2:, 3:] = tangents @ twin.rotation(pose), np.eye(3)
 
@@ -150,6 +158,19 @@ def half_way(jaw, before, after):
     if len(q) == 12:
         return q[:3], twin.rotation(two_condyles.five(q[:6]))
     return twin.contact(jaw, q[:5]), twin.rotation(q[:5])
+
+
+def coasted(state, dt):
+    """The pose after ``dt`` at the rates of ``state``, those of the angles from R^T R'; the rates are not moved."""
+    half = len(state) // 2
+    angles, omega = state[half - 3 : half], state[-3:]
+    by_angle = twin.derivative(lambda a: twin.rotation(np.concatenate([np.zeros(2), a])).ravel(), angles)
+    turns = twin.rotation(np.concatenate([np.zeros(2), angles])).T @ by_angle.T.reshape(3, 3, 3)
+    axes = np.array([[turn[2, 1], turn[0, 2], turn[1, 0]] for turn in turns]).T
+    after = state.copy()
+    after[: half - 3] += dt * state[half:-3]
+    after[half - 3 : half] += dt * np.linalg.solve(axes, omega)
+    return after
 
 
 def rows_of(jaw, state):

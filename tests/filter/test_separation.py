@@ -31,7 +31,7 @@ class Joint:
         running.predict(k)
         after = running.belief["motion"].copy()
         A, G = np.split(running.scratch["time"]["step"]["total"], [n], axis=1)
-        middle = half_way(record.jaw, before, running.belief["predicted"])
+        middle = half_way(record.jaw, before, running.led(before))
         lines = line_wrenches(record.jaw, running.belief["basis"], *middle, balanced(running, before, trend))
         F = np.eye(len(self.mean))
         F[:n, :n], F[:n, n:] = A, G @ lines
@@ -84,10 +84,11 @@ def test_what_acts_at_once_on_two_discs_is_what_newton_and_euler_say():
     assert np.linalg.eigvalsh(expected / np.outer(sd, sd)).min() > 1e-4
 
 
+@pytest.mark.parametrize("early", [True, False], ids=["early", "late"])
 @pytest.mark.parametrize("model", ["jaw", "bilateral"])
-def test_the_separated_filter_is_the_joint_one(model, rng):
+def test_the_separated_filter_is_the_joint_one(model, early, rng):
     """The joint belief from the separated one and the prior that the joint one needs, after 100 ticks with holes."""
-    running = Running(recording(model, cohort="healthy").records[0])
+    running = Running(recording(model, cohort="healthy").records[0], early=early)
     joint, n = Joint(running), running.size
     for k in range(101):
         if k > 0:

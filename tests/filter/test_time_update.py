@@ -2,6 +2,7 @@
 
 import newton_euler as twin
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded import recording
@@ -62,14 +63,15 @@ def test_one_value_that_is_no_number_is_noticed():
         assert not all_finite(values)
 
 
-def test_a_tick_takes_all_of_it_together():
-    """Derivatives along what the past predicts: lines half way there, and the trend before the tick, balanced."""
-    running = Running(recording().records[0]).run(30)
+@pytest.mark.parametrize("early", [True, False], ids=["early", "late"])
+def test_a_tick_takes_all_of_it_together(early):
+    """Lines half way at the rates before the tick, or to what the past predicts, and the trend before it, balanced."""
+    running = Running(recording().records[0], early=early).run(30)
     belief, record = running.belief, running.record
     before, V, P, trend = (belief[name].copy() for name in ("motion", "by_tension", "motion_cov", "trend"))
     running.predict(30)
     A, G = np.split(running.scratch["time"]["step"]["total"], [running.size], axis=1)
-    middle = half_way(record.jaw, before, belief["predicted"])
+    middle = half_way(record.jaw, before, running.led(before))
     lines = line_wrenches(record.jaw, belief["basis"], *middle, balanced(running, before, trend))
     expected = A @ V[:, : running.columns] + G @ lines
     np.testing.assert_allclose(running.by_tension, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
@@ -81,7 +83,7 @@ def test_a_tick_takes_all_of_it_together():
 
 def test_the_past_predicts_a_tick_by_the_smoothed_reading_alone():
     """Ten steps of Newton's and Euler's equations; what the load cell reads in the tick changes nothing."""
-    running = Running(recording().records[0]).run(30)
+    running = Running(recording().records[0], early=False).run(30)
     belief, record = running.belief, running.record
     before, held = belief["motion"].copy(), belief["smoothed"].copy()
     record.samples[30] += 1.0

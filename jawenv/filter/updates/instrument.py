@@ -6,7 +6,8 @@ in the tick and is not known (Forssell & Ljung 1999, Automatica 35:1215). What i
 instrument.
 
 The motion takes the tick under the smoothed reading of the ticks before, and the Jacobian, the lines of action and the
-rows of the readings are taken along it.
+rows of the readings are taken along it. At the first readings the muscles may be far from what is believed, and so is
+what they predict: there the lines lie at a pose moved on at constant rates, and the rest along the tick's own motion.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ from jawenv.kernels.compiled import njit
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.dynamics import N_WRENCH
 from jawenv.mechanics.jaw import Jaw
+from jawenv.mechanics.kinematics import angle_rates
+
+FIRST_READINGS = 160  # a window's end, at which they are filtered again (``tick.replay``)
 
 
 class Instrument:
@@ -51,12 +55,39 @@ def all_finite(values):
 
 
 @njit
+def is_early(belief: Belief):
+    """Whether so little was read that a prediction may be far off, as the muscles may be that it is made by.
+
+    Never where more than the muscles is unknown, or the disturbance has memory: nuisances are told apart from muscles
+    by small differences of columns, which the tick's own noise hides from the first reading on.
+    """
+    alone = belief.nuisances.shape[0] == 0 and belief.motion.shape[0] == belief.predicted.shape[0]
+    return alone and belief.readings < FIRST_READINGS
+
+
+@njit
+def coast(start, dt, after):
+    """The pose after ``dt`` at the rates of ``start``, into the first half of ``after``."""
+    half = after.shape[0] // 2
+    first = half - 3  # of the angles
+    pose = (0.0, 0.0, start[first], start[first + 1], start[first + 2])
+    turning = angle_rates(pose, (start[half + first], start[half + first + 1], start[half + first + 2]))
+    for i in range(first):
+        after[i] = start[i] + dt * start[half + i]
+    for i in range(3):
+        after[first + i] = start[first + i] + dt * turning[i]
+
+
+@njit
 def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
     """Into ``scratch.instrument`` the motion at the end of the tick under the smoothed reading, finite or not.
 
-    Its derivative is left in ``scratch.step``.
+    Its derivative is left in ``scratch.step``. Early the pose alone, at constant rates.
     """
     instrument = scratch.instrument
+    if is_early(belief):
+        coast(scratch.start_motion, dt, instrument.motion)
+        return
     for i in range(N_SAMPLES):
         for k in range(N_WRENCH):
             instrument.held[i, k] = belief.smoothed[k]

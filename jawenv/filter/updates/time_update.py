@@ -28,6 +28,7 @@ from jawenv.filter.updates.instrument import (
     Instrument,
     all_finite,
     instrument_dtype,
+    is_early,
     predict_from_past,
 )
 from jawenv.kernels.compiled import njit, njit_within
@@ -93,7 +94,11 @@ def predict_motion(jaw: Jaw, belief: Belief, samples, noise_variance, settings: 
     predict_from_past(jaw, belief, dt, scratch)
     correct_samples(jaw, belief, settings, samples, scratch)
     add_disturbance(belief, scratch.instrument.motion.shape[0], samples, scratch.driven)
-    move(jaw, belief.motion, scratch.driven, dt, False, scratch.step)
+    early = is_early(belief)
+    move(jaw, belief.motion, scratch.driven, dt, early, scratch.step)
+    if early:
+        for i in range(belief.predicted.shape[0]):
+            belief.predicted[i] = belief.motion[i]
     if not (all_finite(belief.motion) and all_finite(scratch.instrument.motion)):
         belief.motion[:] = scratch.start_motion
         for i in range(scratch.instrument.motion.shape[0]):
