@@ -85,6 +85,8 @@ def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
     Its derivative is left in ``scratch.step``. Early the pose alone, at constant rates.
     """
     instrument = scratch.instrument
+    for i in range(instrument.motion.shape[0]):
+        instrument.motion[i] = scratch.start_motion[i]
     if is_early(belief):
         coast(scratch.start_motion, dt, instrument.motion)
         return
@@ -92,8 +94,6 @@ def predict_from_past(jaw: Jaw, belief: Belief, dt, scratch):
         for k in range(N_WRENCH):
             instrument.held[i, k] = belief.smoothed[k]
     add_disturbance(belief, instrument.motion.shape[0], instrument.held, instrument.held)
-    for i in range(instrument.motion.shape[0]):
-        instrument.motion[i] = scratch.start_motion[i]
     move(jaw, instrument.motion, instrument.held, dt, True, scratch.step)
     belief.predicted[:] = instrument.motion
 
