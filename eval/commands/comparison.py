@@ -127,7 +127,8 @@ def contest_command(
     from eval.comparison.contest import markdown
     from jawenv.files import write_text
 
-    page = markdown({folder.name: results.load(folder) for folder in folders})
+    with terminal().status("timing a decision of every entry"):
+        page = markdown({folder.name: results.load(folder) for folder in folders})
     with alone(output):
         write_text(output, page)
     print(f"{page}\nwritten: {output}")

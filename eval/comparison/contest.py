@@ -7,12 +7,15 @@ within the admitted discomfort.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from eval.comparison.admission import PER_S, AdmissionLimits
+from eval.comparison.cost import Cost, cost
 from eval.comparison.results import Results
 from eval.comparison.trainings import groups, replays_of
 from eval.figures import statistics, words
@@ -24,8 +27,9 @@ NOTE = (
     "Worst sd, true error: mean log of the largest sd asked for and of the root mean square error, less that of the "
     "best fixed maneuver, patient by patient; below 0 is better. Closed: the share of the way from that maneuver to "
     "the clairvoyant. Replay, yoked: mean log of the worst sd less that of the entry's own and yoked replay. Above: "
-    "share of the patients with more discomfort than is admitted on average. In brackets the 95 % interval over "
-    "patients, and over the seeds of a training."
+    "share of the patients with more discomfort than is admitted on average. Training: steps of the environment or of "
+    "its twin. A decision: of one patient on one core, of the clairvoyant a whole plan. In brackets the 95 % interval "
+    "over patients, and over the seeds of a training."
 )
 HEAD = (
     "entry",
@@ -38,6 +42,8 @@ HEAD = (
     "discomfort, s",
     "above, %",
     "NEES / p",
+    "training, steps",
+    "a decision, ms",
 )
 
 
@@ -48,12 +54,14 @@ class Contestant:
     Attributes:
         name: label of the entry, or the common beginning of those of its seeds.
         seeds: how many trainings.
-        figures: those of ``HEAD`` behind the seeds.
+        figures: those of ``HEAD`` behind the seeds, but for the costs.
+        about: metadata of the entry, of several seeds that of the first.
     """
 
     name: str
     seeds: int
     figures: tuple[Interval, ...]
+    about: Mapping[str, Any]
 
 
 def contestants(study: Results, admission: AdmissionLimits | None = None) -> tuple[Contestant, ...]:
@@ -80,11 +88,16 @@ def contestants(study: Results, admission: AdmissionLimits | None = None) -> tup
     return tuple(sorted(rows, key=lambda row: row.figures[0].value))
 
 
-def markdown(studies: Mapping[str, Results]) -> str:
-    """A table for each comparison, by its name, below the command that made it."""
+def markdown(studies: Mapping[str, Results], cost_of: Callable[..., Cost] = cost) -> str:
+    """A table for each comparison, by its name, below the command that made it.
+
+    Args:
+        studies: comparisons by their names.
+        cost_of: tells what an entry costs, as `eval.comparison.cost.cost`.
+    """
     parts = ["# Contest", NOTE]
     for name, study in studies.items():
-        rows = [_written(row) for row in contestants(study)]
+        rows = [_written(row, cost_of(row.about, study.about["settings"])) for row in contestants(study)]
         table = Table(HEAD, rows, (0,)).markdown()
         parts += [f"## {name}", f"`{study.about['command']}`", table]
     return "\n\n".join(parts) + "\n"
@@ -108,16 +121,21 @@ def _row(
     discomfort = np.array([study.of(label)["discomfort_s"].to_numpy() for label in group])
     above = 100.0 * np.array([_per_30_s(study, label) > admission.discomfort_s for label in group])
     nees = np.array([study.of(label)["nees"].to_numpy() for label in group]) / len(study.parameters)
+    about = next(entry for entry in study.about["entries"] if entry["label"] == group[0])
     closed = words.scaled(statistics.ratio_over_both(worst, whole), 100.0)
     return Contestant(
-        name, len(group), (_over(worst), closed, _over(error), *against, _over(discomfort), _over(above), _over(nees))
+        name,
+        len(group),
+        (_over(worst), closed, _over(error), *against, _over(discomfort), _over(above), _over(nees)),
+        about,
     )
 
 
-def _written(row: Contestant) -> list[str]:
+def _written(row: Contestant, cost: Cost) -> list[str]:
     digits = (3, 0, 2, 3, 3, 3, 0, 2)
     figures = [words.with_interval(value, places) for value, places in zip(row.figures, digits, strict=True)]
-    return [words.label(row.name), str(row.seeds), *figures]
+    steps = words.NOTHING if math.isnan(cost.trained_steps) else f"{cost.trained_steps:,.0f}"
+    return [words.label(row.name), str(row.seeds), *figures, steps, words.number(cost.decision_ms, 2)]
 
 
 def _over(values: Array) -> Interval:

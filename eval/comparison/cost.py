@@ -1,0 +1,69 @@
+"""What an entry of a comparison costs: steps of its training, and the time of one decision on this machine."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from statistics import median
+from typing import Any, NamedTuple
+
+import gymnasium as gym
+
+from agents.planning import Planner
+from eval.kept.entries import Entry, Settings, load_entry
+from jawenv.named_objects import is_named
+from jawenv.playing.policies.card import card_of
+
+DECISIONS = 200
+UNKNOWN = float("nan")
+
+
+class Cost(NamedTuple):
+    """The cost of one entry.
+
+    Attributes:
+        trained_steps: steps of the environment or of its twin; NaN for what is not trained.
+        decision_ms: median time of one decision for one patient, of a planner that of one plan; NaN if not timed.
+    """
+
+    trained_steps: float = UNKNOWN
+    decision_ms: float = UNKNOWN
+
+
+def cost(about: Mapping[str, Any], settings: Mapping[str, Any]) -> Cost:
+    """Read the steps from an entry's card, and time it on the first patient.
+
+    An agent of the user's own is not timed: its module would run.
+
+    Args:
+        about: metadata of the entry, as `Entry.about`.
+        settings: of the comparison, as `Settings.to_mapping`.
+
+    Raises:
+        InputError: the entry's file or folder is gone or damaged.
+    """
+    if is_named(about["spec"]):
+        return Cost()
+    played = Settings.from_mapping(settings)
+    entry = load_entry(about["spec"], played.world)
+    card = card_of(entry.spec)
+    return Cost(UNKNOWN if card is None else float(card[1].steps), _decision_ms(entry, played.seed))
+
+
+def _decision_ms(entry: Entry, seed: int) -> float:
+    agent: Any = entry.agent
+    env = gym.make_vec(entry.env_id, num_envs=1, **entry.env_kwargs)
+    observation, _ = env.reset(seed=seed)
+    if hasattr(agent, "reset"):
+        agent.reset(1, seed)
+    if hasattr(agent, "attach"):
+        agent.attach(env)
+    _, state = agent.predict(observation, state=None, episode_start=[True], deterministic=True)
+    if isinstance(agent, Planner):
+        return agent.ms_per_decision
+    spent = []
+    for _ in range(DECISIONS):
+        began = time.perf_counter()
+        _, state = agent.predict(observation, state=state, episode_start=[False], deterministic=True)
+        spent.append(1e3 * (time.perf_counter() - began))
+    return median(spent)
