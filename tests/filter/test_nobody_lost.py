@@ -70,6 +70,16 @@ def test_nobody_is_lost(cohort, control):
     assert CORNERS.shape == (EACH, ACTION_SIZE) and GATE > 0.0
 
 
+@pytest.mark.parametrize("seed", [5012, 5198])
+def test_a_belief_far_from_the_truth_takes_what_it_refused(seed):
+    """A muscle of 16 N, or a b of 24, under a wide prior: ten linearised sds from what is believed."""
+    kwargs = {"cohort": "wide", "control": "force", "episode_s": 8.0}
+    played = jawenv.play(Player("slow_opening", control="force"), patients=1, seed=seed, env_kwargs=kwargs)
+    error = played.belief_mean[0, -1] - played.truth[0]
+    assert played.information_claimed[0, -1] > 20.0
+    assert nees(error, played.belief_cov[0, -1]) / 12.0 < 3.0
+
+
 @pytest.mark.parametrize("control", ["force", "targets"])
 def test_a_jaw_that_rests_on_the_teeth_of_one_side_teaches_nothing(control):
     """A belief with both sides alike would take it for lifted, by a millimetre within 0.1 s."""

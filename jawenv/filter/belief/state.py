@@ -87,6 +87,7 @@ class Belief:
     replayed_at: Annotated[Array, "parameters"]  # mean at which the readings were last filtered from the first on
     trend: Annotated[Array, N_WRENCH]  # of the load cell
     readings: int  # ticks at the end of which an encoder was used, and that something could be learnt from
+    refused: int  # ticks on end, up to the last one, whose readings were refused
     waits: int  # ticks of which nothing is learnt from here on, see ``readings.screening``
     near: int  # the same, after teeth
     drift_rates: Annotated[Array, 6]  # velocities (u), smoothed, see ``tick.stay_of``
@@ -277,7 +278,7 @@ def forget_readings(belief: Belief):
     belief.friction_share[:] = 0.0
     begin_block(belief.block)
     belief.block.largest, belief.block.second = 0.0, 0.0
-    belief.waits, belief.near, belief.readings = 0, 0, 0
+    belief.waits, belief.near, belief.readings, belief.refused = 0, 0, 0, 0
     belief.drift_rates[:] = 0.0
     belief.last_measured[:] = np.nan
     belief.encoder_step[:] = np.inf

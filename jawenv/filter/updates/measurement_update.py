@@ -10,7 +10,8 @@ Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the 
 S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. One that passes only this test says
 that the parameters are far from their mean, and the belief has to be renewed at once (``tick``). One that fails it too
 adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows the
-readings.
+readings. After ``PATIENCE`` such ticks on end the next one of a jaw on one point counts as explained by the parameters:
+their uncertainty is linearised here, and an exponential law with uncertain b can be many of its sds away.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_pro
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.jaw import Jaw
 
+PATIENCE = 5  # ticks on end whose readings are refused: an outlier does not last, a false belief does
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
 EXPECTED, SURPRISING, REFUSED = 0, 1, 2
@@ -157,7 +159,7 @@ def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
     if nis < inf:
         set_factor(belief.motion_cov, scratch)
         add_muscles(belief, scratch)
-        explained = decompose(scratch.factor) and squared_length(scratch) <= GATE
+        explained = decompose(scratch.factor) and (squared_length(scratch) <= GATE or belief.refused >= PATIENCE)
         if not explained:
             belief.motion_cov *= nis / N_MEASUREMENTS
     if not normalised_innovation(belief, scratch) < inf:
@@ -191,6 +193,8 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
+    # On two condyles it saves nobody, and a jaw that is held against its stops is then believed.
+    belief.refused = belief.refused + 1 if verdict == REFUSED and jaw.condyles == 1 else 0
     correct_motion(belief, scratch)
     if weight > 0.0 and verdict != REFUSED:
         add_information(belief, weight, scratch)
