@@ -10,8 +10,9 @@ Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the 
 S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. One that passes only this test says
 that the parameters are far from their mean, and the belief has to be renewed at once (``tick``). One that fails it too
 adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows the
-readings. After ``PATIENCE`` such ticks on end the next one of a jaw on one point counts as explained by the parameters:
-their uncertainty is linearised here, and an exponential law with uncertain b can be many of its sds away.
+readings. After ``PATIENCE`` such ticks on end the next one counts as explained by the parameters, where muscles alone
+are unknown and the jaw is on one point: their uncertainty is linearised here, and an exponential law with uncertain b
+can be many of its sds away.
 """
 
 from __future__ import annotations
@@ -193,8 +194,9 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
     multiply(scratch.rows, belief.by_tension, scratch.by_tension_rows)
     add_nuisance_readings(jaw, belief, settings, used, scratch)
     verdict = judge_innovation(belief, settings.start_sd, scratch)
-    # On two condyles it saves nobody, and a jaw that is held against its stops is then believed.
-    belief.refused = belief.refused + 1 if verdict == REFUSED and jaw.condyles == 1 else 0
+    # On two condyles it saves nobody, and a jaw that is held against its stops is then believed; so are slack straps.
+    alone = jaw.condyles == 1 and belief.nuisances.shape[0] == 0
+    belief.refused = belief.refused + 1 if alone and verdict == REFUSED else 0
     correct_motion(belief, scratch)
     if weight > 0.0 and verdict != REFUSED:
         add_information(belief, weight, scratch)
