@@ -33,6 +33,7 @@ from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_pro
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.jaw import Jaw
 
+WIDE = 0.3  # sd of a natural logarithm
 PATIENCE = 5  # ticks on end whose readings are refused: an outlier does not last, a false belief does
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.
@@ -171,6 +172,15 @@ def judge_innovation(belief: Belief, start_sd, scratch: UpdateScratch):
     return SURPRISING if explained else REFUSED
 
 
+@njit
+def is_wide(belief: Belief):
+    """Whether a parameter is so uncertain that an exponential law is far from what its derivative says."""
+    largest = 0.0
+    for i in range(belief.cov.shape[0]):
+        largest = max(largest, belief.cov[i, i])
+    return largest > WIDE * WIDE
+
+
 @njit_within
 def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: FilterSettings, scratch: UpdateScratch):
     """Update ``belief`` with the ``used`` ones of the readings ``measured`` (12); returns what explains them.
@@ -196,7 +206,7 @@ def update_motion(jaw: Jaw, belief: Belief, measured, used, weight, settings: Fi
     verdict = judge_innovation(belief, settings.start_sd, scratch)
     # On two condyles it saves nobody, and a jaw that is held against its stops is then believed; so are slack straps.
     alone = jaw.condyles == 1 and belief.nuisances.shape[0] == 0
-    belief.refused = belief.refused + 1 if alone and verdict == REFUSED else 0
+    belief.refused = belief.refused + 1 if alone and verdict == REFUSED and is_wide(belief) else 0
     correct_motion(belief, scratch)
     if weight > 0.0 and verdict != REFUSED:
         add_information(belief, weight, scratch)
