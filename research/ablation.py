@@ -107,6 +107,7 @@ HELD = {agent.name: agent for agent in (Biting, Corners)}
 ROWS = (
     Variant("the filter as it is"),
     Variant("no gate", {"updates.measurement_update.GATE": math.inf}),
+    Variant("nothing refused is taken", {"updates.measurement_update.WIDE": math.inf}),
     Variant("early readings not filtered again", {"tick.LAST_WINDOW": 0}),
     Variant("windows up to 80 readings alone", {"tick.LAST_WINDOW": 80}),
     Variant("surprises do not renew the belief", {"tick.SURPRISING": 99}),

@@ -20,7 +20,8 @@ from eval.comparison.results import Results
 from eval.comparison.trainings import groups, replays_of
 from eval.figures import statistics, words
 from eval.figures.statistics import UNKNOWN, Array, Interval
-from eval.figures.tables import Table
+from eval.figures.tables import Table, made_by
+from eval.kept.entries import Settings
 from jawenv.errors import InputError
 
 NOTE = (
@@ -28,8 +29,8 @@ NOTE = (
     "best fixed maneuver, patient by patient; below 0 is better. Closed: the share of the way from that maneuver to "
     "the clairvoyant. Replay, yoked: mean log of the worst sd less that of the entry's own and yoked replay. Above: "
     "share of the patients with more discomfort than is admitted on average. Training: steps of the environment or of "
-    "its twin. A decision: of one patient on one core, of the clairvoyant a whole plan. In brackets the 95 % interval "
-    "over patients, and over the seeds of a training."
+    "its twin. A decision: of one patient, timed where this page was made; of the clairvoyant a plan. In brackets the "
+    "95 % interval over patients, and over the seeds of a training."
 )
 HEAD = (
     "entry",
@@ -99,7 +100,9 @@ def markdown(studies: Mapping[str, Results], cost_of: Callable[..., Cost] = cost
     for name, study in studies.items():
         rows = [_written(row, cost_of(row.about, study.about["settings"])) for row in contestants(study)]
         table = Table(HEAD, rows, (0,)).markdown()
-        parts += [f"## {name}", f"`{study.about['command']}`", table]
+        seeds = Settings.from_mapping(study.about["settings"]).seeds
+        played = f"{len(seeds)} patients (seeds {seeds[0]}\N{EN DASH}{seeds[-1]})"
+        parts += [f"## {name}", made_by(study.about, played), table]
     return "\n\n".join(parts) + "\n"
 
 

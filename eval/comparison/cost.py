@@ -11,6 +11,7 @@ import gymnasium as gym
 
 from agents.planning import Planner
 from eval.kept.entries import Entry, Settings, load_entry
+from jawenv.errors import InputError
 from jawenv.named_objects import is_named
 from jawenv.playing.policies.card import card_of
 
@@ -33,19 +34,19 @@ class Cost(NamedTuple):
 def cost(about: Mapping[str, Any], settings: Mapping[str, Any]) -> Cost:
     """Read the steps from an entry's card, and time it on the first patient.
 
-    An agent of the user's own is not timed: its module would run.
+    Nothing is known of an agent of the user's own, whose module would run, nor of one whose folder is gone.
 
     Args:
         about: metadata of the entry, as `Entry.about`.
         settings: of the comparison, as `Settings.to_mapping`.
-
-    Raises:
-        InputError: the entry's file or folder is gone or damaged.
     """
     if is_named(about["spec"]):
         return Cost()
     played = Settings.from_mapping(settings)
-    entry = load_entry(about["spec"], played.world)
+    try:
+        entry = load_entry(about["spec"], played.world)
+    except InputError:
+        return Cost()
     card = card_of(entry.spec)
     return Cost(UNKNOWN if card is None else float(card[1].steps), _decision_ms(entry, played.seed))
 

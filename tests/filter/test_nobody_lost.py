@@ -9,6 +9,7 @@ import pytest
 
 import jawenv
 from jawenv.filter.updates.measurement_update import GATE
+from jawenv.laboratory.online import OnlineFilter
 from jawenv.metrics.calibration import nees
 from jawenv.playing.excitation import ACTION_SIZE, EXCITATIONS
 from jawenv.playing.maneuvers import Player
@@ -78,6 +79,20 @@ def test_a_belief_far_from_the_truth_takes_what_it_refused(seed):
     error = played.belief_mean[0, -1] - played.truth[0]
     assert played.information_claimed[0, -1] > 20.0
     assert nees(error, played.belief_cov[0, -1]) / 12.0 < 3.0
+
+
+@pytest.mark.parametrize(("cohort", "begins_s"), [("trismus", 10.0), ("wide", 4.0)])
+def test_a_burst_of_outliers_is_refused(cohort, begins_s):
+    """A tracker that is off by 10 mm for 0.3 s is no false belief."""
+    kwargs = {"cohort": cohort, "episode_s": 12.0, "record": True, "track_bound": False}
+    played = jawenv.play(Player("slow_opening"), patients=4, seed=6000, env_kwargs=kwargs)
+    for record, truth in zip(played.records, played.truth, strict=True):
+        first = round(begins_s / record.dt)
+        record.measured[first : first + 30, 0] += 0.01
+        online = OnlineFilter.of_record(record, every=100)
+        for k, measured in enumerate(record.measured):
+            belief = online.update(measured, record.samples[k - 1] if k > 0 else None)
+        assert nees(belief.log_mean - truth, belief.log_cov) / 12.0 < 4.0
 
 
 @pytest.mark.parametrize("control", ["force", "targets"])

@@ -10,9 +10,9 @@ Li & Kirubarajan 2001, section 5.4). Above the gate it is tested again with the 
 S + C Cov(c) C^T, C = H ``by_tension``, which includes the parameters' uncertainty. One that passes only this test says
 that the parameters are far from their mean, and the belief has to be renewed at once (``tick``). One that fails it too
 adds no information; the motion's covariance is scaled up until the NIS is as expected, so that the motion follows the
-readings. After ``PATIENCE`` such ticks on end the next one counts as explained by the parameters, where muscles alone
-are unknown and the jaw is on one point: their uncertainty is linearised here, and an exponential law with uncertain b
-can be many of its sds away.
+readings. While the belief is wide (``WIDE``) the next one after ``PATIENCE`` such ticks on end counts as explained by
+the parameters. Their uncertainty is linearised here, and an exponential law with uncertain b can be many
+of its sds away. So it is where muscles alone are unknown and the jaw is on one point.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from jawenv.kernels.linalg import add_squares, decompose, multiply, subtract_pro
 from jawenv.kernels.records import Array, record_dtype
 from jawenv.mechanics.jaw import Jaw
 
-WIDE = 0.3  # sd of a natural logarithm
+WIDE = 0.5  # sd of a natural logarithm
 PATIENCE = 5  # ticks on end whose readings are refused: an outlier does not last, a false belief does
 GATE = 100.0  # chi-squared of 12 has a chance of 1e-15 to be above
 # What explains an innovation: motion and noise, the parameters' uncertainty as well, or nothing.

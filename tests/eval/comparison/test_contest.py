@@ -11,6 +11,7 @@ from eval.comparison.cost import Cost, cost
 from eval.comparison.results import Results
 from eval.figures.statistics import ratio_over_both
 from eval.kept.entries import Settings
+from eval.kept.tables import made_with
 from jawenv.errors import InputError
 from jawenv.playing.policies.card import card_of
 
@@ -38,7 +39,8 @@ def compared(*without: str) -> Results:
         if "seed" in label:
             add(f"replay of {label}", 0.0, replay_of=label)
             add(f"yoked replay of {label}", 0.1, replay_of=label)
-    return Results(pd.concat(tables), pd.DataFrame(), {"entries": entries, "command": "eval compare", "settings": {}})
+    about = made_with("eval compare", entries=entries, settings={"patients": PATIENTS, "seed": 5000})
+    return Results(pd.concat(tables), pd.DataFrame(), about)
 
 
 def test_seeds_are_one_row_on_a_scale_from_the_admitted_maneuver_to_the_clairvoyant():
@@ -53,7 +55,12 @@ def test_seeds_are_one_row_on_a_scale_from_the_admitted_maneuver_to_the_clairvoy
 
 def test_a_page_has_a_table_for_each_comparison_and_its_command():
     page = markdown({"trismus": compared(), "one_sided": compared()}, lambda about, settings: Cost(384000.0, 0.123))
-    assert page.count("| apg | 2 |") == 2 and "## one_sided" in page and "`eval compare`" in page
+    assert (
+        page.count("| apg | 2 |") == 2
+        and "## one_sided" in page
+        and "`eval compare`, 20" in page
+        and "seeds 5000–5039" in page
+    )
     assert page.count("| 384,000 | 0.12 |") == 8
 
 
@@ -62,7 +69,7 @@ def test_a_cost_has_the_steps_of_the_card_and_a_time():
     steps, spent_ms = cost({"spec": "apg_one_sided"}, settings)
     assert steps == card_of("apg_one_sided")[1].steps and 0.0 < spent_ms < 1000.0
     assert math.isnan(cost({"spec": "refined"}, settings).trained_steps)
-    assert np.isnan(cost({"spec": "a_module:Agent"}, settings)).all()
+    assert np.isnan([cost({"spec": gone}, settings) for gone in ("a_module:Agent", "runs/none")]).all()
 
 
 @pytest.mark.parametrize("without", ["clairvoyant", "refined"])
